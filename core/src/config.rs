@@ -1,4 +1,4 @@
-//! What a machine is made of, in the core's units.
+//! Configuration of a machine, in units of the core.
 
 mod drives;
 mod error;
@@ -34,15 +34,16 @@ use crate::unit::{Fraction, Scale, fraction_to_f64};
 use crate::vocabulary::{self, Setting, Wiring};
 use drives::{check_drive, check_gantry};
 
-/// Increments that an axis may move in one cycle.
+/// Maximum increments that an axis may move in one cycle.
 const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
 
-/// The highest velocity that a cycle of that length can do (inc/s).
+/// Returns the maximum velocity for that cycle time (inc/s).
 pub fn highest_velocity(cycle_ns: u64) -> f64 {
     MOST_PER_CYCLE * 1e9 / cycle_ns as f64
 }
 
-/// The end that a cycle of that length sets to the range of a row (inc/s); none for what is no limit of a velocity.
+/// Returns the upper limit of a parameter row for that cycle time (inc/s); `None` for rows that are no limit of a
+/// velocity.
 pub fn highest_of(row: &Row, cycle_ns: u64) -> Option<f64> {
     row.is_bound_by_cycle().then(|| highest_velocity(cycle_ns))
 }
@@ -65,9 +66,9 @@ pub enum IoKind {
 pub struct IoConfig {
     /// Name.
     pub name: String,
-    /// What it is.
+    /// Kind of the entry.
     pub kind: IoKind,
-    /// Its edges are latched.
+    /// Whether its edges are latched.
     pub latch: bool,
 }
 
@@ -91,9 +92,9 @@ pub enum MemoryKind {
 pub struct MemoryConfig {
     /// Name.
     pub name: String,
-    /// Its type.
+    /// Type of the cell.
     pub kind: MemoryKind,
-    /// Value at the start.
+    /// Initial value.
     pub initial: f64,
 }
 
@@ -102,11 +103,11 @@ pub struct MemoryConfig {
 pub struct EncoderConfig {
     /// Name.
     pub name: String,
-    /// What its words are.
+    /// Form of its process data.
     pub form: Form,
-    /// Supervision of its pulses by its index.
+    /// Supervision of its pulses by the index pulse.
     pub check: Option<PulseCheck>,
-    /// Increments to units.
+    /// Conversion of increments to units.
     pub scale: Scale,
 }
 
@@ -115,44 +116,44 @@ pub struct EncoderConfig {
 pub struct AxisConfig {
     /// Name.
     pub name: String,
-    /// Increments to units.
+    /// Conversion of increments to units.
     pub scale: Scale,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
-    /// What its drive offers, as its backend says; none for a virtual axis.
+    /// Capabilities of its drive, as reported by the backend; `None` for a virtual axis.
     pub drive: Option<Capabilities>,
-    /// What its second drive offers; none where it has one drive alone.
+    /// Capabilities of its second drive; `None` for an axis with one drive.
     pub second: Option<Capabilities>,
-    /// How its drive is commanded.
+    /// Command interface of its drive.
     pub interface: Interface,
-    /// How its position loop is closed, where it is closed here.
+    /// Control law of the position loop, if it is closed in this program.
     pub law: Law,
-    /// Cycles without new data from its drive that are waited for.
+    /// Tolerated number of cycles without new data from its drive.
     pub missed_cycles: u32,
-    /// How long its drive may take to switch on: to reach operation enabled and to show its mode (ns).
+    /// Maximum time for its drive to reach operation enabled and report its mode of operation (ns).
     pub enable_timeout_ns: u64,
-    /// Number of the mode (6060h) that commands the drive in the place of the cyclic mode of its interface; none: that mode.
+    /// Mode of operation (6060h) that replaces the cyclic mode of its interface; `None`: the cyclic mode.
     pub drive_mode: Option<i8>,
-    /// What its vocabularies are wired to.
+    /// Connections of its vocabularies.
     pub vocabularies: Wiring,
     /// Outputs of an open-loop axis.
     pub open_loop: SpeedOutputs,
-    /// How its drive is wired, where that hangs on no bus.
+    /// Wiring of a drive without a bus.
     pub analog: Option<AnalogWiring>,
-    /// Where its position comes from.
+    /// Source of its position.
     pub wired: Wired,
-    /// Brake that it closes and opens.
+    /// Brake that the axis controls.
     pub brake: Option<BrakeConfig>,
-    /// Place of its pitch error in `tables`.
+    /// Index of its pitch error table in `tables`.
     pub pitch_error: Option<u16>,
-    /// Parameters as the cell gives them: layer Init.
+    /// Parameters of the cell: layer Init.
     pub parameters: AxisParameters,
-    /// Layer User at the start, where something was saved.
+    /// Layer User at the start, if parameters were saved.
     pub saved: Option<AxisParameters>,
 }
 
 impl AxisConfig {
-    /// An axis in closed loop, wired to nothing else.
+    /// Returns an axis in closed loop without further connections.
     pub fn new(name: String, scale: Scale, drive: Option<Capabilities>, parameters: AxisParameters) -> Self {
         Self {
             name,
@@ -176,27 +177,27 @@ impl AxisConfig {
         }
     }
 
-    /// Outputs that it switches by itself, by their places in section `io`.
+    /// Returns the outputs that the axis controls directly, by their indices in section `io`.
     fn own_outputs(&self) -> [Option<u16>; 7] {
         let SpeedOutputs { forward, backward, output, dac } = self.open_loop;
         let (reference, enable) = self.analog.map(|analog| (analog.reference, analog.enable)).unzip();
         [forward, backward, output, dac, self.brake.map(|brake| brake.output), reference, enable]
     }
 
-    /// Can a table be its pitch error?
+    /// Checks whether a table can be the pitch error of the axis.
     ///
     /// # Errors
-    /// What keeps it from being one.
+    /// The problem of the table.
     pub fn check_pitch_error(&self, table: &Table) -> Result<(), PitchError> {
         table.check_pitch(self.modulo.map(Modulo::length))
     }
 
-    /// In force at the start.
+    /// Returns the parameters that are active at the start.
     pub fn power_on(&self) -> AxisParameters {
         self.saved.unwrap_or(self.parameters)
     }
 
-    /// Increments per axis unit, rounded to f64.
+    /// Returns the increments per axis unit, rounded to f64.
     pub fn increments_per_unit(&self) -> f64 {
         let one = self.scale.unit().times(Fraction::from_integer(1));
         one.and_then(|one| self.scale.exact(&one)).map_or(1.0, |exact| fraction_to_f64(&exact))
@@ -204,71 +205,71 @@ impl AxisConfig {
 }
 
 impl Applies {
-    /// Has that axis it?
+    /// Returns true if it applies to that axis.
     pub fn to(self, axis: &AxisConfig) -> bool {
         self.to_interface(axis.drive.map(|_| axis.interface), axis.law, axis.second.is_some())
     }
 }
 
-/// A time for which a digital input must have a level before it counts.
+/// Time for which a digital input must keep a level before it is accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilterConfig {
-    /// The input, by its place among the digital inputs.
+    /// Index among the digital inputs.
     pub input: usize,
-    /// (ns)
+    /// Filter time (ns).
     pub time_ns: u64,
 }
 
-/// A digital input without a terminal: it reads an output of the machine as the cycle before has left it.
+/// A digital input without a terminal: it reads an output of the machine, as the previous cycle left it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VirtualInput {
-    /// The input, by its place among the digital inputs.
+    /// Index among the digital inputs.
     pub input: usize,
-    /// The output, by its place in section `io`.
+    /// Index of the output in section `io`.
     pub output: u16,
 }
 
-/// Full scale of an analog input or output; 10 V of one without an entry.
+/// Full scale of an analog input or output; 10 V without an entry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FullScale {
-    /// The input or output, by its place in section `io`.
+    /// Index of the input or output in section `io`.
     pub entry: u16,
-    /// (V), above 0; its range is that to either side.
+    /// Full scale (V), above 0, in both directions.
     pub volts: f64,
 }
 
-/// What is not of an axis.
+/// Configuration that belongs to no axis.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct GlobalConfig {
-    /// Parameters as the cell gives them: layer Init.
+    /// Parameters of the cell: layer Init.
     pub parameters: MachineParameters,
-    /// Layer User at the start, where something was saved.
+    /// Layer User at the start, if parameters were saved.
     pub saved: Option<MachineParameters>,
-    /// Digital inputs that are filtered.
+    /// Filtered digital inputs.
     pub filters: Vec<FilterConfig>,
     /// Digital inputs that read an output.
     pub virtual_inputs: Vec<VirtualInput>,
-    /// Full scales that the cell gives.
+    /// Full scales of the cell.
     pub full_scales: Vec<FullScale>,
-    /// Entries of section `encoders`, and axes for the encoders of their drives, that give no index pulses.
+    /// Entries of section `encoders`, and axes for the encoders of their drives, without index pulses.
     pub without_index: Vec<Object>,
-    /// Axes whose drives show no digital inputs (60FDh): switches at the drive are not read.
+    /// Axes whose drives report no digital inputs (60FDh): switches at these drives are not read.
     pub without_inputs: Vec<Object>,
-    /// Places of the tables that the cell says to be cams (key `cam`): numbers that are no cam are refused.
+    /// Indices of the tables that the cell declares as cams (key `cam`): numbers that form no cam are rejected.
     pub cams: Vec<u16>,
 }
 
 impl GlobalConfig {
-    /// In force at the start.
+    /// Returns the parameters that are active at the start.
     pub fn power_on(&self) -> MachineParameters {
         self.saved.unwrap_or(self.parameters)
     }
 }
 
-/// A machine.
+/// Configuration of a machine.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct MachineConfig {
-    /// Length of a cycle (ns), 125 000 to 20 000 000.
+    /// Cycle time (ns), 125 000 to 20 000 000.
     pub cycle_ns: u64,
     /// Inputs and outputs.
     pub io: Vec<IoConfig>,
@@ -278,25 +279,25 @@ pub struct MachineConfig {
     pub encoders: Vec<EncoderConfig>,
     /// Tables.
     pub tables: Vec<TableConfig>,
-    /// Programs of the user.
+    /// User programs.
     pub programs: Vec<ProgramConfig>,
-    /// Function slots, by their numbers.
+    /// Function slots, ordered by number.
     pub slots: Vec<SlotConfig>,
-    /// Masters of several.
+    /// Masters that combine several leaders.
     pub masters: Vec<SumConfig>,
     /// Axes.
     pub axes: Vec<AxisConfig>,
-    /// Contacts that must be closed, by their places among the digital inputs.
+    /// Contacts that must be closed, by their indices among the digital inputs.
     pub safety: Safety,
-    /// The machine itself.
+    /// Configuration that belongs to no axis.
     pub global: GlobalConfig,
 }
 
 impl MachineConfig {
-    /// Checks what holds for any machine.
+    /// Checks the rules that apply to every machine.
     ///
     /// # Errors
-    /// The first thing that does not.
+    /// The first violation.
     pub fn check(&self) -> Result<(), ConfigError> {
         if !(125_000..=20_000_000).contains(&self.cycle_ns) {
             return Err(ConfigError::Cycle(self.cycle_ns));
@@ -370,7 +371,7 @@ impl MachineConfig {
         self.check_masters()
     }
 
-    /// Tells the parameters of each axis which of its sources are absolute.
+    /// Sets in the parameters of each axis which of its sources are absolute.
     pub(crate) fn tell_sources(&mut self) {
         for axis in &mut self.axes {
             let entry = |place| self.encoders.get(usize::from(place)).map(|encoder: &EncoderConfig| encoder.form);
@@ -380,7 +381,7 @@ impl MachineConfig {
         }
     }
 
-    /// Contacts of section safety, and inputs that read an output.
+    /// Checks the contacts of section safety, and the inputs that read an output.
     fn check_inputs(&self) -> Result<(), ConfigError> {
         let count = self.count_io(IoKind::DigitalInput);
         for &VirtualInput { input, output } in &self.global.virtual_inputs {
@@ -401,19 +402,19 @@ impl MachineConfig {
         Ok(())
     }
 
-    /// Does a digital input, by its place among them, read an output?
+    /// Returns true if a digital input, by its index, reads an output.
     pub fn is_virtual_input(&self, place: usize) -> bool {
         self.global.virtual_inputs.iter().any(|read| read.input == place)
     }
 
-    /// What the vocabularies of an axis have to know of it.
+    /// Returns the properties of an axis that its vocabularies need.
     pub fn setting(&self, axis: &AxisConfig) -> Setting {
         let unit = axis.increments_per_unit();
         let is_virtual = axis.drive.is_none();
         Setting { modulo: axis.modulo, unit, cycle_ns: self.cycle_ns, wiring: axis.vocabularies, is_virtual }
     }
 
-    /// Is the table of an axis one of pitch errors, and has it a drive that is led to positions?
+    /// Checks that the table of an axis holds pitch errors, and that its drive has a position loop for them.
     fn check_pitch_error(&self, axis: &AxisConfig) -> Result<(), ConfigError> {
         let Some(place) = axis.pitch_error else { return Ok(()) };
         let refuse = |problem| Err(ConfigError::Pitch { axis: axis.name.clone(), problem });
@@ -424,7 +425,7 @@ impl MachineConfig {
         axis.check_pitch_error(&table.table).or_else(|error| refuse(PitchProblem::Points(error)))
     }
 
-    /// Is there each input and output that parameters name by number?
+    /// Checks that every input and output exists that parameters name by number.
     fn check_numbers(&self) -> Result<(), ConfigError> {
         let counts = IoCounts::of(self);
         for parameters in [Some(self.global.parameters), self.global.saved].into_iter().flatten() {
@@ -443,7 +444,7 @@ impl MachineConfig {
         Ok(())
     }
 
-    /// The name of an object.
+    /// Returns the name of an object.
     pub fn name(&self, object: Object) -> &str {
         let name = match object {
             Object::Machine => None,
@@ -458,24 +459,25 @@ impl MachineConfig {
         name.map_or("machine", String::as_str)
     }
 
-    /// How many entries of `io` are of a kind.
+    /// Returns the number of entries of `io` of that kind.
     pub fn count_io(&self, kind: IoKind) -> usize {
         self.io.iter().filter(|entry| entry.kind == kind).count()
     }
 
-    /// The entries of `io` that are digital inputs: input n of parameters such as i_refswitch is the n-th of them, from 1.
+    /// Returns the entries of `io` that are digital inputs: input n of parameters such as i_refswitch is the n-th of
+    /// them, from 1.
     pub fn digital_inputs(&self) -> impl Iterator<Item = u16> {
         let is_input = |(_, entry): &(u16, &IoConfig)| entry.kind == IoKind::DigitalInput;
         (0_u16..).zip(&self.io).filter(is_input).map(|(place, _)| place)
     }
 
-    /// Place of an entry of `io` among those of its kind: its bit or its place in the arrays of a backend.
+    /// Returns the index of an entry of `io` among those of its kind: its bit or its index in the arrays of a backend.
     pub fn io_place(&self, index: usize) -> usize {
         let kind = self.io.get(index).map(|entry| entry.kind);
         self.io[..index.min(self.io.len())].iter().filter(|entry| Some(entry.kind) == kind).count()
     }
 
-    /// The axes whose homing looks for a switch without an end to that: neither a longest time, nor a longest way or one that could tell it.
+    /// Returns the axes whose homing searches for a switch without any limit of time or distance.
     pub fn endless_searches(&self) -> impl Iterator<Item = &AxisConfig> {
         self.axes.iter().filter(|axis| {
             let p = &axis.parameters;
@@ -484,7 +486,7 @@ impl MachineConfig {
         })
     }
 
-    /// The setups of the axes, in file order.
+    /// Returns the setups of the axes, in file order.
     pub(crate) fn setups(&self) -> Vec<AxisSetup> {
         let mut drives = 0..;
         let drive_count = self.count_driven() as u32;

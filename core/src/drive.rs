@@ -1,4 +1,4 @@
-//! The backend contract: what enters and leaves a cycle, and who exchanges it (contract section 8).
+//! Interface of backends: inputs and outputs of a cycle, and their exchange (contract section 8).
 
 mod analog;
 mod backend;
@@ -20,23 +20,23 @@ use serde::{Deserialize, Serialize};
 pub use service::{Health, Note, Service, ServiceError};
 pub use switching::{SpeedOutputs, Switching};
 
-/// Most latches of one cycle; what comes beyond is counted in [`Inputs::latches_lost`].
+/// Maximum latches per cycle; further ones are counted in [`Inputs::latches_lost`].
 pub const MAX_LATCHES: usize = 16;
 
-/// What an encoder reads.
+/// Input of an encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EncoderInput {
     /// Raw counts.
     pub count: i64,
-    /// Grows when the raw coordinate was set anew: that change is no motion.
+    /// Increases when the raw coordinate is set to a new value, which is no motion.
     pub epoch: u32,
-    /// False: the value is not to be used.
+    /// Whether the value may be used.
     pub valid: bool,
     /// Raw counts at the last index pulse of (t_k-1, t_k].
     pub index: Option<i64>,
 }
 
-/// How the bus of a drive does.
+/// State of the bus of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BusState {
     /// The bus transmits.
@@ -44,44 +44,44 @@ pub enum BusState {
     Active = 0,
     /// The bus transmits, with many errors (error passive).
     Passive = 1,
-    /// The bus transmits nothing: switched off by its errors, its cable cut, its adapter pulled.
+    /// The bus does not transmit: bus-off, cable cut, or adapter removed.
     Off = 2,
 }
 
-/// Emergency message of a drive (CiA 301, EMCY), which stands in the inputs of one cycle.
+/// Emergency message of a drive (CiA 301, EMCY); in the inputs of one cycle only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Emergency {
     /// Error code, as in object 603Fh.
     pub code: u16,
     /// Error register (1001h).
     pub register: u8,
-    /// What the manufacturer adds.
+    /// Manufacturer-specific data.
     pub data: [u8; 5],
 }
 
 impl Emergency {
-    /// As on the bus.
+    /// Converts the message to its bytes on the bus.
     pub fn to_bytes(self) -> [u8; 8] {
         let ([low, high], [a, b, c, d, e]) = (self.code.to_le_bytes(), self.data);
         [low, high, self.register, a, b, c, d, e]
     }
 
-    /// Reads it from there.
+    /// Converts the message from its bytes on the bus.
     pub fn from_bytes([low, high, register, a, b, c, d, e]: [u8; 8]) -> Self {
         Self { code: u16::from_le_bytes([low, high]), register, data: [a, b, c, d, e] }
     }
 }
 
-/// What a drive tells.
+/// Input of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveInput {
     /// Raw position counts (6064h).
     pub count: i64,
-    /// Grows when the raw coordinate was set anew: that change is no motion.
+    /// Increases when the raw coordinate is set to a new value, which is no motion.
     pub epoch: u32,
-    /// (counts/s)
+    /// Actual velocity (counts/s).
     pub velocity: f64,
-    /// In the drive's unit.
+    /// Actual effort, in the unit of the drive.
     pub effort: f64,
     /// Status word (6041h).
     pub status: u16,
@@ -89,23 +89,23 @@ pub struct DriveInput {
     pub mode: i8,
     /// Error code (603Fh).
     pub fault: u16,
-    /// The drive answers.
+    /// Whether the drive responds.
     pub online: bool,
-    /// The values are of this cycle; else the last ones.
+    /// Whether the values are of this cycle; otherwise they are the last ones.
     pub fresh: bool,
-    /// How its bus does.
+    /// State of its bus.
     pub bus: BusState,
-    /// What it has sent since the last cycle; the newest, where it was more.
+    /// Last emergency message since the previous cycle.
     pub emergency: Option<Emergency>,
-    /// Digital inputs (60FDh): bits 0 to 2 are the switches of the travel, see [`inputs`].
+    /// Digital inputs (60FDh): bits 0 to 2 are the limit switches and the reference switch, see [`inputs`].
     pub inputs: u32,
     /// Raw counts at the last index pulse of (t_k-1, t_k].
     pub index: Option<i64>,
-    /// It was handed a setpoint that it has not acknowledged in time; of drives whose setpoints need that (profile position).
+    /// Whether a setpoint was not acknowledged in time; only for drives whose setpoints need that (profile position).
     pub unacknowledged: bool,
 }
 
-/// Digital inputs of a drive (CiA 402-2, object 60FDh): 1 where the switch is actuated.
+/// Digital inputs of a drive (CiA 402-2, object 60FDh): 1 if the switch is actuated.
 pub mod inputs {
     /// Limit switch at the lower end of its counts.
     pub const NEGATIVE_LIMIT: u32 = 1;
@@ -115,7 +115,7 @@ pub mod inputs {
     pub const HOME: u32 = 4;
 }
 
-/// Which edge a latch took.
+/// Edge of a latch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edge {
     /// From 0 to 1.
@@ -124,46 +124,46 @@ pub enum Edge {
     Falling,
 }
 
-/// A position or an instant caught between t_k-1 and t_k. At least one of age and position is given.
+/// A position or a time captured between t_k-1 and t_k. At least one of age and position is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Latch {
     /// The input, encoder or axis that latched.
     pub object: Object,
-    /// Which edge.
+    /// Edge of the latch.
     pub edge: Edge,
-    /// How long before t_k (ns), below the cycle's length.
+    /// Time before t_k (ns), below the cycle time.
     pub age_ns: Option<u32>,
     /// Raw counts.
     pub position: Option<i64>,
 }
 
-/// Everything that is sampled at t_k. The arrays are in file order and never change their lengths.
+/// All values sampled at t_k. The arrays are in file order and never change their lengths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Inputs {
-    /// k
+    /// Number k of the cycle.
     pub cycle: u64,
-    /// Cycles that were missed since the last one.
+    /// Missed cycles since the previous one.
     pub missed: u32,
-    /// Digital inputs, 64 to a word, the first one in bit 0.
+    /// Digital inputs, 64 per word, the first one in bit 0.
     pub digital: Vec<u64>,
-    /// (V)
+    /// Analog inputs (V).
     pub analog: Vec<f64>,
     /// Entries of `encoders`.
     pub encoder: Vec<EncoderInput>,
-    /// Axes that have a drive.
+    /// Drives, in the order of their axes.
     pub drive: Vec<DriveInput>,
     /// Latches of (t_k-1, t_k]; at most [`MAX_LATCHES`].
     pub latch: Vec<Latch>,
-    /// Latches that found no room.
+    /// Latches that exceeded the maximum.
     pub latches_lost: u32,
 }
 
-/// A bit of words of 64, the first one in bit 0 of the first word; one that does not exist is 0.
+/// Returns a bit of an array of 64-bit words, the first one in bit 0 of the first word; 0 if it does not exist.
 pub fn bit(words: &[u64], place: usize) -> bool {
     words.get(place / 64).is_some_and(|word| word >> (place % 64) & 1 == 1)
 }
 
-/// Sets such a bit; one that does not exist stays so.
+/// Sets such a bit; has no effect if it does not exist.
 pub fn set_bit(words: &mut [u64], place: usize, on: bool) {
     if let Some(word) = words.get_mut(place / 64) {
         *word = *word & !(1 << (place % 64)) | u64::from(on) << (place % 64);
@@ -171,8 +171,8 @@ pub fn set_bit(words: &mut [u64], place: usize, on: bool) {
 }
 
 impl Inputs {
-    /// A new cycle, before any backend has filled it in: digital inputs are 0, analog ones 0 V; drives and encoders keep their last values,
-    /// and answer to nobody.
+    /// Begins a new cycle, before backends write their inputs: digital inputs are 0, analog ones 0 V; drives and
+    /// encoders keep their last values and are marked as not responding.
     pub fn begin(&mut self, cycle: u64, missed: u32) {
         (self.cycle, self.missed, self.latches_lost) = (cycle, missed, 0);
         self.digital.fill(0);
@@ -187,7 +187,7 @@ impl Inputs {
         self.latch.clear();
     }
 
-    /// Copies all of another one of the same shape; takes no memory then.
+    /// Copies all values of inputs of the same shape, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         (self.cycle, self.missed, self.latches_lost) = (other.cycle, other.missed, other.latches_lost);
         self.digital.clone_from(&other.digital);
@@ -197,17 +197,17 @@ impl Inputs {
         self.latch.clone_from(&other.latch);
     }
 
-    /// A digital input by its number.
+    /// Returns a digital input by its number.
     pub fn digital(&self, index: usize) -> bool {
         bit(&self.digital, index)
     }
 
-    /// Sets a digital input by its number; one that does not exist stays so.
+    /// Sets a digital input by its number; has no effect if it does not exist.
     pub fn set_digital(&mut self, index: usize, on: bool) {
         set_bit(&mut self.digital, index, on);
     }
 
-    /// Adds a latch, or counts it as lost; takes no memory.
+    /// Adds a latch, or counts it as lost; does not allocate.
     pub fn add_latch(&mut self, latch: Latch) {
         if self.latch.len() < MAX_LATCHES.min(self.latch.capacity()) {
             self.latch.push(latch);
@@ -217,23 +217,23 @@ impl Inputs {
     }
 }
 
-/// Homing that a drive runs by itself.
+/// Parameters of homing by the drive itself.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HomingOrder {
     /// Method (6098h).
     pub method: i8,
-    /// Towards the switch (6099h, sub-index 1; counts/s).
+    /// Velocity of the search for the switch (6099h, sub-index 1; counts/s).
     pub search_velocity: f64,
-    /// Towards the zero (6099h, sub-index 2; counts/s).
+    /// Velocity of the search for the zero (6099h, sub-index 2; counts/s).
     pub zero_velocity: f64,
-    /// Of both (609Ah; counts/s^2).
+    /// Acceleration (609Ah; counts/s^2).
     pub acceleration: f64,
 }
 
-/// How a drive is to take what it is asked for: its mode of operation (6060h), with what that needs beside the setpoints.
+/// Mode of operation of a drive (6060h), with the parameters that it needs in addition to the setpoints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Mode {
-    /// None.
+    /// No mode.
     #[default]
     None,
     /// The drive closes the position loop (csp).
@@ -242,16 +242,16 @@ pub enum Mode {
     Velocity,
     /// The drive closes the torque loop (cst).
     Torque,
-    /// The drive runs at a speed, and closes nothing (vl).
+    /// The drive runs at a speed, without a closed loop (vl).
     Speed,
     /// The drive homes by itself.
     Homing(HomingOrder),
-    /// The drive closes nothing, and gives its motor a voltage.
+    /// The drive applies a voltage to its motor, without a closed loop.
     Voltage,
 }
 
 impl Mode {
-    /// Its number (6060h).
+    /// Returns its number (6060h).
     pub fn number(self) -> i8 {
         match self {
             Mode::None => 0,
@@ -265,16 +265,16 @@ impl Mode {
     }
 }
 
-/// What a drive is asked for.
+/// Output to a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DriveOutput {
     /// Raw position counts (607Ah).
     pub position: i64,
-    /// (counts/s)
+    /// Velocity (counts/s).
     pub velocity: f64,
-    /// (counts/s^2)
+    /// Acceleration (counts/s^2).
     pub acceleration: f64,
-    /// In the drive's unit.
+    /// Effort, in the unit of the drive.
     pub effort: f64,
     /// Control word (6040h).
     pub control: u16,
@@ -282,36 +282,36 @@ pub struct DriveOutput {
     pub mode: Mode,
 }
 
-/// Everything that a cycle asks for. The arrays are in file order and never change their lengths.
+/// All outputs of a cycle. The arrays are in file order and never change their lengths.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outputs {
-    /// Digital outputs, 64 to a word, the first one in bit 0.
+    /// Digital outputs, 64 per word, the first one in bit 0.
     pub digital: Vec<u64>,
-    /// (V)
+    /// Analog outputs (V).
     pub analog: Vec<f64>,
-    /// Axes that have a drive.
+    /// Drives, in the order of their axes.
     pub drive: Vec<DriveOutput>,
 }
 
 impl Outputs {
-    /// Copies all of another one of the same shape; takes no memory then.
+    /// Copies all values of outputs of the same shape, without allocation.
     pub fn copy_from(&mut self, other: &Self) {
         self.digital.clone_from(&other.digital);
         self.analog.clone_from(&other.analog);
         self.drive.clone_from(&other.drive);
     }
 
-    /// A digital output by its number.
+    /// Returns a digital output by its number.
     pub fn digital(&self, index: usize) -> bool {
         bit(&self.digital, index)
     }
 
-    /// Sets a digital output by its number; one that does not exist stays so.
+    /// Sets a digital output by its number; has no effect if it does not exist.
     pub fn set_digital(&mut self, index: usize, on: bool) {
         set_bit(&mut self.digital, index, on);
     }
 
-    /// Sets an analog output by its number (V); one that does not exist stays so.
+    /// Sets an analog output by its number (V); has no effect if it does not exist.
     pub fn set_analog(&mut self, index: usize, volts: f64) {
         if let Some(value) = self.analog.get_mut(index) {
             *value = volts;
@@ -319,7 +319,7 @@ impl Outputs {
     }
 }
 
-/// How a drive is commanded.
+/// Command interface of a drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interface {
     /// The drive closes the position loop.
@@ -329,27 +329,27 @@ pub enum Interface {
     Velocity,
     /// The drive closes the torque loop.
     Torque,
-    /// Nothing is closed: the drive runs at one of some speeds (WF-OLC-01).
+    /// No loop is closed: the drive runs at one of several speeds (WF-OLC-01).
     OpenLoop,
-    /// The drive closes nothing: it is a power stage that gives its motor a voltage.
+    /// The drive closes no loop: it is a power stage that applies a voltage to its motor.
     Voltage,
 }
 
 impl Interface {
-    /// All of them, as sentences name them.
+    /// All interfaces, in the order of messages.
     pub const ALL: [Self; 5] = [Self::Position, Self::Velocity, Self::Torque, Self::Voltage, Self::OpenLoop];
 
-    /// Are the loops of such a drive closed here, down to an effort: a torque or a voltage?
+    /// Returns true if this program closes the loops of such a drive down to an effort: a torque or a voltage.
     pub fn takes_effort(self) -> bool {
         matches!(self, Self::Torque | Self::Voltage)
     }
 
-    /// Is its position loop closed here?
+    /// Returns true if this program closes the position loop.
     pub fn closes_loop_here(self) -> bool {
         self == Self::Velocity || self.takes_effort()
     }
 
-    /// Its name in a cell.
+    /// Returns its name in a cell.
     pub fn name(self) -> &'static str {
         match self {
             Interface::Position => "position",
@@ -360,7 +360,7 @@ impl Interface {
         }
     }
 
-    /// Mode of operation of such a drive.
+    /// Returns the mode of operation of such a drive.
     pub fn mode(self) -> Mode {
         match self {
             Interface::Position => Mode::Position,
@@ -372,8 +372,8 @@ impl Interface {
     }
 }
 
-/// Returns how many cycles a bit of the control word keeps each level, so that a drive sees its edge: 50 ms, and 5 at least. Some
-/// drives read their control word in every fourth cycle only.
+/// Returns the number of cycles for which a bit of the control word keeps each level, so that a drive detects its edge:
+/// 50 ms, and at least 5 cycles. Some drives read their control word only in every fourth cycle.
 pub fn level_cycles(cycle_ns: u64) -> u64 {
     50_000_000_u64.div_ceil(cycle_ns.max(1)).max(5)
 }

@@ -1,29 +1,29 @@
-//! Events: what happened in a cycle, as numbers; [`text`](crate::text) makes sentences of them outside the cycle.
+//! Events of a cycle, as numbers; [`text`](crate::text) creates messages of them outside the cycle.
 
 use crate::code::Code;
 use crate::object::Object;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// How much it matters.
+/// Severity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
     /// Expected.
     Info = 0,
-    /// Worth a look.
+    /// Unusual.
     Warn = 1,
     /// The machine or an axis failed.
     Error = 2,
 }
 
-/// What kind of event; the names stand in the interface (`lineshaft_msgs/Event.kind`).
+/// Kind of an event; the names are those of the interface (`lineshaft_msgs/Event.kind`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A command was accepted.
     Accepted,
     /// A command was refused; nothing changed.
     Refused,
-    /// A command or goal ended; code 0 when it reached what it wanted.
+    /// A command or goal ended; code 0 if it succeeded.
     Done,
     /// An axis changed its state.
     State,
@@ -31,24 +31,24 @@ pub enum Kind {
     Error,
     /// Errors were reset.
     Reset,
-    /// A latch was taken.
+    /// A latch was captured.
     Latch,
     /// A goal found the mark that it searched for.
     Mark,
     /// A limit was reached or left.
     Limit,
-    /// An axis got its zero.
+    /// An axis was homed.
     Homed,
-    /// Parameters changed, or READ_VALUE has found a value of a function.
+    /// Parameters changed, or READ_VALUE was answered.
     Parameter,
     /// Cycles were missed.
     Overrun,
-    /// Something to know that is no error.
+    /// A notice that is no error.
     Warning,
 }
 
 impl Kind {
-    /// Every kind with its name.
+    /// All kinds with their names.
     pub const ALL: [(Kind, &'static str); 13] = [
         (Kind::Accepted, "accepted"),
         (Kind::Refused, "refused"),
@@ -65,35 +65,35 @@ impl Kind {
         (Kind::Warning, "warning"),
     ];
 
-    /// The name in the interface.
+    /// Returns the name in the interface.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(kind, _)| *kind == self).map_or("", |(_, name)| name)
     }
 }
 
-/// A number with its meaning, for the sentence of an event.
+/// A number with its meaning, for the message of an event.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub enum Number {
-    /// Nothing to say.
+    /// No number.
     #[default]
     None,
-    /// (inc)
+    /// Position (inc).
     Position(i64),
-    /// (inc/s)
+    /// Velocity (inc/s).
     Velocity(f64),
-    /// (inc/s^2)
+    /// Acceleration (inc/s^2).
     Acceleration(f64),
-    /// (inc/s^3)
+    /// Jerk (inc/s^3).
     Jerk(f64),
     /// A plain count, number or choice.
     Count(i64),
-    /// (ns)
+    /// Time (ns).
     Time(i64),
     /// A plain real number.
     Real(f64),
 }
 
-/// NaN, which a request may hold, equals itself here: the same event twice is the same.
+/// NaN, which a request may contain, equals itself here, so that the same event is equal to itself.
 impl PartialEq for Number {
     fn eq(&self, other: &Self) -> bool {
         match (*self, *other) {
@@ -110,58 +110,58 @@ impl PartialEq for Number {
     }
 }
 
-/// The place of a trajectory that an event or a refusal is about.
+/// Place in a trajectory of an event or a refusal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectoryPlace {
-    /// Number of the point, from 0, or of the point at which the segment ends.
+    /// Number of the point, from 0, or of the point at the end of the segment.
     pub point: u32,
-    /// The planned time of that point, from the start of the trajectory (ns).
+    /// Planned time of that point, from the start of the trajectory (ns).
     pub time_ns: u64,
-    /// Factor by which the time of the trajectory is stretched, or would have to be; 1 where time does not matter.
+    /// Factor by which the time of the trajectory is stretched, or would have to be; 1 if the time is irrelevant.
     pub stretch: f64,
-    /// Largest allowed factor.
+    /// Maximum factor.
     pub max_stretch: f64,
 }
 
 /// One event of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// Grows by one per event, without gaps.
+    /// Sequence number, which increases by one per event, without gaps.
     pub sequence: u64,
-    /// The cycle.
+    /// Number of the cycle.
     pub cycle: u64,
-    /// How long before t_k it happened (ns), below the cycle's length.
+    /// Time of the event before t_k (ns), below the cycle time.
     pub age_ns: u32,
-    /// How much it matters.
+    /// Severity.
     pub severity: Severity,
-    /// What kind.
+    /// Kind.
     pub kind: Kind,
-    /// Which object it is about.
+    /// Object of the event.
     pub source: Object,
-    /// Which code; [`Code::NONE`] where nothing is wrong.
+    /// Code; [`Code::NONE`] without an error.
     pub code: Code,
-    /// Sequence number of the command that this answers or ends; 0 for none.
+    /// Sequence number of the command that this answers or ends; 0: none.
     pub command: u64,
-    /// A position that belongs to it (latched, reached).
+    /// Position of the event (latched, reached).
     pub position: Position,
-    /// Catalogue row that this is about.
+    /// Index of the parameter row of the event.
     pub parameter: Option<u16>,
-    /// What was asked or found.
+    /// Requested or found value.
     pub asked: Number,
-    /// What is allowed.
+    /// Allowed value.
     pub limit: Number,
-    /// Where in a trajectory.
+    /// Place in a trajectory.
     pub place: Option<TrajectoryPlace>,
 }
 
 impl Event {
-    /// The end of a command: good news without a code, a warning with one.
+    /// Creates the end of a command: an info without a code, a warning with one.
     pub fn done(source: Object, sequence: u64, code: Code, position: Position) -> Self {
         let severity = if code.is_none() { Severity::Info } else { Severity::Warn };
         Self { position, ..Self::new(severity, Kind::Done, source, code).of_command(sequence) }
     }
 
-    /// An event without numbers; the queue fills in sequence and cycle.
+    /// Creates an event without numbers; the queue sets sequence and cycle.
     pub fn new(severity: Severity, kind: Kind, source: Object, code: Code) -> Self {
         Self {
             sequence: 0,
@@ -180,58 +180,58 @@ impl Event {
         }
     }
 
-    /// The same, about a command.
+    /// Returns the event with the sequence number of a command.
     pub fn of_command(self, sequence: u64) -> Self {
         Self { command: sequence, ..self }
     }
 
-    /// The same, with numbers for the sentence.
+    /// Returns the event with numbers for its message.
     pub fn with(self, asked: Number, limit: Number) -> Self {
         Self { asked, limit, ..self }
     }
 }
 
-/// Why a command is refused: a code, the object and the numbers that its sentence needs.
+/// Reason for the refusal of a command: a code, the object and the numbers of the message.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refusal {
-    /// Why.
+    /// Error code.
     pub code: Code,
-    /// About which object.
+    /// Object of the refusal.
     pub object: Object,
-    /// Catalogue row that this is about.
+    /// Index of the parameter row of the refusal.
     pub parameter: Option<u16>,
-    /// What was asked.
+    /// Requested value.
     pub asked: Number,
-    /// What is allowed.
+    /// Allowed value.
     pub limit: Number,
-    /// Where in a trajectory.
+    /// Place in a trajectory.
     pub place: Option<TrajectoryPlace>,
 }
 
 impl Refusal {
-    /// A refusal that needs no numbers.
+    /// Creates a refusal without numbers.
     pub fn new(code: Code, object: Object) -> Self {
         Self { code, object, parameter: None, asked: Number::None, limit: Number::None, place: None }
     }
 
-    /// The same with numbers.
+    /// Returns the refusal with numbers.
     pub fn with(self, asked: Number, limit: Number) -> Self {
         Self { asked, limit, ..self }
     }
 
-    /// The same with the stretch of a trajectory that it is about.
+    /// Returns the refusal with the stretch of its trajectory.
     pub fn with_stretch(self, stretch: f64) -> Self {
         Self { place: self.place.map(|place| TrajectoryPlace { stretch, ..place }), ..self }
     }
 
-    /// The event that answers command `sequence`.
+    /// Returns the event that answers command `sequence`.
     pub fn event(&self, sequence: u64) -> Event {
         let event = Event::new(Severity::Warn, Kind::Refused, self.object, self.code).of_command(sequence);
         Event { parameter: self.parameter, asked: self.asked, limit: self.limit, place: self.place, ..event }
     }
 }
 
-/// The events of one cycle, in room that is taken before the first one.
+/// The events of one cycle, in memory that is allocated before the first one.
 #[derive(Clone, Debug)]
 pub struct EventQueue {
     events: Vec<Event>,
@@ -241,7 +241,7 @@ pub struct EventQueue {
 }
 
 impl EventQueue {
-    /// Room for `capacity` events a cycle.
+    /// Creates a queue for `capacity` events per cycle.
     pub fn new(capacity: usize) -> Self {
         Self { events: Vec::with_capacity(capacity.max(2)), next: 0, cycle: 0, lost: 0 }
     }
@@ -254,9 +254,9 @@ impl EventQueue {
         self.lost = 0;
     }
 
-    /// Adds an event. When there is no room, the last event tells how many were lost.
+    /// Adds an event. If there is no room, the last event contains the number of lost events.
     pub fn push(&mut self, event: Event) {
-        // One place is kept for the notice.
+        // One place is reserved for the notice.
         if self.events.len() + 1 < self.events.capacity() {
             self.events.push(Event { sequence: self.next, cycle: self.cycle, ..event });
             self.next = self.next.wrapping_add(1);
@@ -273,7 +273,7 @@ impl EventQueue {
         }
     }
 
-    /// The last event of this cycle gives way to another one, if it is `outdated`; else that comes behind it.
+    /// Replaces the last event of this cycle if it is `outdated`; otherwise adds the event.
     pub fn push_over(&mut self, event: Event, outdated: impl Fn(&Event) -> bool) {
         match self.events.last_mut().filter(|last| outdated(last)) {
             Some(last) => *last = Event { sequence: last.sequence, cycle: last.cycle, ..event },
@@ -281,12 +281,12 @@ impl EventQueue {
         }
     }
 
-    /// The number of the next event.
+    /// Returns the number of the next event.
     pub fn next(&self) -> u64 {
         self.next
     }
 
-    /// The events of this cycle.
+    /// Returns the events of this cycle.
     pub fn as_slice(&self) -> &[Event] {
         &self.events
     }

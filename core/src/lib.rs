@@ -1,9 +1,9 @@
 //! The motion core of Lineshaft: one deterministic cycle of encoders, axes and signals.
 //!
-//! The core knows no ROS, no CAN, no file, no thread and no wall time: [`machine::Machine::cycle`] takes the inputs and commands of a
-//! cycle and gives its outputs; nothing else changes it. Config, commands by cycle and inputs by cycle determine every
-//! output bit. In the cycle nothing is allocated, locked or waited for, and integer arithmetic saturates, wraps or is
-//! checked by intent.
+//! The core uses no ROS, CAN, files, threads or wall time. [`machine::Machine::cycle`] takes the inputs and commands of
+//! a cycle and returns its outputs; nothing else changes the machine. The config and the commands and inputs of each
+//! cycle determine every output bit. A cycle does not allocate, lock or wait. Integer arithmetic explicitly saturates,
+//! wraps or is checked.
 //!
 //! # Example
 //!

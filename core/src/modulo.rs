@@ -1,19 +1,19 @@
-//! The turn of a rotary axis. Its length is an exact fraction, so it need not be whole increments and never drifts.
+//! Turn of a rotary axis. Its length is an exact fraction, so it need not be whole increments and never drifts.
 
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Which way an absolute move on a modulo axis goes.
+/// Direction of an absolute move on a modulo axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Direction {
-    /// The nearer way; up when both are equal.
+    /// The shorter distance; positive if both are equal.
     #[default]
     Shortest,
-    /// Up only.
+    /// Positive direction only.
     Positive,
-    /// Down only.
+    /// Negative direction only.
     Negative,
-    /// As the axis moves now, or moved last; the nearer way when it never moved.
+    /// The present or last direction of motion; the shorter distance if the axis never moved.
     Current,
 }
 
@@ -25,35 +25,35 @@ pub struct Modulo {
 }
 
 impl Modulo {
-    /// A turn of numerator / denominator increments; none unless 0 < denominator < 2^31, numerator < 2^61 and the turn is
-    /// one increment or more.
+    /// Creates a turn of numerator / denominator increments; `None` unless 0 < denominator < 2^31, numerator < 2^61 and
+    /// the turn is one increment or more.
     pub fn new(numerator: i64, denominator: i64) -> Option<Self> {
         let legal = (1..1 << 31).contains(&denominator) && (denominator..1 << 61).contains(&numerator);
         legal.then_some(Self { numerator, denominator })
     }
 
-    /// Could it have come about? One that was read from outside may hold anything.
+    /// Returns true if a restored turn is valid.
     pub fn is_sound(self) -> bool {
         Self::new(self.numerator, self.denominator) == Some(self)
     }
 
-    /// Its length (inc), rounded up.
+    /// Returns its length (inc), rounded up.
     pub(crate) fn length(self) -> i64 {
         let whole = self.numerator / self.denominator;
         if self.numerator % self.denominator == 0 { whole } else { whole.saturating_add(1) }
     }
 
-    /// Denominator of its length in increments.
+    /// Returns the denominator of its length in increments.
     pub(crate) fn denominator(self) -> i128 {
         i128::from(self.denominator)
     }
 
-    /// A turn in units of 2^-32 inc / denominator.
+    /// Returns a turn in units of 2^-32 inc / denominator.
     pub(crate) fn turn(self) -> i128 {
         i128::from(self.numerator) << 32
     }
 
-    /// Whole turns, and the position within the turn.
+    /// Returns whole turns, and the position within the turn.
     pub fn split(self, position: Position) -> (i64, Position) {
         let denominator = i128::from(self.denominator);
         let scaled = raw(position) * denominator;
@@ -61,8 +61,9 @@ impl Modulo {
         (turns as i64, Position::from_raw(within.div_euclid(denominator)))
     }
 
-    /// Returns true if a place lies between two others, both included, on the way up from the first one within the turn; everywhere does where they
-    /// are a turn apart or more. To 2^-32 inc: places within a turn may lie half of one beside it.
+    /// Returns true if a position is between two others, both included, in positive direction from the first one within
+    /// the turn; always true if they are a turn apart or more. Accurate to 2^-32 inc: a position within a turn may
+    /// differ from its exact value by half of that.
     pub fn is_between(self, first: Position, last: Position, place: Position) -> bool {
         let denominator = i128::from(self.denominator);
         let up = |to: Position| raw(to) * denominator - raw(first) * denominator;
@@ -71,18 +72,19 @@ impl Modulo {
         way <= width.saturating_add(denominator) || way + denominator >= self.turn()
     }
 
-    /// The place that shows as `wanted` within its turn and that `now` has come to or passed last, with its last change.
+    /// Returns the position that is shown as `wanted` within its turn and that `now` has last reached or passed, with
+    /// its last change.
     pub fn last_passed(self, wanted: Position, now: Position, change: Position) -> Position {
         let direction = if change < Position::ZERO { Direction::Positive } else { Direction::Negative };
         self.target(wanted, now, now, direction, 0.0)
     }
 
-    /// The target nearest to `now` in the given direction that shows as `wanted` within its turn, to 2^-32 inc. `stop`
-    /// is where the axis would come to rest: no direction asks it to turn back from there. Of two ways that are equally
-    /// short the one up is taken.
+    /// Returns the target nearest to `now` in the given direction that is shown as `wanted` within its turn, to 2^-32
+    /// inc. `stop` is the position at which the axis would come to rest: no direction requires a reversal from there.
+    /// If both distances are equal, the positive one is used.
     ///
-    /// A place within a turn may be no multiple of 2^-32 inc, so that `wanted` and `now` may each lie half of one
-    /// beside it: what they differ by no more than that is the same place, or half a turn.
+    /// A position within a turn may be no multiple of 2^-32 inc, so that `wanted` and `now` may each differ from their
+    /// exact values by half of that. Within this difference they count as the same position, or as half a turn apart.
     pub fn target(self, wanted: Position, now: Position, stop: Position, direction: Direction, last: f64) -> Position {
         let denominator = i128::from(self.denominator);
         let rounding = denominator;
@@ -110,7 +112,7 @@ impl Modulo {
     }
 }
 
-/// A position in units of 2^-32 inc, no further away than 2^63 inc: times a denominator below 2^31 it stays below 2^127.
+/// Returns a position in units of 2^-32 inc, limited to 2^63 inc: times a denominator below 2^31 it stays below 2^127.
 fn raw(position: Position) -> i128 {
     position.raw().clamp(-(1 << 95), 1 << 95)
 }
@@ -125,21 +127,21 @@ mod tests {
         Modulo::new(36_000, 1).unwrap().target(Position::whole(wanted), now, now, direction, last).nearest()
     }
 
-    /// 2^-32 inc nearest to numerator / denominator, as a length of the border is.
+    /// Returns the multiple of 2^-32 inc nearest to numerator / denominator, as requests are converted.
     fn part(numerator: i64, denominator: i64) -> Position {
         let scaled = i128::from(numerator) << 33;
         let twice = i128::from(denominator) * 2;
         Position::from_raw((scaled + i128::from(denominator)).div_euclid(twice))
     }
 
-    /// 333 1/3 inc, 1001 inc, 100 1/7 inc: half of it is no whole increment, of most no multiple of 2^-32 either.
-    /// Exactly half a turn goes up from wherever it is asked, and an increment more or less does not.
+    /// 333 1/3 inc, 1001 inc, 100 1/7 inc: half of it is no whole increment, and mostly no multiple of 2^-32 either.
+    /// Exactly half a turn is positive from any position, and an increment more or less is not.
     #[test]
     fn half_a_turn_that_is_no_whole_increment_goes_up() {
         for (numerator, denominator) in [(1_000, 3), (1_001, 1), (701, 7), (36_000, 1), (1_001, 4)] {
             let modulo = Modulo::new(numerator, denominator).unwrap();
             for turns in [0, 1, 2, 5, -1, -4, 1_000_003, -999_998] {
-                // n turns and n turns and a half, and between.
+                // n turns, n turns and a half, and positions between.
                 for twelfth in 0..12 {
                     let now = part((turns * 12 + twelfth) * numerator, denominator * 12);
                     let wanted = part((twelfth + 6) * numerator, denominator * 12);
@@ -157,8 +159,8 @@ mod tests {
         }
     }
 
-    /// Whoever stands on a place as well as positions can say it, is there: no direction makes a turn of what rounding
-    /// left out.
+    /// An axis at a position, as accurately as positions can represent it, has reached it: no direction causes a turn
+    /// for the rounding error.
     #[test]
     fn a_place_within_rounding_is_no_turn_away() {
         use Direction::*;

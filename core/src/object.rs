@@ -1,11 +1,11 @@
-//! Which thing of a cell is meant: handles that stay the same as long as the cell does.
+//! Handles of the objects of a cell; they are fixed by the cell.
 
 use serde::{Deserialize, Serialize};
 
-/// Largest number of axes of one machine.
+/// Maximum number of axes of one machine.
 pub const MAX_AXES: usize = 512;
 
-/// An object of a cell by its place in its section, in file order.
+/// An object of a cell by its index in its section, in file order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Object {
     /// The machine as a whole.
@@ -18,7 +18,7 @@ pub enum Object {
     Encoder(u16),
     /// An entry of `axes`.
     Axis(u16),
-    /// An entry of `functions`, by its place among the slots.
+    /// An entry of `functions`, by its index among the slots.
     Function(u16),
     /// An entry of `tables`.
     Table(u16),
@@ -27,10 +27,10 @@ pub enum Object {
 }
 
 impl Object {
-    /// Objects of each section, in the numbers that events hold.
+    /// Number of objects per section, in the numbers of events.
     const SECTION: i64 = 1 << 16;
 
-    /// Returns the number of an input, encoder or axis in an event; other objects have none, -1.
+    /// Returns the number of an input, encoder or axis in an event; -1 for other objects.
     pub(crate) fn to_number(self) -> i64 {
         match self {
             Self::Io(index) => index.into(),
@@ -53,10 +53,10 @@ impl Object {
     }
 }
 
-/// The name of [`Leader::Virtual`]; no object is called `machine`.
+/// Name of [`Leader::Virtual`]; no object has the name `machine`.
 pub const VIRTUAL_MASTER: &str = "machine.vmaster";
 
-/// What an axis can follow.
+/// A leader that an axis can follow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Leader {
     /// The command position of an axis (`line`, `line.command`).
@@ -65,44 +65,44 @@ pub enum Leader {
     AxisActual(u16),
     /// An encoder (`belt`).
     Encoder(u16),
-    /// The simulated master of an axis, which its `mencodertype` 6 asks for.
+    /// The simulated master of an axis, selected by its `mencodertype` 6.
     Simulated(u16),
-    /// The sink of a function (`ratio.sink`), by its place among the slots.
+    /// The sink of a function (`ratio.sink`), by its index among the slots.
     Sink(u16),
-    /// An entry of `masters`: a sum of others.
+    /// An entry of `masters`: a sum of other leaders.
     Sum(u16),
     /// The virtual master of the machine (`machine.vmaster`).
     Virtual,
 }
 
-/// A set of axes, without a heap.
+/// A set of axes, without heap memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct AxisSet([u64; MAX_AXES / 64]);
 
 impl AxisSet {
-    /// No axis.
+    /// The empty set.
     pub const EMPTY: Self = Self([0; MAX_AXES / 64]);
 
-    /// The one axis.
+    /// Returns a set of one axis.
     pub fn one(axis: u16) -> Self {
         let mut set = Self::EMPTY;
         set.insert(axis);
         set
     }
 
-    /// The first `count` axes.
+    /// Returns the first `count` axes.
     pub fn first(count: usize) -> Self {
         (0..count.min(MAX_AXES)).map(|axis| axis as u16).collect()
     }
 
-    /// Adds an axis; one beyond [`MAX_AXES`] is left out, as no machine has it.
+    /// Adds an axis; has no effect beyond [`MAX_AXES`], because no machine has such an axis.
     pub fn insert(&mut self, axis: u16) {
         if let Some(word) = self.0.get_mut(usize::from(axis) / 64) {
             *word |= 1 << (axis % 64);
         }
     }
 
-    /// Takes the first axis out of it.
+    /// Removes and returns the first axis.
     pub fn pop(&mut self) -> Option<u16> {
         let place = self.0.iter().position(|word| *word != 0)?;
         let word = self.0.get_mut(place)?;
@@ -111,12 +111,12 @@ impl AxisSet {
         Some((place * 64) as u16 + bit as u16)
     }
 
-    /// The axes of either.
+    /// Returns the union of both sets.
     pub fn with(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|word| self.word(word) | other.word(word)))
     }
 
-    /// The axes that the other one has not.
+    /// Returns the axes that are not in the other set.
     pub fn without(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|word| self.word(word) & !other.word(word)))
     }
@@ -125,22 +125,22 @@ impl AxisSet {
         self.0.get(place).copied().unwrap_or_default()
     }
 
-    /// Is the axis in the set?
+    /// Returns true if the axis is in the set.
     pub fn contains(&self, axis: u16) -> bool {
         self.0.get(usize::from(axis) / 64).is_some_and(|word| word >> (axis % 64) & 1 == 1)
     }
 
-    /// The axes, ascending.
+    /// Returns the axes in ascending order.
     pub fn iter(&self) -> impl Iterator<Item = u16> + '_ {
         (0..MAX_AXES as u16).filter(|&axis| self.contains(axis))
     }
 
-    /// How many axes.
+    /// Returns the number of axes.
     pub fn len(&self) -> usize {
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// True without any axis.
+    /// Returns true without any axis.
     pub fn is_empty(&self) -> bool {
         self.0 == [0; MAX_AXES / 64]
     }

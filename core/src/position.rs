@@ -10,38 +10,37 @@ use std::ops::{Add, AddAssign, Neg, Sub};
 const FRACTION_BITS: u32 = 32;
 /// One increment in units of 2^-32.
 const ONE: f64 = (1_u64 << FRACTION_BITS) as f64;
-/// Below this a number of units of 2^-32 is rounded in 64 bits.
+/// Limit below which a number of units of 2^-32 is rounded in 64 bits.
 const NARROW: f64 = (1_u64 << 62) as f64;
 
 /// A position or a difference of positions (inc) with a fraction of 2^-32.
 ///
-/// Whole values are what encoders count and what drives are given; the fraction exists where a position is generated or
-/// latched.
+/// Encoders and drives use whole values; positions that are generated or latched have a fraction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Position(i128);
 
 impl Position {
     /// Zero.
     pub const ZERO: Self = Self(0);
-    /// Beyond every legal position: |position| < 2^62 inc.
+    /// Limit of legal positions: |position| < 2^62 inc.
     pub const LIMIT: i64 = 1 << 62;
 
-    /// Whole increments.
+    /// Returns a position of whole increments.
     pub const fn whole(increments: i64) -> Self {
         Self((increments as i128) << FRACTION_BITS)
     }
 
-    /// The value in units of 2^-32 inc.
+    /// Returns the value in units of 2^-32 inc.
     pub const fn raw(self) -> i128 {
         self.0
     }
 
-    /// From units of 2^-32 inc.
+    /// Returns the position of a value in units of 2^-32 inc.
     pub const fn from_raw(raw: i128) -> Self {
         Self(raw)
     }
 
-    /// Nearest multiple of 2^-32 to `increments`; NaN gives 0, infinities saturate.
+    /// Returns the multiple of 2^-32 nearest to `increments`; NaN gives 0, infinities saturate.
     #[inline]
     pub fn from_f64(increments: f64) -> Self {
         // The product is exact (a power of two) unless it overflows to infinity.
@@ -49,7 +48,7 @@ impl Position {
         if raw.abs() >= NARROW {
             return Self::from_far(raw);
         }
-        // In 64 bits the same is a tenth of the work. What is left of the whole part is exact; 0 of NaN.
+        // In 64 bits the conversion takes a tenth of the time. The remainder of the whole part is exact; NaN gives 0.
         let whole = raw as i64;
         let rest = raw - whole as f64;
         Self(i128::from(whole + i64::from(rest >= 0.5) - i64::from(rest <= -0.5)))
@@ -61,10 +60,10 @@ impl Position {
         Self(raw.round() as i128)
     }
 
-    /// The value in increments, rounded to f64.
+    /// Returns the value in increments, rounded to f64.
     #[inline]
     pub fn to_f64(self) -> f64 {
-        // In 64 bits, where it fits, the same is a tenth of the work.
+        // In 64 bits, if it fits, the conversion takes a tenth of the time.
         (if self.0 == i128::from(self.0 as i64) { self.0 as i64 as f64 } else { self.far_to_f64() }) / ONE
     }
 
@@ -73,10 +72,10 @@ impl Position {
         self.0 as f64
     }
 
-    /// Largest whole number of increments that is not above the value; saturates at i64.
+    /// Returns the largest whole number of increments that does not exceed the value; saturates at i64.
     #[inline]
     pub fn floor(self) -> i64 {
-        // What lies beyond i64 shows in the upper half.
+        // A value beyond i64 has a significant upper half.
         let upper = (self.0 >> 64) as i64;
         if upper == i64::from(upper as i32) { (self.0 >> FRACTION_BITS) as i64 } else { self.far_floor() }
     }
@@ -86,31 +85,31 @@ impl Position {
         saturate(self.0 >> FRACTION_BITS)
     }
 
-    /// Smallest whole number of increments that is not below the value; saturates at i64.
+    /// Returns the smallest whole number of increments that is not below the value; saturates at i64.
     pub fn ceil(self) -> i64 {
         (-self).floor().saturating_neg()
     }
 
-    /// Nearest whole number of increments, half away from zero; saturates at i64.
+    /// Returns the nearest whole number of increments, half away from zero; saturates at i64.
     pub fn nearest(self) -> i64 {
         let half = 1_i128 << (FRACTION_BITS - 1);
         let magnitude = self.0.abs().saturating_add(half) >> FRACTION_BITS;
         saturate(if self.0 < 0 { -magnitude } else { magnitude })
     }
 
-    /// What [`floor`](Self::floor) leaves: 0 <= fraction < 1, exact in f64.
+    /// Returns the remainder of [`floor`](Self::floor): 0 <= fraction < 1, exact in f64.
     #[inline]
     pub fn fraction(self) -> f64 {
         f64::from(self.0 as u32) / ONE
     }
 
-    /// What saturates.
+    /// Returns the saturated value.
     #[cold]
     fn end(up: bool) -> Self {
         Self(if up { i128::MAX } else { i128::MIN })
     }
 
-    /// True within |position| < 2^62 inc.
+    /// Returns true if |position| < 2^62 inc.
     pub const fn is_legal(self) -> bool {
         self.0.unsigned_abs() < (Self::LIMIT as u128) << FRACTION_BITS
     }
@@ -158,7 +157,7 @@ impl Neg for Position {
     }
 }
 
-/// A length at the border: nearest whole increments and what the rounding left, so that `rest` is half an increment only
+/// A length in a command: nearest whole increments and the remainder of the rounding. `rest` is half an increment only
 /// towards 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Length {
@@ -169,12 +168,12 @@ pub struct Length {
 }
 
 impl Length {
-    /// A length of whole increments.
+    /// Returns a length of whole increments.
     pub const fn whole(increments: i64) -> Self {
         Self { nearest: increments, rest: Position::ZERO }
     }
 
-    /// The value to 2^-32 inc.
+    /// Returns the value to 2^-32 inc.
     pub fn exact(self) -> Position {
         Position::whole(self.nearest) + self.rest
     }
@@ -228,7 +227,7 @@ mod tests {
             prop_assert_eq!(p, again);
         }
 
-        /// The short way and the long one meet bit for bit, for every f64 and every position.
+        /// The fast and the general conversion are equal bit for bit, for every f64 and every position.
         #[test]
         fn no_number_tells_in_how_many_bits_it_was_converted(
             bits in prop_oneof![any::<u64>(), (-4e9..4e9_f64).prop_map(f64::to_bits)],

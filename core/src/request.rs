@@ -1,7 +1,7 @@
-//! Requests from outside, in names and units, made into commands.
+//! Conversion of requests, in names and units, to commands.
 //!
-//! What is wrong in a request itself (an unknown name, a number that is none) is refused here with a sentence and never
-//! reaches the machine. What limits or states forbid is refused by the machine.
+//! Errors of a request itself (an unknown name, an invalid number) are reported here with a message and never reach the
+//! machine. The machine refuses motion that limits or states do not allow.
 
 mod error;
 mod function;
@@ -40,10 +40,10 @@ pub use crate::unit::{Amount, Units};
 use crate::unit::{Scale, UnitError};
 
 impl Units {
-    /// From the numbers of the interface.
+    /// Converts the numbers of the interface.
     ///
     /// # Errors
-    /// A number that has no meaning.
+    /// A number without a meaning.
     pub fn from_number(number: u8) -> Result<Self, RequestError> {
         match number {
             0 => Ok(Self::Si),
@@ -61,15 +61,15 @@ impl Units {
 /// A positioning goal with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MoveRequest {
-    /// Axis.
+    /// Name of the axis.
     pub axis: String,
     /// 0 absolute, 1 relative, 2 additive, 3 velocity, 4 superimposed.
     pub mode: u8,
-    /// Units of the bare numbers.
+    /// Units of numbers without a unit.
     pub units: Units,
     /// Target or distance.
     pub position: Amount,
-    /// How fast.
+    /// Velocity, acceleration, deceleration and jerk.
     pub rates: Rates,
     /// 0 aborting, 1 buffered, 2 to 5 blending.
     pub buffer_mode: u8,
@@ -80,21 +80,21 @@ pub struct MoveRequest {
 /// A touch probe to position, with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProbeRequest {
-    /// The search as a positioning goal, absolute or relative; its buffer mode and direction are not used.
+    /// The search motion as a positioning goal, absolute or relative; its buffer mode and direction are not used.
     pub search: MoveRequest,
-    /// What latches.
+    /// Name of the latch.
     pub event: String,
     /// 0 rising, 1 falling, 2 both, 3 the index of the axis itself.
     pub edge: u8,
-    /// Where to end, from the latched position.
+    /// End of the motion, relative to the latched position.
     pub distance: Amount,
 }
 
 impl MachineConfig {
-    /// The axis of that name.
+    /// Returns the axis of that name.
     ///
     /// # Errors
-    /// There is none.
+    /// No axis has that name.
     pub fn find_axis(&self, name: &str) -> Result<(u16, &AxisConfig), RequestError> {
         let found = self.axes.iter().enumerate().find(|(_, axis)| axis.name == name);
         found.map(|(index, axis)| (index as u16, axis)).ok_or_else(|| RequestError::UnknownAxis {
@@ -103,7 +103,7 @@ impl MachineConfig {
         })
     }
 
-    /// A set of axes by name; all of them for no name.
+    /// Returns a set of axes by name; all of them for no name.
     ///
     /// # Errors
     /// A name that no axis has.
@@ -114,11 +114,11 @@ impl MachineConfig {
         names.iter().map(|name| self.find_axis(name.as_ref()).map(|(index, _)| index)).collect()
     }
 
-    /// What can lead, by name: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`, a master of several, the virtual
-    /// master.
+    /// Returns a leader by its name: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`,
+    /// a master that combines several leaders, the virtual master.
     ///
     /// # Errors
-    /// Nothing of that name can.
+    /// No leader has that name.
     pub fn find_leader(&self, name: &str) -> Result<Leader, RequestError> {
         let (object, part) = name.split_once('.').unwrap_or((name, "command"));
         let axis = self.find_axis(object).ok().map(|(index, _)| index);
@@ -144,24 +144,24 @@ impl MachineConfig {
         list(axes.chain(encoders).chain(sinks).chain(masters).chain([VIRTUAL_MASTER.to_owned()]))
     }
 
-    /// A positioning goal as a command's content.
+    /// Converts a positioning goal to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
         let resolved = self.resolve_recorded_move(request)?;
         let (_, axis) = self.find_axis(&request.axis)?;
         meaning::check_move(request, &resolved, axis).map(|()| resolved)
     }
 
-    /// As [`MachineConfig::resolve_move`], of what was a command once: older programs took fields without a meaning.
+    /// Converts a recorded goal like [`MachineConfig::resolve_move`]: older programs accepted fields without a meaning.
     ///
     /// # Errors
-    /// Likewise.
+    /// An error in the request itself.
     pub fn resolve_recorded_move(&self, request: &MoveRequest) -> Result<Move, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
         let (units, scale) = (request.units, &axis.scale);
-        // Of several faults the first one is told, in the order of the fields.
+        // The first one of several errors is reported, in the order of the fields.
         let mode = move_mode(request.mode)?;
         let target = request.position.length(units, scale).map_err(|error| bad_value("position", error))?;
         let [velocity, acceleration, deceleration, jerk] = request.rates.resolve(units, scale)?;
@@ -178,10 +178,10 @@ impl MachineConfig {
         })
     }
 
-    /// What latches, by name: an input with `latch: true`, an encoder, an axis with a drive.
+    /// Returns a latch by its name: an input with `latch: true`, an encoder, an axis with a drive.
     ///
     /// # Errors
-    /// Nothing of that name does.
+    /// No latch has that name.
     pub fn find_latch(&self, name: &str) -> Result<Object, RequestError> {
         let found = self.latches().find(|(known, _)| *known == name).map(|(_, object)| object);
         found.ok_or_else(|| RequestError::UnknownLatch {
@@ -199,10 +199,10 @@ impl MachineConfig {
             .chain(axes.map(|(axis, index)| (axis.name.as_str(), Object::Axis(index))))
     }
 
-    /// A touch probe to position as a command's content.
+    /// Converts a touch probe to position to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_probe(&self, request: &ProbeRequest) -> Result<Probe, RequestError> {
         let search =
             self.resolve_recorded_move(&MoveRequest { buffer_mode: 0, direction: 0, ..request.search.clone() })?;
@@ -234,7 +234,7 @@ impl MachineConfig {
         })
     }
 
-    /// The edge of that number, of what latches for an axis.
+    /// Returns the edge of that number, for a latch of an axis.
     fn probe_edge(&self, edge: u8, axis: u16, source: Object) -> Result<ProbeEdge, RequestError> {
         let allowed = match edge {
             0 => return Ok(ProbeEdge::Rising),
@@ -247,14 +247,14 @@ impl MachineConfig {
         Err(RequestError::BadChoice { field: "edge", value: edge.into(), allowed })
     }
 
-    /// A parameter `axis.key` and a value as a change.
+    /// Converts a parameter `axis.key` and a value to a change.
     ///
     /// # Errors
-    /// A name that no parameter has, a value of the wrong type or unit; ranges are checked by the machine.
+    /// A name that no parameter has, a value of the wrong type or unit; the machine checks ranges.
     pub fn resolve_parameter(&self, name: &str, input: &ParameterInput) -> Result<Change, RequestError> {
         let (axis, row, entry, scale) = self.find_parameter(name)?;
         let value = parameter::convert(entry, &scale, input).map_err(|error| match error {
-            // The range of the row says more than that of all rates.
+            // The range of the row is more specific than the common range of all rates.
             ConvertError::Unit(UnitError::RateTooHigh { given, .. }) => RequestError::BadParameter {
                 name: name.to_owned(),
                 value: given.to_string(),
@@ -265,8 +265,8 @@ impl MachineConfig {
         Ok(Change { axis, row, value })
     }
 
-    /// The parameter of that name, `axis.key`: its axis or [`MACHINE`], its row with its place, and the scale of the
-    /// axis.
+    /// Returns the parameter of that name, `axis.key`: its axis or [`MACHINE`], its row with its index, and the scale
+    /// of the axis.
     ///
     /// # Errors
     /// A name that no parameter has.

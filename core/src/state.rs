@@ -1,4 +1,4 @@
-//! The states of an axis, numbered as in the interface.
+//! States of an axis, numbered as in the interface.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,11 +10,11 @@ pub enum AxisState {
     Disabled = 0,
     /// On and at rest.
     Standstill = 1,
-    /// On the way to a position, on a trajectory, or to rest after a halt.
+    /// Moving to a position, on a trajectory, or to rest after a halt.
     DiscreteMotion = 2,
-    /// At or on the way to a velocity: of a goal, a stream or a function slot.
+    /// At a velocity, or accelerating to it: of a goal, a stream or a function slot.
     ContinuousMotion = 3,
-    /// Looking for its zero.
+    /// Homing.
     Homing = 4,
     /// Coupled to a leader, or to the positions of a function slot.
     SynchronizedMotion = 5,
@@ -48,19 +48,19 @@ pub const DRIVE_STATES: &[&str] = &[
     "FAULT",
 ];
 
-/// What homing does, numbered as in the interface (`lineshaft_msgs/HomeAxis`).
+/// Phase of homing, numbered as in the interface (`lineshaft_msgs/HomeAxis`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum HomingPhase {
     /// The axis does not home.
     #[default]
     None = 0,
-    /// To the switch.
+    /// Searching for the switch.
     SearchSwitch = 1,
-    /// Off the switch.
+    /// Leaving the switch.
     LeaveSwitch = 2,
-    /// To the index pulse.
+    /// Searching for the index pulse.
     SearchIndex = 3,
-    /// To the offset.
+    /// Moving to the offset.
     MoveToOffset = 4,
     /// The drive homes by itself.
     InDrive = 5,
@@ -70,10 +70,10 @@ pub enum HomingPhase {
 pub const HOMING_PHASES: &[&str] =
     &["NONE", "SEARCH_SWITCH", "LEAVE_SWITCH", "SEARCH_INDEX", "MOVE_TO_OFFSET", "IN_DRIVE"];
 
-/// Which reference commands an axis: 0 to 7 as AMC-SEL, then our own.
+/// Active reference of an axis: 0 to 7 as in AMC-SEL, further ones are additions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Reference {
-    /// Nothing, or a halt.
+    /// None, or a halt.
     #[default]
     Stop = 0,
     /// An absolute position.
@@ -99,7 +99,7 @@ pub enum Reference {
 }
 
 impl Reference {
-    /// The reference of a number of AMC-SEL; those that do not exist never come here.
+    /// Returns the reference of a number of AMC-SEL; invalid numbers are rejected before.
     pub fn selected(number: i64) -> Self {
         match number {
             1 => Self::PositionAbsolute,

@@ -1,7 +1,7 @@
-//! Tables: numbers that functions and cams read, made outside the cycle and handed over by pointer.
+//! Tables: numbers for functions and cams, created outside the cycle and passed by pointer.
 //!
-//! Law      a table never changes: a new one takes its place as a whole
-//! Refuses  lists of different lengths, words beyond 16 bits, points beyond 32, more numbers than [`MOST`]
+//! Law      a table never changes: a new one replaces it as a whole
+//! Refuses  lists of different lengths, words beyond 16 bits, points beyond 32 bits, more numbers than [`MOST`]
 //! Source   contract section 10, AMK-INIT-09
 
 mod cam;
@@ -15,66 +15,66 @@ pub use shape::{CurveError, Shape};
 use crate::law::Spline;
 use serde::{Deserialize, Serialize};
 
-/// Most points or words of one table.
+/// Maximum points or words of one table.
 pub const MOST: usize = 1_000_000;
 
-/// What the numbers of a table are.
+/// Meaning of the numbers of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Form {
     /// Values at equal distances of the master.
     Y,
-    /// Values, each with its place of the master.
+    /// Values, each with its position of the master.
     Xy,
     /// 16-bit words of a data block, in its order.
     Words,
 }
 
 impl Form {
-    /// Every form with its name.
+    /// All forms with their names.
     pub const ALL: [(Form, &'static str); 3] = [(Form::Y, "y"), (Form::Xy, "xy"), (Form::Words, "words")];
 
-    /// The name in cells and in the interface.
+    /// Returns the name in cells and in the interface.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(form, _)| *form == self).map_or("", |(_, name)| name)
     }
 }
 
-/// Why numbers are no table.
+/// Error of numbers that form no table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
-    /// Nothing in it, or too much.
+    /// No numbers, or too many.
     #[error("a table has {0} numbers; 1 to {MOST} are possible")]
     Count(usize),
-    /// Two lists that do not belong together.
+    /// Two lists of different lengths.
     #[error("a table of form xy has {x} places and {y} values; as many of both are needed")]
     Lengths {
-        /// Places of the master.
+        /// Number of positions of the master.
         x: usize,
-        /// Values.
+        /// Number of values.
         y: usize,
     },
-    /// Places without a use.
+    /// Positions that the form does not use.
     #[error("a table of form {} has {count} places in x; it takes none", form.name())]
     Places {
-        /// Its form.
+        /// Form of the table.
         form: Form,
-        /// How many there are.
+        /// Number of positions.
         count: usize,
     },
-    /// A word that has no place in 16 bits.
+    /// A word beyond 16 bits.
     #[error("word {place} is {value}; -32768 to 65535 is possible")]
     Word {
-        /// Which, from 0.
+        /// Index, from 0.
         place: usize,
         /// Its value.
         value: i64,
     },
-    /// A number of a point that has no place in 32 bits.
+    /// A number of a point beyond 32 bits.
     #[error("{list}[{place}] is {value}; {} to {} is possible", i32::MIN, i32::MAX)]
     Wide {
         /// `x` or `y`.
         list: &'static str,
-        /// Which, from 0.
+        /// Index, from 0.
         place: usize,
         /// Its value.
         value: i64,
@@ -95,12 +95,12 @@ pub struct Table {
     cam: Result<CamShape, CamError>,
     #[serde(skip_serializing)]
     pitch: Result<(), PitchError>,
-    /// Between the points of a cam.
+    /// Spline between the points of a cam.
     #[serde(skip_serializing)]
     spline: Option<Spline>,
 }
 
-/// A table as it is stored: the rest of it is found again.
+/// A table as it is stored; derived values are computed again.
 #[derive(Deserialize)]
 struct Numbers {
     form: Form,
@@ -117,7 +117,8 @@ impl TryFrom<Numbers> for Table {
     }
 }
 
-/// The first place that does not exceed the one before it: its number from 0, and the sentence with which the cell and a request refuse it.
+/// Returns the index, from 0, of the first position that does not exceed the previous one, and the message of the cell
+/// and of requests.
 pub fn falling_place(x: &[i64]) -> Option<(usize, String)> {
     let mut pairs = x.iter().zip(x.iter().skip(1)).zip(1..);
     let ((before, place), number) = pairs.find(|((before, place), _)| before >= place)?;
@@ -125,10 +126,10 @@ pub fn falling_place(x: &[i64]) -> Option<(usize, String)> {
 }
 
 impl Table {
-    /// A table of numbers; `x` is empty but in form xy.
+    /// Creates a table of numbers; `x` is empty except for form xy.
     ///
     /// # Errors
-    /// What makes them none.
+    /// The first problem of the numbers.
     pub fn new(form: Form, x: &[i64], y: &[i64]) -> Result<Self, TableError> {
         if y.is_empty() || y.len() > MOST {
             return Err(TableError::Count(y.len()));
@@ -156,7 +157,7 @@ impl Table {
         Ok(Self { form, x: x.into(), y: y.into(), shape, setting, cam, pitch, spline: None })
     }
 
-    /// The same numbers with what is said of them as a cam.
+    /// Returns the same numbers with their settings as a cam.
     #[must_use]
     pub fn with_cam(mut self, setting: CamSetting) -> Self {
         let (x, y) = (&self.x, &self.y);
@@ -167,75 +168,76 @@ impl Table {
         self
     }
 
-    /// What its numbers are.
+    /// Returns the meaning of its numbers.
     pub fn form(&self) -> Form {
         self.form
     }
 
-    /// Places of the master; empty but in form xy.
+    /// Returns the positions of the master; empty except for form xy.
     pub fn x(&self) -> &[i64] {
         &self.x
     }
 
-    /// Values, or words as they were given.
+    /// Returns the values, or the words as they were given.
     pub fn y(&self) -> &[i64] {
         &self.y
     }
 
-    /// How many values or words it has.
+    /// Returns the number of values or words.
     pub fn len(&self) -> usize {
         self.y.len()
     }
 
-    /// Never: a table has numbers.
+    /// Returns false: a table has numbers.
     pub fn is_empty(&self) -> bool {
         self.y.is_empty()
     }
 
-    /// DW of a data block, unsigned; 0 behind its end.
+    /// Returns DW of a data block, unsigned; 0 after its end.
     #[inline]
     pub fn word(&self, place: usize) -> u16 {
         // Words are within 16 bits: the cast keeps their bits.
         self.y.get(place).map_or(0, |word| *word as u16)
     }
 
-    /// DD of a data block, low word first; 0 behind its end.
+    /// Returns DD of a data block, low word first; 0 after its end.
     #[inline]
     pub fn double(&self, place: usize) -> i32 {
         double(self.word(place).into(), self.word(place.saturating_add(1)).into())
     }
 
-    /// Its points as a curve.
+    /// Returns its points as a curve.
     ///
     /// # Errors
-    /// What keeps it from being one.
+    /// The problem of the points.
     pub fn shape(&self) -> Result<Shape, CurveError> {
         self.shape
     }
 
-    /// What is said of it as a cam.
+    /// Returns its settings as a cam.
     pub fn cam_setting(&self) -> CamSetting {
         self.setting
     }
 
-    /// Its points as a cam.
+    /// Returns its points as a cam.
     ///
     /// # Errors
-    /// What keeps it from being one.
+    /// The problem of the points.
     #[inline]
     pub fn cam(&self) -> Result<CamShape, CamError> {
         self.cam
     }
 
-    /// What is between the points of a cam, where that is no straight line.
+    /// Returns the spline between the points of a cam; `None` for straight lines.
     #[inline]
     pub fn spline(&self) -> Option<&Spline> {
         self.spline.as_ref()
     }
 }
 
-/// The interval that begins at the last point which was passed, of those up to `last`; point 0 counts as passed. It is the one at `near` or beside it
-/// while a master runs; behind a jump it is searched, which costs the same few steps wherever it is.
+/// Returns the interval that begins at the last passed point, of those up to `last`; point 0 counts as passed. While a
+/// master runs it is the one at `near` or next to it; after a jump it is searched, which takes the same few steps for
+/// any interval.
 #[inline]
 pub(crate) fn interval(near: usize, last: usize, passed: impl Fn(usize) -> bool) -> usize {
     let near = near.min(last);
@@ -254,14 +256,14 @@ pub(crate) fn interval(near: usize, last: usize, passed: impl Fn(usize) -> bool)
     low
 }
 
-/// DD of two words, low word first.
+/// Returns the DD of two words, low word first.
 #[inline]
 pub(crate) fn double(low: i64, high: i64) -> i32 {
     // Words are within 16 bits: the casts keep their bits.
     (u32::from(low as u16) | u32::from(high as u16) << 16).cast_signed()
 }
 
-/// Tables that are shared, as serde has them.
+/// Shared tables for serde.
 pub(crate) mod shared {
     use super::Table;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -323,14 +325,15 @@ mod tests {
         assert_eq!(sentence, "a table has 1000001 numbers; 1 to 1000000 are possible");
     }
 
-    /// What is found when it is made is not kept, and found again; what is no table does not come about.
+    /// Derived values are not stored but computed again; numbers that form no table cannot be restored.
     #[test]
     fn a_table_that_was_kept_is_the_same_again() {
         let setting = CamSetting { length: Some(90), interpolation: Interpolation::Quintic, ..CamSetting::default() };
         let table = Table::new(Form::Y, &[], &[0, 40, 10, 0]).unwrap().with_cam(setting);
         let bytes = postcard::to_stdvec(&table).unwrap();
         assert_eq!(postcard::from_bytes::<Table>(&bytes), Ok(table));
-        // A form, no places, four values of a byte each and their number, length, round, interpolation: no coefficients.
+        // A form, no positions, four values of a byte each and their number, length, cyclic flag, interpolation: no
+        // coefficients.
         assert!(bytes.len() < 16, "{} bytes", bytes.len());
         let none = postcard::to_stdvec(&(Form::Y, [0_i64; 0].as_slice(), [0_i64; 0].as_slice(), setting)).unwrap();
         assert!(postcard::from_bytes::<Table>(&none).is_err());

@@ -1,6 +1,6 @@
-//! Sentences of events, made outside the cycle from their numbers.
+//! Messages of events, generated outside the cycle from their numbers.
 //!
-//! Every sentence names the object, what was asked or found, and what is allowed, in the axis' own units.
+//! Every message names the object, the requested or found value, and the allowed one, in the units of the axis.
 
 use crate::axis::{INDEX, STREAM};
 use crate::code::Code;
@@ -22,7 +22,7 @@ pub use trajectory::pair_in_si;
 
 use reason::reason;
 
-/// The sentence of an event.
+/// Returns the message of an event.
 pub fn sentence(event: &Event, config: &MachineConfig) -> String {
     let name = config.name(event.source);
     let text = match event.kind {
@@ -47,7 +47,8 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
     format!("{name}: {text}")
 }
 
-/// A sentence for the log: with the code of its event and the remedy, `x: .. (10205). Check the supply of the drive.`
+/// Returns a message for the log: with the code of its event and the remedy,
+/// `x: .. (10205). Check the supply of the drive.`
 pub fn with_remedy(sentence: &str, code: Code) -> String {
     match code.row() {
         _ if code.is_none() => sentence.to_owned(),
@@ -64,7 +65,7 @@ fn state_name(number: Number) -> &'static str {
 }
 
 fn row(event: &Event) -> Option<&'static Row> {
-    // Of a function it is a field.
+    // For a function it is a field.
     if matches!(event.source, Object::Function(_)) {
         return None;
     }
@@ -84,7 +85,7 @@ fn parameter_value(row: &Row, number: Number, source: Object, config: &MachineCo
     value_text(row, value_of(number), &scale_of(source, config))
 }
 
-/// The number of an event as a parameter's value.
+/// Converts the number of an event to a parameter value.
 fn value_of(number: Number) -> Value {
     match number {
         Number::None => Value::Unset,
@@ -95,7 +96,7 @@ fn value_of(number: Number) -> Value {
     }
 }
 
-/// In whose units the parameters of an object are written.
+/// Returns the scale in which the parameters of an object are written.
 fn scale_of(source: Object, config: &MachineConfig) -> Scale {
     let axis = match source {
         Object::Axis(index) => config.axes.get(usize::from(index)),
@@ -106,7 +107,7 @@ fn scale_of(source: Object, config: &MachineConfig) -> Scale {
 
 fn latched(event: &Event, config: &MachineConfig) -> String {
     let edge = if event.asked == Number::Count(1) { "rising" } else { "falling" };
-    // A touch probe names what latched.
+    // A touch probe names its latch.
     if let Number::Count(source) = event.limit {
         let name = Object::from_number(source).map_or("its trigger", |source| config.name(source));
         let position = number_text(Number::Position(event.position.floor()), event.source, config);
@@ -124,14 +125,14 @@ fn latched(event: &Event, config: &MachineConfig) -> String {
 
 fn marked(event: &Event, config: &MachineConfig) -> String {
     if let (Number::Real(error), Number::Real(correction)) = (event.asked, event.limit) {
-        // To what a drive could do at best.
+        // Three decimals are as fine as any drive can position.
         return format!("marks {error:.3} inc apart, corrected by {correction:.3} inc");
     }
     let position = number_text(Number::Position(event.position.floor()), event.source, config);
     format!("mark at {position}, {} us before the cycle", event.age_ns / 1000)
 }
 
-/// A number in the units of its object.
+/// Returns a number in the units of its object.
 fn number_text(number: Number, source: Object, config: &MachineConfig) -> String {
     let scale = match source {
         Object::Axis(index) => config.axes.get(usize::from(index)).map(|axis| &axis.scale),
@@ -248,7 +249,7 @@ mod tests {
         }
     }
 
-    /// Of values by another name, what was set is told, and what follows from it.
+    /// For a value that is set through another name, the message contains both the given and the resulting value.
     #[test]
     fn what_follows_from_a_value_is_told_with_it() {
         let text = |code, key, asked, limit| {
@@ -274,7 +275,7 @@ mod tests {
             text(Code::PARAMETER_OUT_OF_RANGE, "max_velocity", Number::Velocity(3.0), speed),
             "machine: max_velocity is 3 inc/s; more than 0 up to 2 inc/s is allowed"
         );
-        // Whether the row or the cycle refuses it, the range is one.
+        // The range is the same whether the row or the cycle time limits it.
         let config = MachineConfig { cycle_ns: 1_000_000, ..MachineConfig::default() };
         let event = Event::new(Severity::Warn, Kind::Refused, Object::Machine, Code::PARAMETER_OUT_OF_RANGE);
         let parameter = Row::find("max_velocity").map(|(row, _)| row);

@@ -1,13 +1,13 @@
 //! Exact quantities, units and scales.
 //!
 //! Law      increments = quantity * scale, an exact fraction, rounded once: nearest, half away from zero
-//! Reads    decimal numbers as text or as f64 (by its shortest decimal, so that 0.12 is 12/100 at every door)
+//! Reads    decimal numbers as text or as f64 (by its shortest decimal, so that 0.12 is 12/100 in every interface)
 //! Writes   whole increments with |value| < 2^62; velocities, accelerations and jerks as f64 (inc/s .. inc/s^3)
 //! Refuses  NaN and infinities, numbers beyond 38 digits, unknown units, wrong dimensions, positions beyond 2^62
 //! Source   MACS-UNIT-01 .. 05
 //!
-//! Lengths, times, degrees and revolutions are exact. Radians are not: pi is irrational, so a value in rad takes part
-//! with pi as an f64. Nothing here allocates but texts and errors that carry a text.
+//! Lengths, times, degrees and revolutions are exact. Radians are not: pi is irrational, so values in rad use pi as an
+//! f64. Only texts, and errors with a text, allocate.
 
 mod amount;
 mod axis;

@@ -1,4 +1,4 @@
-//! Messages that are read from topics and from bags: refused, or written again as they were read.
+//! Messages from topics and bags: each is rejected, or written again as it was read.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! Finds and reads the interface files of the package and checks that they fit together.
+//! Finds and reads the interface files of the package, and checks that they are consistent.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::interface::{Element, Interface, Kind};
 use crate::parse::parse;
 
-/// The package that this is.
+/// Name of this package.
 pub(crate) const OWN: &str = "lineshaft_msgs";
 /// Folder of the interfaces of other packages, one folder each.
 pub(crate) const FOREIGN: &str = "foreign";
@@ -56,7 +56,7 @@ fn names_in(folder: &Path) -> Result<Vec<String>, String> {
     Ok(names)
 }
 
-/// Every message that a field names must be there.
+/// Checks that every message exists that a field names.
 fn check_references(interfaces: &[Interface]) -> Result<(), String> {
     let known: BTreeSet<(&str, &str)> = interfaces
         .iter()

@@ -1,4 +1,4 @@
-//! Writes the Rust types of the interfaces.
+//! Generates the Rust types of the interfaces.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use crate::hash::Hashes;
 use crate::interface::{Constant, DUMMY_FIELD, Element, Field, Interface, Kind, Section, Shape};
 use crate::schema::schema;
 
-/// The source of all modules: `msg`, `srv`, `action` of this package and `foreign` with those of the others.
+/// Returns the source of all modules: `msg`, `srv`, `action` of this package and `foreign` with those of the others.
 pub(crate) fn generate(interfaces: &[Interface], hashes: &Hashes) -> String {
     let mut out = package(interfaces, hashes, OWN);
     out += "/// Interfaces of other packages that the node speaks, one module per package.\npub mod foreign {\n";
@@ -21,7 +21,7 @@ pub(crate) fn generate(interfaces: &[Interface], hashes: &Hashes) -> String {
     out + &about(interfaces) + &list(interfaces) + &all_hashes(hashes)
 }
 
-/// The interfaces of this package as data for people, with their comments.
+/// Returns the interfaces of this package as data for documentation, with their comments.
 fn about(interfaces: &[Interface]) -> String {
     let mut out = "/// The interfaces of this package, with what their files say about them.\n\
                    pub const INTERFACES: &[about::Interface] = &[\n"
@@ -47,13 +47,13 @@ fn about(interfaces: &[Interface]) -> String {
     out + "];\n"
 }
 
-/// Comment lines as one text; an empty line is a new paragraph.
+/// Joins comment lines to one text; an empty line begins a new paragraph.
 fn joined(lines: &[String]) -> String {
     let paragraphs: Vec<String> = lines.split(String::is_empty).map(|lines| lines.join(" ")).collect();
     paragraphs.join("\n\n")
 }
 
-/// A macro that calls another one with every message struct: tests that hold for all of them use it.
+/// Returns a macro that calls another one with every message struct, for tests that hold for all of them.
 fn list(interfaces: &[Interface]) -> String {
     let mut out = "#[cfg(test)]\nmacro_rules! for_every_struct { ($call:ident) => {\n".to_owned();
     for interface in interfaces {
@@ -64,7 +64,7 @@ fn list(interfaces: &[Interface]) -> String {
     out + "} }\n"
 }
 
-/// The hashes of all types, for the tests that compare them with those of ROS 2.
+/// Returns the hashes of all types, for the tests that compare them with those of ROS 2.
 fn all_hashes(hashes: &Hashes) -> String {
     let mut out = "#[cfg(test)]\nconst TYPE_HASHES: &[(&str, &str)] = &[\n".to_owned();
     for (name, hash) in hashes {
@@ -73,7 +73,7 @@ fn all_hashes(hashes: &Hashes) -> String {
     out + "];\n"
 }
 
-/// A constant with the hash of the type `name`.
+/// Returns a constant with the hash of the type `name`.
 fn hash_constant(hashes: &Hashes, constant: &str, name: &str) -> String {
     let hash = hashes.get(name).expect("every type of the files has a hash");
     format!("const {constant}: &'static str = {hash:?};\n")
@@ -122,12 +122,12 @@ fn structure(
     let separator = if suffix.is_empty() { "" } else { "_" };
     let ros_name = format!("{package}/{kind}/{name}{separator}{suffix}");
     let mut out = doc(&section.doc, &format!("{suffix} of [`{name}`]."));
-    // The serde name is what a decoding error calls the type.
+    // The serde name is the name of the type in decoding errors.
     out += "#[derive(Clone, Debug, Default, PartialEq, ::serde::Serialize, ::serde::Deserialize)]\n";
     out += &format!("#[serde(rename = \"{ros_name}\")]\npub struct {name}{suffix} {{\n");
     for field in &section.fields {
         out += &doc(&field.doc, "");
-        // A name in ROS 2 may be a keyword in Rust (`type`); the raw form is the same name.
+        // A name in ROS 2 may be a keyword in Rust (`type`); its raw form is the same name.
         out += &format!("pub r#{}: {},\n", field.name, rust_type(field));
     }
     if section.fields.is_empty() {
@@ -221,7 +221,7 @@ fn module(package: &str, kind: Kind) -> String {
     if package == OWN { format!("crate::{kind}") } else { format!("crate::foreign::{package}::{kind}") }
 }
 
-/// Comment lines as documentation.
+/// Returns comment lines as documentation.
 fn doc(lines: &[String], otherwise: &str) -> String {
     let mut out = String::new();
     for line in lines {
@@ -233,7 +233,7 @@ fn doc(lines: &[String], otherwise: &str) -> String {
     out
 }
 
-/// Units in brackets are no links and `~/name` strikes nothing out; what stands in back quotes is code already.
+/// Units in brackets must not become links, and `~/name` must not strike text out; text in back quotes is code already.
 fn escaped(line: &str) -> String {
     let mut out = String::new();
     let mut code = false;

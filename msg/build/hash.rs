@@ -1,9 +1,10 @@
 //! Type hashes of ROS 2 (RIHS01; REP 2016, which was a part of REP 2011).
 //!
-//! Law      hash = `RIHS01_` and the SHA-256, in hex digits, of the JSON text of a type description: the fields of the type, and the
-//!          descriptions of all types that it reaches, ordered by name. Constants and comments do not count
+//! Law      hash = `RIHS01_` and the SHA-256, in hex digits, of the JSON text of a type description: the fields of the
+//!          type, and the descriptions of all types that it refers to, ordered by name. Constants and comments are not
+//!          included
 //! Reads    the interface files; a service and an action are described as structs of their parts
-//! Refuses  a type that names another one which has no file
+//! Refuses  a type that refers to a type without a file
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -24,7 +25,7 @@ const ARRAY: u8 = 48;
 const BOUNDED_SEQUENCE: u8 = 96;
 const UNBOUNDED_SEQUENCE: u8 = 144;
 
-/// Hashes of all types by their name in ROS 2, also of the parts and events of services and actions.
+/// Hashes of all types by their name in ROS 2, including those of the parts and events of services and actions.
 pub(crate) type Hashes = BTreeMap<String, String>;
 
 /// Returns the hashes of all types of these interfaces.
@@ -87,7 +88,7 @@ fn field(name: &str, kind: FieldType) -> (String, FieldType) {
     (name.to_owned(), kind)
 }
 
-/// Descriptions of all types by name, each without those of the types that it names.
+/// Descriptions of all types by name, each without those of the types that it refers to.
 #[derive(Default)]
 struct Types(BTreeMap<String, Fields>);
 
@@ -101,7 +102,7 @@ impl Types {
             (Kind::Action, [goal, result, feedback]) => {
                 self.add_action(&name, fields(goal), fields(result), fields(feedback));
             }
-            // The parser counts the sections.
+            // The parser checks the number of sections.
             _ => {}
         }
     }
@@ -181,7 +182,7 @@ impl Types {
         }))
     }
 
-    /// Returns the description of one type. The hash covers every byte of it, also the blanks.
+    /// Returns the description of one type. The hash covers every byte of it, including blanks.
     fn json(&self, name: &str) -> Result<String, String> {
         let fields: Vec<String> = (self.fields(name)?.iter())
             .map(|(field, FieldType { id, capacity, string_capacity, nested })| {

@@ -1,8 +1,8 @@
-//! What an interface file says, as data.
+//! Contents of an interface file, as data.
 
 use std::fmt;
 
-/// The three kinds of interface files, which are also folder names, file endings and parts of type names.
+/// The three kinds of interface files, which are also folder names, file extensions and parts of type names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     Msg,
@@ -21,7 +21,7 @@ impl Kind {
         }
     }
 
-    /// What the sections between the `---` are called; their number is the number of sections that a file must have.
+    /// Returns the names of the sections between the `---`; a file must have exactly these sections.
     pub(crate) fn sections(self) -> &'static [&'static str] {
         match self {
             Self::Msg => &[""],
@@ -36,19 +36,19 @@ impl Kind {
 pub(crate) struct Interface {
     pub(crate) package: String,
     pub(crate) kind: Kind,
-    /// As in the file's name: `AxisState`.
+    /// Name, as in the file name: `AxisState`.
     pub(crate) name: String,
     pub(crate) sections: Vec<Section>,
 }
 
-/// One struct of an interface file: the whole of a .msg, a part of the others.
+/// One struct of an interface file: a whole .msg, a part of the others.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Section {
-    /// The comment block at its head.
+    /// Comment block at its head.
     pub(crate) doc: Vec<String>,
     pub(crate) constants: Vec<Constant>,
     pub(crate) fields: Vec<Field>,
-    /// Its lines as they stand in the file.
+    /// Its lines as in the file.
     pub(crate) text: String,
 }
 
@@ -63,7 +63,7 @@ pub(crate) struct Constant {
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
     pub(crate) doc: Vec<String>,
-    /// Its type as it stands in the file.
+    /// Its type as in the file.
     pub(crate) type_text: String,
     pub(crate) element: Element,
     pub(crate) shape: Shape,
@@ -93,17 +93,18 @@ pub(crate) enum Shape {
     Bounded(usize),
 }
 
-/// The field that ROS 2 gives a struct without fields: one byte on the wire.
+/// Field that ROS 2 adds to a struct without fields: one byte on the wire.
 pub(crate) const DUMMY_FIELD: &str = "structure_needs_at_least_one_member";
 
-/// A type of fixed size: its name in the files, its number in type descriptions, its Rust type, and the whole numbers that it holds.
+/// A type of fixed size: its name in the files, its number in type descriptions, its Rust type, and its range of whole
+/// numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Primitive {
     pub(crate) name: &'static str,
     /// Its constant in type_description_interfaces/msg/FieldType. `char` has that of `uint8`.
     pub(crate) description_id: u8,
     pub(crate) rust: &'static str,
-    /// None: no integer, so there are no constants of it.
+    /// `None`: no integer, so it has no constants.
     pub(crate) range: Option<(i128, i128)>,
 }
 
@@ -139,7 +140,7 @@ impl Primitive {
 
 #[cfg(test)]
 impl Field {
-    /// The type as it stands in a file, with the package in front of messages.
+    /// Returns the type as in a file, with the package before the name of a message.
     pub(crate) fn type_text(&self) -> String {
         let shape = match self.shape {
             Shape::One => String::new(),

@@ -1,4 +1,4 @@
-//! Makes the Rust types of the interface files; the files are the only source.
+//! Generates the Rust types from the interface files, which are the only source.
 
 mod files;
 mod generate;

@@ -1,22 +1,22 @@
-//! Reads .msg, .srv and .action files.
+//! Parser of .msg, .srv and .action files.
 //!
-//! Stricter than ROS 2 itself: every constant and field has a comment, because it becomes documentation, and what the
-//! files of this package do not use (default values, wide strings, constants that are no integers) is refused.
+//! Stricter than ROS 2: every constant and field must have a comment, because it becomes documentation. Features that
+//! the files of this package do not use (default values, wide strings, constants that are no integers) are rejected.
 
 use crate::interface::{Constant, Element, Field, Interface, Kind, Primitive, Section, Shape};
 
-/// A line that was refused, and why.
+/// A rejected line, with the reason.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Refusal {
-    /// From 1.
+    /// Line number, from 1.
     pub(crate) line: usize,
     pub(crate) reason: String,
 }
 
-/// serde has no arrays beyond this length.
+/// Maximum length of arrays in serde.
 const LONGEST_ARRAY: usize = 32;
 
-/// Reads the text of one file.
+/// Parses the text of one file.
 pub(crate) fn parse(package: &str, kind: Kind, name: &str, text: &str) -> Result<Interface, Refusal> {
     if !is_type_name(name) {
         return Err(Refusal { line: 1, reason: format!("type name {name}: letters and digits, a capital first") });
@@ -40,11 +40,11 @@ pub(crate) fn parse(package: &str, kind: Kind, name: &str, text: &str) -> Result
     Ok(Interface { package: package.to_owned(), kind, name: name.to_owned(), sections })
 }
 
-/// Takes the lines of one section.
+/// Parser of the lines of one section.
 #[derive(Default)]
 struct Reader {
     section: Section,
-    /// Comment lines that nothing has claimed yet.
+    /// Comment lines that do not belong to a field yet.
     comment: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ impl Reader {
         self.declaration(package, declaration, doc)
     }
 
-    /// A comment block before a blank line belongs to the section when it is the first thing in it.
+    /// A comment block before a blank line belongs to the section if it is the first item in it.
     fn blank(&mut self) {
         let comment = std::mem::take(&mut self.comment);
         let section = &mut self.section;
@@ -112,7 +112,7 @@ impl Reader {
     }
 
     fn finish(mut self) -> Section {
-        // A section that holds nothing but a comment.
+        // For a section that contains only a comment.
         self.blank();
         self.section
     }

@@ -1,8 +1,8 @@
-//! The text that stands for a type in a bag: schema encoding `ros2msg`.
+//! Text of a type in a bag: schema encoding `ros2msg`.
 
 use crate::interface::{Element, Interface, Kind, Section};
 
-/// The text of a section, then that of each message that it needs, after a line of 80 `=` and a line
+/// Returns the text of a section, then that of each message that it needs, after a line of 80 `=` and a line
 /// `MSG: package/Type`.
 pub(crate) fn schema(interfaces: &[Interface], section: &Section) -> String {
     let mut text = ended(&section.text);
@@ -32,7 +32,7 @@ fn collect<'a>(section: &'a Section, needed: &mut Vec<(&'a str, &'a str)>) {
     }
 }
 
-/// The text without blank lines at its ends, closed by one line end; empty stays empty.
+/// Returns the text without blank lines at its ends, closed by one line end; an empty text stays empty.
 fn ended(text: &str) -> String {
     let text = text.trim();
     if text.is_empty() { String::new() } else { format!("{text}\n") }

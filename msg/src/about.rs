@@ -1,48 +1,48 @@
-//! What the interface files of this package say, as data: for who describes them to people.
+//! Contents of the interface files of this package, as data for documentation.
 
 /// One interface file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Interface {
-    /// Its name in ROS 2, as `lineshaft_msgs/msg/AxisState`.
+    /// Name in ROS 2, such as `lineshaft_msgs/msg/AxisState`.
     pub name: &'static str,
-    /// The whole of a message; request and response; goal, result and feedback.
+    /// Sections: the whole message; request and response; goal, result and feedback.
     pub sections: &'static [Section],
 }
 
-/// One part of an interface.
+/// One section of an interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Section {
     /// `Request`, `Goal`..; empty for a message.
     pub name: &'static str,
-    /// What it is for; paragraphs are parted by an empty line.
+    /// Description; paragraphs are separated by an empty line.
     pub doc: &'static str,
-    /// In the order of the file.
+    /// Constants, in the order of the file.
     pub constants: &'static [Constant],
-    /// In the order of the file, which is that of the wire.
+    /// Fields, in the order of the file and of the wire.
     pub fields: &'static [Field],
 }
 
 /// A constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Constant {
-    /// Its type.
+    /// Type.
     pub kind: &'static str,
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Its value.
+    /// Value.
     pub value: i128,
-    /// What it means.
+    /// Description.
     pub doc: &'static str,
 }
 
 /// A field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// Its type, as it stands in the file.
+    /// Type, as in the file.
     pub kind: &'static str,
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// What it means, with unit and range.
+    /// Description, with unit and range.
     pub doc: &'static str,
 }
 

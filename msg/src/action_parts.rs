@@ -1,4 +1,4 @@
-//! The structs and services that ROS 2 makes of every action; only the goal, result and feedback inside them differ.
+//! Structs and services that ROS 2 derives from every action; only their goal, result and feedback differ.
 
 use std::marker::PhantomData;
 
@@ -8,51 +8,50 @@ use crate::foreign::builtin_interfaces::msg::Time;
 use crate::foreign::unique_identifier_msgs::msg::UUID;
 use crate::{Action, Service};
 
-/// Asks a server to take a goal.
+/// Requests the acceptance of a goal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SendGoalRequest<G> {
-    /// Identifier that the client chose.
+    /// Identifier chosen by the client.
     pub goal_id: UUID,
-    /// What it wants.
+    /// The goal.
     pub goal: G,
 }
 
-/// Whether the goal was taken.
+/// Whether the goal was accepted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SendGoalResponse {
     /// False: rejected.
     pub accepted: bool,
-    /// When it was accepted.
+    /// Time of the acceptance.
     pub stamp: Time,
 }
 
-/// Asks for the result of a goal; answered when the goal has ended.
+/// Requests the result of a goal; answered when the goal has ended.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetResultRequest {
-    /// Which goal.
+    /// Identifier of the goal.
     pub goal_id: UUID,
 }
 
 /// The result of a goal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetResultResponse<R> {
-    /// A constant of [`GoalStatus`](crate::foreign::action_msgs::msg::GoalStatus): 4..6, or 0 for a goal that is
-    /// not known.
+    /// A constant of [`GoalStatus`](crate::foreign::action_msgs::msg::GoalStatus): 4..6, or 0 for an unknown goal.
     pub status: i8,
-    /// How it ended.
+    /// The result.
     pub result: R,
 }
 
-/// How far a goal is.
+/// Progress of a goal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FeedbackMessage<F> {
-    /// Which goal.
+    /// Identifier of the goal.
     pub goal_id: UUID,
-    /// How far it is.
+    /// The feedback.
     pub feedback: F,
 }
 
-/// The service of action `A` that takes goals.
+/// The service of action `A` that accepts goals.
 #[derive(Clone, Copy, Debug)]
 pub struct SendGoal<A>(PhantomData<A>);
 
@@ -67,7 +66,7 @@ impl<A: Action> Service for SendGoal<A> {
     const RESPONSE_HASH: &'static str = A::SEND_GOAL_RESPONSE_HASH;
 }
 
-/// The service of action `A` that gives results.
+/// The service of action `A` that returns results.
 #[derive(Clone, Copy, Debug)]
 pub struct GetResult<A>(PhantomData<A>);
 

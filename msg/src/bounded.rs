@@ -1,14 +1,14 @@
-//! Strings and arrays with a highest length, as `string<=256` and `T[<=1]` in the files.
+//! Strings and arrays with a maximum length, such as `string<=256` and `T[<=1]` in the files.
 
 use std::ops::Deref;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// What has a length that a bound can judge.
+/// A value with a length that can be bounded.
 pub trait Measured {
-    /// What one unit of the length is called, in the plural.
+    /// Unit of the length, in the plural.
     const UNIT: &'static str;
-    /// Length in units: bytes of a string, elements of an array.
+    /// Returns the length: bytes of a string, elements of an array.
     fn measure(&self) -> usize;
 }
 
@@ -26,24 +26,24 @@ impl<T> Measured for Vec<T> {
     }
 }
 
-/// A value that is longer than its bound.
+/// Error of a value that exceeds its bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{length} {unit}, at most {bound} are allowed")]
 pub struct TooLong {
-    /// Length that was given.
+    /// Given length.
     pub length: usize,
-    /// Greatest length that is allowed.
+    /// Maximum length.
     pub bound: usize,
-    /// What the length counts.
+    /// Unit of the length.
     pub unit: &'static str,
 }
 
-/// A `String` or `Vec` of at most `N` bytes or elements; reads like the value in it.
+/// A `String` or `Vec` of at most `N` bytes or elements; dereferences to the value.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Bounded<V, const N: usize>(V);
 
 impl<V: Measured, const N: usize> Bounded<V, N> {
-    /// The value, when it is not longer than `N`; [`TooLong`] when it is.
+    /// Creates a bounded value; returns [`TooLong`] if its length exceeds `N`.
     pub fn new(value: V) -> Result<Self, TooLong> {
         match value.measure() {
             length if length <= N => Ok(Self(value)),
@@ -53,7 +53,7 @@ impl<V: Measured, const N: usize> Bounded<V, N> {
 }
 
 impl<V, const N: usize> Bounded<V, N> {
-    /// The value itself.
+    /// Returns the value.
     pub fn into_inner(self) -> V {
         self.0
     }
@@ -66,7 +66,7 @@ impl<V, const N: usize> Deref for Bounded<V, N> {
     }
 }
 
-/// None is the empty array.
+/// `None` is the empty array.
 impl<T> From<Option<T>> for Bounded<Vec<T>, 1> {
     fn from(value: Option<T>) -> Self {
         Self(value.into_iter().collect())
@@ -93,7 +93,7 @@ mod tests {
     fn the_bound_itself_is_allowed_and_one_more_is_not() {
         let four = Bounded::<String, 4>::new("abcd".to_owned()).unwrap();
         assert_eq!((four.as_str(), four.len()), ("abcd", 4));
-        // Two letters of three bytes: the bound counts bytes, as the wire does.
+        // Two characters of three bytes: the bound counts bytes, as on the wire.
         let error = Bounded::<String, 4>::new("\u{20ac}\u{20ac}".to_owned()).unwrap_err();
         assert_eq!(error.to_string(), "6 bytes, at most 4 are allowed");
         let error = Bounded::<Vec<u8>, 1>::new(vec![1, 2]).unwrap_err();

@@ -1,11 +1,11 @@
 //! The ROS 2 interfaces of Lineshaft as Rust types.
 //!
-//! The files in `msg/`, `srv/`, `action/` and `foreign/` are the only source: the build makes the modules below from
-//! them. A service or action `T` becomes a name `T` for the whole ([`Service`], [`Action`]) and one struct per part:
-//! `TRequest`, `TResponse`, `TGoal`, `TResult`, `TFeedback`; a message is the struct `T` alone. [`cdr`] puts them on
-//! the wire and into bags. Units and ranges stand at the fields.
+//! The files in `msg/`, `srv/`, `action/` and `foreign/` are the only source: the build generates the modules below
+//! from them. A service or action `T` becomes a type `T` for the whole ([`Service`], [`Action`]) and one struct per
+//! part: `TRequest`, `TResponse`, `TGoal`, `TResult`, `TFeedback`; a message is only the struct `T`. [`cdr`] encodes
+//! them for the wire and for bags. Units and ranges are documented at the fields.
 //!
-//! Nothing here knows DDS or opens a socket.
+//! This crate does not use DDS and opens no socket.
 #![forbid(unsafe_code)]
 
 pub mod about;
@@ -21,7 +21,7 @@ pub use traits::{Action, Message, Service};
 
 include!(concat!(env!("OUT_DIR"), "/interfaces.rs"));
 
-// With these the build reads the interface files, and the tests hold the files against the contract.
+// The build uses these modules to read the interface files, and the tests compare the files with the contract.
 #[cfg(test)]
 #[path = "../build/files.rs"]
 mod files;

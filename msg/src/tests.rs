@@ -1,4 +1,4 @@
-//! What holds for the interfaces as a whole.
+//! Tests of the interfaces as a whole.
 
 mod any_value;
 mod contract;

@@ -1,38 +1,38 @@
-//! What every message, service and action can say about itself.
+//! Traits of messages, services and actions: their names, hashes and types.
 
 use std::fmt::Debug;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// A struct that travels: a message, or a part of a service or an action.
+/// A struct on the wire: a message, or a part of a service or an action.
 pub trait Message: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static {
-    /// Name in ROS 2, for instance `lineshaft_msgs/msg/AxisState` or `lineshaft_msgs/srv/SetPosition_Request`.
+    /// Name in ROS 2, such as `lineshaft_msgs/msg/AxisState` or `lineshaft_msgs/srv/SetPosition_Request`.
     const NAME: &'static str;
-    /// Name in DDS, for instance `lineshaft_msgs::msg::dds_::AxisState_`.
+    /// Name in DDS, such as `lineshaft_msgs::msg::dds_::AxisState_`.
     const DDS_NAME: &'static str;
-    /// Type hash (RIHS01, REP 2016), for instance `RIHS01_` and 64 hex digits.
+    /// Type hash (RIHS01, REP 2016): `RIHS01_` and 64 hex digits.
     const HASH: &'static str;
-    /// Text for bags in the schema encoding `ros2msg`: the struct's own lines, then those of each message that it
+    /// Text for bags in the schema encoding `ros2msg`: the lines of the struct, then those of each message that it
     /// needs, after a line of 80 `=` and a line `MSG: package/Type`.
     const SCHEMA: &'static str;
 }
 
-/// A request and its answer.
+/// A request and its response.
 pub trait Service: 'static {
-    /// What the client asks.
+    /// Request of the client.
     type Request: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static;
-    /// What the server answers.
+    /// Response of the server.
     type Response: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static;
-    /// Name in ROS 2, for instance `lineshaft_msgs/srv/SetPosition`.
+    /// Name in ROS 2, such as `lineshaft_msgs/srv/SetPosition`.
     const NAME: &'static str;
     /// Type hash of the service as a whole, which includes its events. DDS endpoints have the hashes of its parts.
     const HASH: &'static str;
-    /// Name of the request in DDS, for instance `lineshaft_msgs::srv::dds_::SetPosition_Request_`.
+    /// Name of the request in DDS, such as `lineshaft_msgs::srv::dds_::SetPosition_Request_`.
     const REQUEST_DDS_NAME: &'static str;
     /// Type hash of the request.
     const REQUEST_HASH: &'static str;
-    /// Name of the response in DDS, for instance `lineshaft_msgs::srv::dds_::SetPosition_Response_`.
+    /// Name of the response in DDS, such as `lineshaft_msgs::srv::dds_::SetPosition_Response_`.
     const RESPONSE_DDS_NAME: &'static str;
     /// Type hash of the response.
     const RESPONSE_HASH: &'static str;
@@ -45,17 +45,17 @@ pub trait Service: 'static {
 /// [`FeedbackMessage`](crate::FeedbackMessage) and
 /// [`GoalStatusArray`](crate::foreign::action_msgs::msg::GoalStatusArray).
 pub trait Action: 'static {
-    /// What the client wants.
+    /// Goal of the client.
     type Goal: Message;
-    /// How it ended.
+    /// Result at the end.
     type Result: Message;
-    /// How far it is.
+    /// Progress.
     type Feedback: Message;
-    /// Name in ROS 2, for instance `lineshaft_msgs/action/MoveAxis`.
+    /// Name in ROS 2, such as `lineshaft_msgs/action/MoveAxis`.
     const NAME: &'static str;
     /// Type hash of the action as a whole.
     const HASH: &'static str;
-    /// Name of the service that takes goals, `.._SendGoal`.
+    /// Name of the service that accepts goals, `.._SendGoal`.
     const SEND_GOAL_NAME: &'static str;
     /// Type hash of that service.
     const SEND_GOAL_HASH: &'static str;
@@ -67,7 +67,7 @@ pub trait Action: 'static {
     const SEND_GOAL_RESPONSE_DDS_NAME: &'static str;
     /// Type hash of [`SendGoalResponse`](crate::SendGoalResponse).
     const SEND_GOAL_RESPONSE_HASH: &'static str;
-    /// Name of the service that gives results, `.._GetResult`.
+    /// Name of the service that returns results, `.._GetResult`.
     const GET_RESULT_NAME: &'static str;
     /// Type hash of that service.
     const GET_RESULT_HASH: &'static str;

@@ -1,6 +1,8 @@
-//! Time of a call: of a program that does nothing, of FB10, of a filter of 200 taps, and of the same filter as native Rust.
+//! Time of a call: of a program that does nothing, of FB10, of a filter of 200 taps, and of the same filter as native
+//! Rust.
 //!
-//! `cargo bench -p lineshaft-program`; instructions of a slot with each of them are counted by the bench `instructions` of core.
+//! `cargo bench -p lineshaft-program`; the bench `instructions` of core counts the instructions of a slot with each of
+//! them.
 
 #![allow(unreachable_pub, reason = "the source of a module")]
 #![allow(missing_docs, reason = "criterion makes what it runs")]
@@ -17,7 +19,7 @@ const EMPTY: &str = "(module (memory 1) (global (export \"image\") i32 (i32.cons
 const FB10: &[u8] = include_bytes!("../../launch-configs/functions/programs/fb10.wasm");
 const FIR: &[u8] = include_bytes!("../../launch-configs/functions/programs/fir.wasm");
 
-/// Calls it on and on, each time with another source.
+/// Calls a program repeatedly, each time with another source.
 fn calls(c: &mut Criterion, name: &str, bytes: &[u8]) {
     let module = Module::load(bytes).expect("it is taken");
     let mut instance = Instance::new(&module, 1);

@@ -1,7 +1,7 @@
-//! What functions are translated to: instructions on the slots of a frame.
+//! Target code of the translation: instructions on the slots of a frame.
 //!
-//! A frame holds the parameters, the other locals, and behind them the operands by their depth, 64 bits each. An i32 or f32 stands in the
-//! low 32 bits, the high ones are 0.
+//! A frame holds the parameters, the other locals, and then the operands by their depth, 64 bits each. An i32 or f32 is
+//! in the low 32 bits, the high ones are 0.
 
 /// One instruction.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,9 +10,9 @@ pub(crate) struct Op {
     /// Slots of its operands.
     pub a: u16,
     pub b: u16,
-    /// Slot of its result; of some a third operand.
+    /// Slot of its result; for some instructions a third operand.
     pub to: u16,
-    /// A place in the code, an offset, a number of a function, a constant's number, as it says.
+    /// A position in the code, an offset, the number of a function or of a constant, depending on the instruction.
     pub imm: u32,
 }
 
@@ -22,34 +22,34 @@ impl Op {
     }
 }
 
-/// What it does.
+/// Operation of an instruction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[rustfmt::skip]
 pub(crate) enum Code {
     /// Traps.
     Unreachable,
-    /// Goes on at `imm`.
+    /// Continues at `imm`.
     Jump,
-    /// Goes on at `imm` where `a` is 0; where it is not.
+    /// Continues at `imm` if `a` is 0; if it is not 0.
     JumpIfZero, JumpIfNot,
-    /// Goes on at one of the `imm` + 1 jumps behind it, the one of number `a`, at most the last.
+    /// Continues at one of the `imm` + 1 jumps that follow, the one with number `a`, at most the last.
     JumpBy,
-    /// Calls function `imm`, whose parameters and results stand from slot `a` on.
+    /// Calls function `imm`, whose parameters and results begin at slot `a`.
     Call,
-    /// Calls the function at place `b` of table `to`, of the type `imm`, with the slots from `a` on.
+    /// Calls the function at index `b` of table `to`, with type `imm`, with the slots from `a` on.
     CallBy,
-    /// Ends the function; its `imm` results stand from slot `a` on.
+    /// Ends the function; its `imm` results begin at slot `a`.
     Return,
-    /// The slot `a`; constant number `imm`; `a` where the slot `imm` is not 0, else `b`.
+    /// The slot `a`; constant number `imm`; `a` if the slot `imm` is not 0, else `b`.
     Copy, Constant, Select,
     /// Global number `imm`.
     GlobalGet, GlobalSet,
-    /// `a` is an address, `imm` the offset; of stores `b` is the value.
+    /// `a` is an address, `imm` the offset; `b` is the value of a store.
     Load8U, Load8S32, Load8S64, Load16U, Load16S32, Load16S64, Load32U, Load32S64, Load64,
     Store8, Store16, Store32, Store64,
-    /// In pages; memory never grows: -1.
+    /// Size in pages; memory cannot grow: -1.
     MemorySize, MemoryGrow,
-    /// To `a`, from `b` or the byte `b`, length in `to`.
+    /// To address `a`, from address `b` or with the byte `b`; the length is in `to`.
     MemoryCopy, MemoryFill,
     I32Eqz, I32Eq, I32Ne, I32LtS, I32LtU, I32GtS, I32GtU, I32LeS, I32LeU, I32GeS, I32GeU,
     I64Eqz, I64Eq, I64Ne, I64LtS, I64LtU, I64GtS, I64GtU, I64LeS, I64LeU, I64GeS, I64GeU,
@@ -72,14 +72,14 @@ pub(crate) enum Code {
 /// A function.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Function {
-    /// Number of its type; equal types have one number.
+    /// Number of its type; equal types have the same number.
     pub kind: u32,
     pub parameters: u16,
     pub results: u16,
-    /// Parameters among them.
+    /// Number of locals, including the parameters.
     pub locals: u16,
-    /// Slots of its frame.
+    /// Number of slots in its frame.
     pub slots: u16,
-    /// Where its code begins.
+    /// Start of its code.
     pub entry: u32,
 }

@@ -1,6 +1,6 @@
-//! The state of a program: its memory and what of its globals changes, as plain data.
+//! State of a program, as plain data: its memory and its variable globals.
 //!
-//! Law      a copy goes on as the original does; copying into one of the same room takes no memory
+//! Law      a copy continues like the original; copying into an instance of the same size does not allocate
 //! Reads    the module that it belongs to, at each call
 
 use crate::image::{self, Image};
@@ -14,32 +14,32 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 pub struct Instance {
     memory: Vec<u8>,
     globals: Vec<u64>,
-    /// Pages that it has room for.
+    /// Reserved pages.
     room: usize,
-    /// Nothing in it outlives a call.
+    /// Stack; nothing in it is kept between calls.
     stack: Stack,
 }
 
 impl Instance {
-    /// One that begins, with room for modules of so many pages.
+    /// Creates an initialized instance, with memory for modules of that number of pages.
     pub fn new(module: &Module, pages: usize) -> Self {
         let mut instance = Self::with_room(pages.max(module.pages));
         instance.restart(module);
         instance
     }
 
-    /// One without a module, which cannot be called, with room for one of so many pages.
+    /// Creates an instance without a module, which cannot be called, with memory for a module of that number of pages.
     pub fn with_room(pages: usize) -> Self {
         let globals = Vec::with_capacity(MOST_GLOBALS);
         Self { memory: Vec::with_capacity(pages * PAGE), globals, room: pages, stack: Stack::default() }
     }
 
-    /// Has it room for that module?
+    /// Returns true if the memory is large enough for that module.
     pub fn has_room(&self, module: &Module) -> bool {
         module.pages <= self.room
     }
 
-    /// Begins anew; takes no memory where it has room.
+    /// Initializes the instance; does not allocate if the memory is large enough.
     pub fn restart(&mut self, module: &Module) {
         self.memory.resize(module.pages * PAGE, 0);
         module.fill(&mut self.memory);
@@ -47,8 +47,9 @@ impl Instance {
         self.globals.extend(module.globals.iter().map(|(value, _)| *value));
     }
 
-    /// Begins anew with another module. What the slot has written in the image stays; so does the program's own part, where it `keeps` it.
-    /// False where the module has another length of that than the one before, or where there is no room for it: then nothing changes.
+    /// Initializes the instance with another module. Values that the slot has written to the image are kept, and with
+    /// `keeps` also the program's own part. Returns false, and changes nothing, if the own part has another length than
+    /// that of the previous module, or if the memory is too small.
     pub fn exchange(&mut self, (module, before): (&Module, &Module), keeps: bool) -> bool {
         if keeps && !image::is_as_long(module, before) || !self.has_room(module) {
             return false;
@@ -59,7 +60,7 @@ impl Instance {
         beside.copy_from_slice(kept);
         self.restart(module);
         let to = image::kept(module, keeps);
-        // A memory that was read from outside may have been shorter than its module's.
+        // A restored memory may have been shorter than that of its module.
         if let (Some(beside), Some(to)) = (self.stack.beside.get(..length), self.memory.get_mut(to))
             && beside.len() == to.len()
         {
@@ -68,15 +69,15 @@ impl Instance {
         true
     }
 
-    /// Its image.
+    /// Returns its image.
     pub fn image<'a>(&'a mut self, module: &Module) -> Image<'a> {
         Image::new(self.memory.get_mut(module.image.clone()).unwrap_or_default())
     }
 
-    /// One call, with at most so many instructions; how many it took.
+    /// Executes one call with at most `fuel` instructions. Returns the number of executed instructions.
     ///
     /// # Errors
-    /// Why it did not come to its end, and how many instructions that took.
+    /// The trap that ended the call, and the number of executed instructions.
     pub fn call(&mut self, module: &Module, fuel: u32) -> Result<u32, (Trap, u32)> {
         let mut left = fuel;
         let result = run::call(module, &mut self.memory, &mut self.globals, &mut self.stack, &mut left);
@@ -88,12 +89,12 @@ impl Instance {
         }
     }
 
-    /// Pages that it has room for.
+    /// Returns the reserved pages.
     pub fn room(&self) -> usize {
         self.room
     }
 
-    /// Could it have come about by calls of that module?
+    /// Returns true if the state belongs to that module.
     pub fn is_of(&self, module: &Module) -> bool {
         let fits = |(value, (_, is_long)): (&u64, &(u64, bool))| *is_long || u32::try_from(*value).is_ok();
         self.memory.len() == module.pages * PAGE
@@ -116,7 +117,7 @@ impl Clone for Instance {
         copy
     }
 
-    /// Takes no memory where there is room.
+    /// Does not allocate if the memory is large enough.
     fn clone_from(&mut self, other: &Self) {
         self.room = other.room;
         self.memory.clear();
@@ -126,11 +127,11 @@ impl Clone for Instance {
     }
 }
 
-/// As it is written: memory up to the last byte that is not 0.
+/// Serialized form: memory up to the last byte that is not 0.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Instance")]
 struct Written<M> {
-    /// Pages that it has room for.
+    /// Reserved pages.
     room: u8,
     pages: u8,
     memory: M,

@@ -1,9 +1,10 @@
-//! Programs of users in the cycle: WebAssembly that is checked and translated once, and run with bounded time.
+//! User programs in the cycle: WebAssembly that is checked and translated once, and executed in bounded time.
 //!
-//! Law      the same module, state and image give the same bits on every machine: arithmetic gives one NaN alone, memory never grows,
-//!          nothing is imported. A call takes no memory, no lock, and no more than its fuel
+//! Law      the same module, state and image give the same bits on every machine: arithmetic has a single NaN, memory
+//!          never grows, nothing is imported. A call does not allocate or lock, and uses at most its fuel
 //! Reads    a module (`module.rs`), an image in its memory (`image.rs`)
-//! Refuses  what it would not do the same everywhere, or not in bounded time and memory, by name and with its place in the module
+//! Refuses  features whose results would differ between machines, or whose time and memory are not bounded, by name and
+//!          with the position in the module
 
 #![forbid(unsafe_code)]
 

@@ -1,7 +1,8 @@
-//! A module of a user: what is taken of it, and what is refused.
+//! Module of a user: loading and checks.
 //!
-//! Law      a module that is taken is valid WebAssembly whose every instruction has a bound in time and memory
-//! Refuses  imports, a start function, threads, vectors, tables that change, a memory that is none or too large, what is no module
+//! Law      a loaded module is valid WebAssembly whose every instruction is bounded in time and memory
+//! Refuses  imports, a start function, threads, vectors, tables that change, no memory or one that is too large, bytes
+//!          that are no module
 
 use crate::code::{Function, Op};
 use crate::image;
@@ -15,54 +16,55 @@ use wasmparser::{
     WasmFeatures,
 };
 
-/// The function that each cycle calls.
+/// Name of the function that each cycle calls.
 pub const ENTRY: &str = "cycle";
-/// The constant that says where the image is.
+/// Name of the constant with the address of the image.
 pub const IMAGE: &str = "image";
-/// A page of memory (bytes).
+/// Size of a page of memory (bytes).
 pub const PAGE: usize = 65_536;
-/// Pages of memory, at most.
+/// Maximum pages of memory.
 pub const MOST_PAGES: usize = 16;
-/// Bytes of a module, at most.
+/// Maximum size of a module (bytes).
 pub const MOST_BYTES: usize = 1 << 20;
-/// Globals that may change, at most.
+/// Maximum variable globals.
 pub const MOST_GLOBALS: usize = 256;
-/// Operands of a function at once, at most.
+/// Maximum operands of a function at the same time.
 const MOST_OPERANDS: u32 = 1024;
-/// Tables, at most.
+/// Maximum tables.
 const MOST_TABLES: usize = 16;
-/// Entries of all tables, at most.
+/// Maximum entries of all tables.
 const MOST_ENTRIES: usize = 65_536;
-/// Characters of a foreign text in a sentence, at most.
+/// Maximum characters of an external text in a message.
 const MOST_TEXT: usize = 100;
-/// Globals that do not change, at most.
+/// Maximum constant globals.
 const MOST_CONSTANTS: usize = 65_536;
 
-/// What WebAssembly may use here: what compilers give by themselves, and what is the same everywhere.
+/// Permitted features of WebAssembly: those that compilers use by default, and whose results are the same on every
+/// machine.
 const FEATURES: WasmFeatures = WasmFeatures::MUTABLE_GLOBAL
     .union(WasmFeatures::SIGN_EXTENSION)
     .union(WasmFeatures::SATURATING_FLOAT_TO_INT)
     .union(WasmFeatures::MULTI_VALUE)
     .union(WasmFeatures::BULK_MEMORY)
-    // With it an index of a table may be longer than a byte, which compilers make use of.
+    // With this feature an index of a table may be longer than a byte, which compilers use.
     .union(WasmFeatures::REFERENCE_TYPES)
     .union(WasmFeatures::FLOATS)
     .union(WasmFeatures::GC_TYPES);
 
-/// Why a module is not taken: one sentence without a full stop.
+/// Reason why a module is rejected: one sentence without a full stop.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Refused(pub String);
 
 impl From<BinaryReaderError> for Refused {
     fn from(error: BinaryReaderError) -> Self {
-        // A message may hold a name of the module.
+        // A message may contain a name of the module.
         let message: String = error.message().chars().take(MOST_TEXT).collect();
         Self(format!("it is no valid WebAssembly of this version at byte {}: {message}", error.offset()))
     }
 }
 
-/// The begin of a name.
+/// Returns the beginning of a name.
 fn cut(name: &str) -> String {
     name.chars().take(MOST_TEXT).collect()
 }
@@ -74,16 +76,16 @@ pub(crate) fn refuse<T>(sentence: impl Into<String>) -> Result<T, Refused> {
 /// A global.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Global {
-    /// It keeps its bits.
+    /// A constant, with its bits.
     Constant(u64),
-    /// Place among those that change.
+    /// Index among the variable globals.
     Variable(u32),
 }
 
-/// What a module exports, by name.
+/// Exports of a module, by name.
 pub(crate) type Exports = BTreeMap<String, (ExternalKind, u32)>;
 
-/// A module as it is run.
+/// A module that can be executed.
 #[derive(Clone, Debug)]
 pub struct Module {
     bytes: Box<[u8]>,
@@ -91,7 +93,7 @@ pub struct Module {
     pub(crate) constants: Vec<u64>,
     pub(crate) functions: Vec<Function>,
     pub(crate) tables: Vec<Vec<Option<u32>>>,
-    /// What globals that change begin with, and whether they have 64 bits.
+    /// Initial values of variable globals, and whether they have 64 bits.
     pub(crate) globals: Vec<(u64, bool)>,
     places: Vec<Global>,
     pub(crate) pages: usize,
@@ -106,13 +108,13 @@ impl PartialEq for Module {
     }
 }
 
-/// What is known of a module while it is read.
+/// State of loading a module.
 #[derive(Default)]
 struct Reading {
     kinds: Vec<FuncType>,
-    /// The first of each that equals it.
+    /// First type of each group of equal types.
     known: BTreeMap<FuncType, u32>,
-    /// Of each type, the first that equals it.
+    /// For each type, the first one that equals it.
     canonical: Vec<u32>,
     functions: Vec<u32>,
     tables: Vec<Vec<Option<u32>>>,
@@ -129,7 +131,7 @@ impl Module {
     /// Checks and translates a module.
     ///
     /// # Errors
-    /// Why it is not taken.
+    /// The reason why it is rejected.
     pub fn load(bytes: &[u8]) -> Result<Self, Refused> {
         if bytes.len() > MOST_BYTES {
             return refuse(format!("it has {} bytes; at most {MOST_BYTES} are possible", bytes.len()));
@@ -144,7 +146,7 @@ impl Module {
         Ok(module)
     }
 
-    /// A valid module without an entry and an image, and what it exports.
+    /// Returns a valid module without an entry and an image, and its exports.
     pub(crate) fn read(bytes: &[u8]) -> Result<(Self, Exports), Refused> {
         let mut validator = Validator::new_with_features(FEATURES);
         let mut reading = Reading::default();
@@ -202,27 +204,27 @@ impl Module {
         Ok(())
     }
 
-    /// The bytes that it was made of.
+    /// Returns the bytes from which it was loaded.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// Pages of its memory.
+    /// Returns the pages of its memory.
     pub fn pages(&self) -> usize {
         self.pages
     }
 
-    /// Where its image is in its memory.
+    /// Returns the range of its image in its memory.
     pub fn image(&self) -> Range<usize> {
         self.image.clone()
     }
 
-    /// Instructions that it was translated to.
+    /// Returns the number of translated instructions.
     pub fn instructions(&self) -> usize {
         self.ops.len()
     }
 
-    /// Memory as it begins; `memory` is as large as its pages.
+    /// Initializes the memory; `memory` must have the size of its pages.
     pub(crate) fn fill(&self, memory: &mut [u8]) {
         memory.fill(0);
         for (at, bytes) in &self.data {
@@ -233,7 +235,7 @@ impl Module {
     }
 }
 
-/// Validates a body, and refuses one whose operands pile up before it has taken its memory.
+/// Validates a body, and rejects too many operands before their memory is allocated.
 fn check_body(validator: &mut FuncValidator<ValidatorResources>, body: &FunctionBody<'_>) -> Result<(), Refused> {
     let mut reader = body.get_binary_reader();
     validator.read_locals(&mut reader)?;
@@ -248,7 +250,7 @@ fn check_body(validator: &mut FuncValidator<ValidatorResources>, body: &Function
     Ok(reader.finish_expression(&validator.visitor(reader.original_position()))?)
 }
 
-/// Refuses what a user may well try by its own name, before the validator says it by the number of a byte.
+/// Rejects features that users are likely to try, by their names; the validator would only report the number of a byte.
 fn refuse_by_name(bytes: &[u8]) -> Result<(), Refused> {
     for payload in Parser::new(0).parse_all(bytes) {
         match payload? {
@@ -281,7 +283,7 @@ impl Reading {
             Payload::TypeSection(section) => {
                 for kind in section.into_iter_err_on_gc_types() {
                     let kind = kind?;
-                    // A module has fewer than 2^32 of anything: the validator says so.
+                    // A module has fewer than 2^32 of each item: the validator checks that.
                     let place = self.kinds.len() as u32;
                     self.canonical.push(*self.known.entry(kind.clone()).or_insert(place));
                     self.kinds.push(kind);
@@ -378,7 +380,7 @@ impl Reading {
             ElementKind::Active { table_index, offset_expr } => {
                 (table_index.unwrap_or(0) as usize, constant(&offset_expr)? as usize)
             }
-            // What is declared alone is in no table.
+            // A declared element is in no table.
             ElementKind::Declared => return Ok(()),
             ElementKind::Passive => return refuse("it fills a table later on; its tables must be constant"),
         };
@@ -415,10 +417,10 @@ impl Reading {
     }
 }
 
-/// The value of an expression without a calculation.
+/// Returns the value of an expression without a calculation.
 fn constant(expression: &ConstExpr<'_>) -> Result<u64, Refused> {
     match expression.get_operators_reader().read()? {
-        // Bits, not numbers: the high ones of what is shorter are 0.
+        // Bits, not numbers: the high bits of shorter types are 0.
         Operator::I32Const { value } => Ok(value.cast_unsigned().into()),
         Operator::I64Const { value } => Ok(value.cast_unsigned()),
         Operator::F32Const { value } => Ok(value.bits().into()),
@@ -427,7 +429,7 @@ fn constant(expression: &ConstExpr<'_>) -> Result<u64, Refused> {
     }
 }
 
-/// The function that an entry of a table names.
+/// Returns the function of a table entry.
 fn reference(expression: &ConstExpr<'_>) -> Result<Option<u32>, Refused> {
     match expression.get_operators_reader().read()? {
         Operator::RefFunc { function_index } => Ok(Some(function_index)),
@@ -436,13 +438,13 @@ fn reference(expression: &ConstExpr<'_>) -> Result<Option<u32>, Refused> {
     }
 }
 
-/// Modules that several hold.
+/// Shared modules for serde.
 pub mod shared {
     use super::Module;
     use serde::{Deserialize, Deserializer, Serializer};
     use std::sync::Arc;
 
-    /// Writes each as its bytes.
+    /// Writes each module as its bytes.
     ///
     /// # Errors
     /// Those of the serializer.
@@ -450,10 +452,10 @@ pub mod shared {
         serializer.collect_seq(modules.iter().map(|module| &**module))
     }
 
-    /// Reads and checks each.
+    /// Reads and checks each module.
     ///
     /// # Errors
-    /// Those of the deserializer; a module that is not taken.
+    /// Those of the deserializer; a module that is rejected.
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Arc<Module>>, D::Error> {
         Ok(Vec::<Module>::deserialize(deserializer)?.into_iter().map(Arc::new).collect())
     }

@@ -1,6 +1,7 @@
-//! Arithmetic of floats whose results are the same bits on every machine.
+//! Arithmetic of floats whose results have the same bits on every machine.
 //!
-//! Law      what calculates gives one NaN alone (0x7FC00000, 0x7FF8000000000000); what only moves bits (abs, neg, copysign) keeps them
+//! Law      a calculation has a single NaN (0x7FC00000, 0x7FF8000000000000); operations that only move bits (abs, neg,
+//!          copysign) keep them
 
 use crate::trap::Trap;
 
@@ -69,13 +70,13 @@ impl Float for f64 {
     }
 }
 
-/// The result of a calculation as a slot.
+/// Returns the result of a calculation as a slot.
 #[inline(always)]
 pub(crate) fn result<F: Float>(value: F) -> u64 {
     if value.is_nan() { F::nan().bits() } else { value.bits() }
 }
 
-/// The smaller one; -0 is below 0.
+/// Returns the smaller value; -0 is below 0.
 #[inline(always)]
 pub(crate) fn min<F: Float>(a: F, b: F) -> u64 {
     if a.is_nan() || b.is_nan() {
@@ -85,7 +86,7 @@ pub(crate) fn min<F: Float>(a: F, b: F) -> u64 {
     if is_a { a.bits() } else { b.bits() }
 }
 
-/// The larger one; 0 is above -0.
+/// Returns the larger value; 0 is above -0.
 #[inline(always)]
 pub(crate) fn max<F: Float>(a: F, b: F) -> u64 {
     if a.is_nan() || b.is_nan() {
@@ -95,7 +96,7 @@ pub(crate) fn max<F: Float>(a: F, b: F) -> u64 {
     if is_a { a.bits() } else { b.bits() }
 }
 
-/// A float cut to a whole number that lies between the two, both left out; exact, as every f32 and each bound is an f64.
+/// Truncates a float to a whole number between two exclusive limits; exact, because every f32 and each limit is an f64.
 #[inline(always)]
 pub(crate) fn cut<F: Float>(value: F, above: f64, below: f64) -> Result<f64, Trap> {
     let value = value.widened();
@@ -108,9 +109,9 @@ pub(crate) fn cut<F: Float>(value: F, above: f64, below: f64) -> Result<f64, Tra
     }
 }
 
-/// Bounds of a conversion to a whole number: what lies between them, both left out, fits once it is cut.
+/// Exclusive limits of a conversion to a whole number: a value between them fits after truncation.
 pub(crate) const I32: (f64, f64) = (-2_147_483_649.0, 2_147_483_648.0);
 pub(crate) const U32: (f64, f64) = (-1.0, 4_294_967_296.0);
-/// No f64 lies between -2^63 and the next one below it.
+/// There is no f64 between -2^63 and the next one below it.
 pub(crate) const I64: (f64, f64) = (-9_223_372_036_854_777_856.0, 9_223_372_036_854_775_808.0);
 pub(crate) const U64: (f64, f64) = (-1.0, 18_446_744_073_709_551_616.0);

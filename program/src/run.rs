@@ -1,7 +1,8 @@
-//! Runs a function: one instruction after the other, each for one of fuel.
+//! Execution of a function: one instruction after the other, each for one unit of fuel.
 //!
-//! Law      a call ends: at its end, in a trap, or where its fuel is used up. What moves much memory costs fuel by its length
-//! Reads    and writes memory, globals and stack alone; takes no memory
+//! Law      a call ends: at its end, in a trap, or when its fuel is used up. Moving large amounts of memory costs fuel
+//!          in proportion to their size
+//! Reads    and writes only memory, globals and stack; does not allocate
 
 use crate::code::{Code, Function};
 use crate::image::MOST_KEPT;
@@ -11,27 +12,27 @@ use crate::trap::Trap;
 use std::fmt;
 use std::ops::Range;
 
-/// Slots of all frames.
+/// Maximum slots of all frames.
 const SLOTS: usize = 8192;
-/// Calls within each other.
+/// Maximum nested calls.
 const FRAMES: usize = 256;
-/// Bytes that moving memory moves for one of fuel.
+/// Bytes that are moved per unit of fuel.
 const BYTES_PER_FUEL: u32 = 32;
 
-/// Where a call came from.
+/// Return information of a call.
 #[derive(Clone, Copy, Debug, Default)]
 struct Frame {
-    /// Where it goes on.
+    /// Position in the code to continue at.
     at: usize,
-    /// First slot of its frame.
+    /// First slot of the frame of the caller.
     base: usize,
 }
 
-/// What a call works on; nothing in it outlives the call.
+/// Working memory of a call; nothing in it is kept afterwards.
 pub(crate) struct Stack {
     slots: Box<[u64]>,
     frames: Box<[Frame]>,
-    /// What lies beside the memory while that is exchanged.
+    /// Buffer for the memory during an exchange.
     pub beside: Box<[u8]>,
 }
 
@@ -51,19 +52,19 @@ impl fmt::Debug for Stack {
     }
 }
 
-/// The quotient, or why there is none.
+/// Returns the quotient, or the trap if there is none.
 #[inline(always)]
 fn divide<T>(quotient: Option<T>, is_by_zero: bool) -> Result<T, Trap> {
     quotient.ok_or(if is_by_zero { Trap::DivisionByZero } else { Trap::IntegerOverflow })
 }
 
-/// The remainder; that of the least number by -1 is 0.
+/// Returns the remainder; that of the smallest number by -1 is 0.
 #[inline(always)]
 fn remainder<T: Default>(is_divided: bool, remainder: Option<T>) -> Result<T, Trap> {
     if is_divided { Ok(remainder.unwrap_or_default()) } else { Err(Trap::DivisionByZero) }
 }
 
-/// The bytes at an address.
+/// Returns the bytes at an address.
 #[inline(always)]
 fn bytes<const N: usize>(memory: &[u8], address: u64, offset: u32) -> Result<[u8; N], Trap> {
     let at = place(address, offset);
@@ -78,13 +79,13 @@ fn put<const N: usize>(memory: &mut [u8], address: u64, offset: u32, bytes: [u8;
     Ok(())
 }
 
-/// An address of 32 bits and an offset of 32 bits: 33 bits.
+/// Returns the sum of an address of 32 bits and an offset of 32 bits: 33 bits.
 #[inline(always)]
 fn place(address: u64, offset: u32) -> usize {
     usize::try_from((address & u64::from(u32::MAX)) + u64::from(offset)).unwrap_or(usize::MAX)
 }
 
-/// Bytes in memory from an address on.
+/// Returns a range of bytes in memory, from an address on.
 fn range(from: u32, length: u32, memory: &[u8]) -> Result<Range<usize>, Trap> {
     let (from, length) = (u64::from(from), u64::from(length));
     match (usize::try_from(from), usize::try_from(from + length)) {
@@ -93,7 +94,7 @@ fn range(from: u32, length: u32, memory: &[u8]) -> Result<Range<usize>, Trap> {
     }
 }
 
-/// Takes fuel.
+/// Consumes fuel.
 #[inline(always)]
 fn burn(fuel: &mut u32, by: u32) -> Result<(), Trap> {
     match fuel.checked_sub(by) {
@@ -108,7 +109,7 @@ fn burn(fuel: &mut u32, by: u32) -> Result<(), Trap> {
     }
 }
 
-/// The frame of a function: its parameters are there, its other locals become 0.
+/// Prepares the frame of a function: its parameters are there already, its other locals become 0.
 #[inline(always)]
 fn enter<'s>(function: &Function, slots: &'s mut [u64], base: usize, fuel: &mut u32) -> Result<&'s mut [u64], Trap> {
     let end = base + usize::from(function.slots);
@@ -120,13 +121,13 @@ fn enter<'s>(function: &Function, slots: &'s mut [u64], base: usize, fuel: &mut 
     Ok(frame)
 }
 
-/// What moving so many bytes costs beside its instruction; a frame has 32 KiB at most.
+/// Returns the additional fuel for moving that number of bytes; a frame has at most 32 KiB.
 #[inline(always)]
 fn moved(bytes: usize) -> u32 {
     u32::try_from(bytes).unwrap_or(u32::MAX) / BYTES_PER_FUEL
 }
 
-/// Runs the function that each cycle calls.
+/// Executes the function that each cycle calls.
 pub(crate) fn call(
     module: &Module,
     memory: &mut [u8],
@@ -136,7 +137,7 @@ pub(crate) fn call(
 ) -> Result<(), Trap> {
     let Stack { slots, frames, .. } = stack;
     let ops = module.ops.as_slice();
-    // A module has its entry: `load` looked.
+    // A loaded module has its entry: `load` has checked that.
     let Some(first) = module.functions.get(module.entry as usize) else { return Err(Trap::Unreachable) };
     let (mut base, mut depth, mut at) = (0, 0, first.entry as usize);
     let mut frame = enter(first, slots, base, fuel)?;
@@ -229,7 +230,7 @@ pub(crate) fn call(
                 depth = before;
                 let Frame { at: back, base: of } = frames.get(depth).copied().unwrap_or_default();
                 (at, base) = (back, of);
-                // The frame of the caller ends where it ends; up to there its own code goes.
+                // The slice extends beyond the frame of the caller, but its code does not access slots after its end.
                 frame = slots.get_mut(base..).ok_or(Trap::StackOverflow)?;
             }
             Code::Copy => set!(u64!(op.a)),
@@ -259,7 +260,7 @@ pub(crate) fn call(
             Code::Store32 => put(memory, u64!(op.a), op.imm, u32!(op.b).to_le_bytes())?,
             Code::Store64 => put(memory, u64!(op.a), op.imm, u64!(op.b).to_le_bytes())?,
             Code::MemorySize => set!((memory.len() / PAGE) as u64),
-            // By no page it grows always.
+            // Growing by zero pages always succeeds.
             Code::MemoryGrow => {
                 set!(if u32!(op.a) == 0 { (memory.len() / PAGE) as u64 } else { u64::from(u32::MAX) });
             }

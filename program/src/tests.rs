@@ -1,4 +1,4 @@
-//! Tests of modules as a whole: what is refused, what another interpreter says, what broken modules do.
+//! Tests of whole modules: rejected ones, comparison with another interpreter, broken ones.
 
 mod mutated;
 mod numbers;
@@ -15,7 +15,7 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 /// Fuel of a call in these tests.
 const FUEL: u32 = 200_000;
 
-/// A module with an image at 16, that size, and this besides.
+/// Returns a module with an image at 16 of the default size, and `rest`.
 fn program(rest: &str) -> String {
     let size: String = (SIZE as u32 + 16).to_le_bytes().iter().map(|byte| format!("\\{byte:02x}")).collect();
     format!(
@@ -27,12 +27,12 @@ fn load(text: &str) -> Module {
     Module::load(&wat::parse_str(text).expect("a module")).expect("it is taken")
 }
 
-/// A call that must take no memory.
+/// Executes a call that must not allocate.
 fn call(instance: &mut Instance, module: &Module, fuel: u32) -> Result<u32, (crate::Trap, u32)> {
     assert_no_alloc(|| instance.call(module, fuel))
 }
 
-/// The sink after a call of a body that may use locals `a` and `b` (i64).
+/// Returns the sink after a call of a body that may use locals `a` and `b` (i64).
 fn sink_of(body: &str) -> Result<i64, crate::Trap> {
     let text = program(&format!("(func (export \"cycle\") (local $a i64) (local $b i64) {body})"));
     let module = load(&text);
@@ -42,7 +42,7 @@ fn sink_of(body: &str) -> Result<i64, crate::Trap> {
     Ok(instance.image(&module).sink())
 }
 
-/// Pseudo-random bytes that are the same in each run.
+/// Returns pseudo-random bytes that are the same in each run.
 fn bytes(seed: u64, count: usize) -> Vec<u8> {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     let mut next = || {

@@ -1,18 +1,19 @@
-//! Bodies of functions to instructions on slots.
+//! Translation of function bodies to instructions on slots.
 //!
-//! WebAssembly pushes and pops operands; how many there are is known at each place, so each operand has a slot of its frame. A local or a
-//! constant that is pushed is no instruction: who pops it reads it where it is, and it goes to its slot only where ways meet.
+//! WebAssembly pushes and pops operands; their number is known at each position, so each operand has a slot of its
+//! frame. Pushing a local or a constant needs no instruction: the instruction that pops it reads it directly, and it is
+//! copied to its slot only where branches join.
 
 use crate::code::{Code, Function, Op};
 use crate::module::{Global, Refused, refuse};
 use wasmparser::{BlockType, FuncType, FunctionBody, MemArg, Operator, ValType};
 
-/// Slots of a frame, at most.
+/// Maximum slots of a frame.
 const MOST_SLOTS: usize = 4096;
-/// Instructions of a module, at most.
+/// Maximum instructions of a module.
 const MOST_OPS: usize = 1 << 20;
 
-/// What a body refers to.
+/// Items that a body refers to.
 pub(crate) struct Known<'a> {
     pub kinds: &'a [FuncType],
     pub canonical: &'a [u32],
@@ -20,14 +21,14 @@ pub(crate) struct Known<'a> {
     pub globals: &'a [Global],
 }
 
-/// All that was translated so far.
+/// Result of the translation so far.
 #[derive(Default)]
 pub(crate) struct Translated {
     pub ops: Vec<Op>,
     pub constants: Vec<u64>,
 }
 
-/// Where an operand is.
+/// Location of an operand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Operand {
     /// In the slot of its depth.
@@ -36,29 +37,29 @@ enum Operand {
     Constant(u64),
 }
 
-/// A block that is open.
+/// An open block.
 struct Open {
     is_loop: bool,
-    /// Operands below it.
+    /// Number of operands below it.
     height: usize,
     parameters: usize,
     results: usize,
-    /// Where a loop begins.
+    /// Beginning of a loop.
     begin: usize,
-    /// Instructions that go to its end.
+    /// Instructions that jump to its end.
     to_end: Vec<usize>,
-    /// The one that goes to its `else`.
+    /// Instruction that jumps to its `else`.
     to_else: Option<usize>,
 }
 
 impl Open {
-    /// How many operands a branch to it takes along.
+    /// Returns the number of operands that a branch to it keeps.
     fn arity(&self) -> usize {
         if self.is_loop { self.parameters } else { self.results }
     }
 }
 
-/// One body.
+/// State of the translation of one body.
 struct Body<'a> {
     to: &'a mut Translated,
     known: &'a Known<'a>,
@@ -66,14 +67,14 @@ struct Body<'a> {
     operands: Vec<Operand>,
     open: Vec<Open>,
     most: usize,
-    /// Blocks that were opened where no way leads.
+    /// Number of blocks that were opened in unreachable code.
     dead: Option<usize>,
-    /// Ways meet here: what stands before must not be changed.
+    /// Position of the last join: instructions before it must not be changed.
     label: usize,
 }
 
 impl Translated {
-    /// Translates a body that is valid.
+    /// Translates a valid body.
     pub(crate) fn function(
         &mut self,
         body: &FunctionBody<'_>,
@@ -129,7 +130,7 @@ impl Translated {
 }
 
 impl Body<'_> {
-    /// The slot of the operand at that depth, from the bottom. What is too deep is refused behind the body.
+    /// Returns the slot of the operand at that depth, from the bottom. Too large depths are rejected after the body.
     fn slot(&self, depth: usize) -> u16 {
         u16::try_from(self.locals + depth).unwrap_or(u16::MAX)
     }
@@ -147,9 +148,9 @@ impl Body<'_> {
         self.most = self.most.max(self.operands.len());
     }
 
-    /// The place of a constant among those of the module.
+    /// Returns the index of a constant of the module.
     fn constant(&mut self, value: u64) -> u32 {
-        // The last ones alone are looked through: a search of all would make a long module slow to load.
+        // Only the last ones are searched: a search of all would make loading of a long module slow.
         let from = self.to.constants.len().saturating_sub(64);
         let found = self.to.constants.get(from..).and_then(|last| last.iter().position(|known| *known == value));
         let place = found.map_or(self.to.constants.len(), |place| from + place);
@@ -159,7 +160,7 @@ impl Body<'_> {
         place as u32
     }
 
-    /// Brings the operand at that depth into its slot.
+    /// Copies the operand at that depth to its slot.
     fn settle(&mut self, depth: usize) -> Result<(), Refused> {
         let to = self.slot(depth);
         match self.operands.get_mut(depth).map(|operand| std::mem::replace(operand, Operand::Slot)) {
@@ -173,13 +174,13 @@ impl Body<'_> {
         Ok(())
     }
 
-    /// Brings the topmost operands into their slots.
+    /// Copies the topmost operands to their slots.
     fn settle_top(&mut self, count: usize) -> Result<(), Refused> {
         let height = self.operands.len();
         (height.saturating_sub(count)..height).try_for_each(|depth| self.settle(depth))
     }
 
-    /// Operands from the bottom that stand in their slots: those below the innermost block.
+    /// Returns the number of operands, from the bottom, that are in their slots: those below the innermost block.
     fn settled(&self) -> usize {
         self.open.last().map_or(0, |block| block.height)
     }
@@ -188,7 +189,7 @@ impl Body<'_> {
         (self.settled()..self.operands.len()).try_for_each(|depth| self.settle(depth))
     }
 
-    /// Takes the topmost operand; the slot that it can be read from.
+    /// Pops the topmost operand. Returns the slot from which it can be read.
     fn pop(&mut self) -> Result<u16, Refused> {
         let depth = self.operands.len().saturating_sub(1);
         if let Some(Operand::Constant(_)) = self.operands.last() {
@@ -201,13 +202,13 @@ impl Body<'_> {
         }
     }
 
-    /// The slot of what is pushed next.
+    /// Pushes a result. Returns its slot.
     fn result(&mut self) -> u16 {
         self.push(Operand::Slot);
         self.slot(self.operands.len() - 1)
     }
 
-    /// An instruction of so many operands and one result.
+    /// Emits an instruction with that number of operands and one result.
     fn calculate(&mut self, code: Code, operands: usize) -> Result<(), Refused> {
         let b = if operands == 2 { self.pop()? } else { 0 };
         let a = self.pop()?;
@@ -219,7 +220,7 @@ impl Body<'_> {
     fn load(&mut self, code: Code, of: &MemArg) -> Result<(), Refused> {
         let a = self.pop()?;
         let to = self.result();
-        // Memory has 32 bits of address: the validator refuses longer offsets.
+        // Memory has 32-bit addresses: the validator rejects longer offsets.
         self.emit(Op { a, to, imm: of.offset as u32, ..Op::new(code) })?;
         Ok(())
     }
@@ -246,7 +247,7 @@ impl Body<'_> {
             && last.to == slot
             && writes(last.code)
         {
-            // What was just calculated goes to the local at once.
+            // The result of the last instruction is written to the local directly.
             last.to = local;
             self.operands.pop();
             return Ok(());
@@ -264,7 +265,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    /// A place where ways meet.
+    /// Marks a position at which branches join.
     fn meet(&mut self) -> usize {
         self.label = self.to.ops.len();
         self.label
@@ -298,7 +299,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    /// Operands as they stand where ways meet.
+    /// Sets the operands to those at a join.
     fn stand_at(&mut self, height: usize) {
         self.operands.truncate(height);
         while self.operands.len() < height {
@@ -342,7 +343,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    /// Arity and lowest depth of what a branch takes along.
+    /// Returns the block of a branch, and arity and lowest depth of the operands that it keeps.
     fn target(&self, depth: u32) -> Result<(usize, usize, usize), Refused> {
         let place = self.open.len().checked_sub(1 + depth as usize);
         match place.and_then(|place| self.open.get(place).map(|block| (place, block))) {
@@ -351,7 +352,7 @@ impl Body<'_> {
         }
     }
 
-    /// Goes to a block with what it takes along, whose operands stand in their slots.
+    /// Jumps to a block; the kept operands are in their slots.
     fn jump(&mut self, depth: u32) -> Result<(), Refused> {
         let (place, arity, height) = self.target(depth)?;
         let from = self.operands.len().saturating_sub(arity);
@@ -364,7 +365,7 @@ impl Body<'_> {
         self.jump_by(place, Op::new(Code::Jump))
     }
 
-    /// Goes to a block by that instruction.
+    /// Jumps to a block with that instruction.
     fn jump_by(&mut self, place: usize, op: Op) -> Result<(), Refused> {
         let at = self.emit(op)?;
         if let Some(block) = self.open.get_mut(place) {
@@ -411,7 +412,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    /// Calls with the parameters on top; `b` and `to` as the instruction has them.
+    /// Emits a call with the topmost operands as parameters; `b` and `to` depend on the instruction.
     fn call(&mut self, kind: u32, op: Op) -> Result<(), Refused> {
         let Some(signature) = self.known.kinds.get(kind as usize) else { return refuse("it calls what has no type") };
         let (parameters, results) = (signature.params().len(), signature.results().len());
@@ -434,7 +435,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    /// What stands where no way leads is left out.
+    /// Returns true if an operator is in unreachable code, which is omitted.
     fn leaves_out(&mut self, operator: &Operator<'_>) -> bool {
         let Some(depth) = self.dead.as_mut() else { return false };
         match operator {
@@ -499,7 +500,7 @@ impl Body<'_> {
                 let to = self.result();
                 self.emit(Op { a, b, to, imm: condition.into(), code: Code::Select })?;
             }
-            // Locals are fewer than MOST_SLOTS.
+            // There are fewer locals than MOST_SLOTS.
             O::LocalGet { local_index } => self.push(Operand::Local(local_index as u16)),
             O::LocalSet { local_index } => self.set(local_index as u16)?,
             O::LocalTee { local_index } => {
@@ -543,7 +544,7 @@ impl Body<'_> {
         Ok(())
     }
 
-    /// What loads, stores and calculates.
+    /// Translates loads, stores and calculations.
     fn number(&mut self, operator: &Operator<'_>) -> Result<(), Refused> {
         if let Some((code, memarg)) = loads(operator) {
             return self.load(code, memarg);
@@ -552,7 +553,7 @@ impl Body<'_> {
             return self.store(code, memarg);
         }
         match calculates(operator) {
-            // A slot holds 32 bits with zeros above, and the bits of a float as they are: nothing is to be done.
+            // A slot holds 32 bits with zeros above them, and the bits of a float: no instruction is needed.
             Some((Code::Copy, _)) => Ok(()),
             Some((code, operands)) => self.calculate(code, operands),
             None => refuse(format!("it uses {}, which no program may use", name(operator))),
@@ -560,12 +561,12 @@ impl Body<'_> {
     }
 }
 
-/// The name of an operator, without what stands in it.
+/// Returns the name of an operator without its arguments.
 fn name(operator: &Operator<'_>) -> String {
     format!("{operator:?}").chars().take_while(|sign| sign.is_alphanumeric()).collect()
 }
 
-/// Is its result in `to`?
+/// Returns true if its result is in `to`.
 fn writes(code: Code) -> bool {
     !matches!(
         code,
@@ -614,7 +615,7 @@ fn stores<'m>(operator: &'m Operator<'_>) -> Option<(Code, &'m MemArg)> {
     })
 }
 
-/// Instructions that have the names of their operators.
+/// Maps operators to instructions of the same name.
 macro_rules! same {
     ($operator:expr, one: [$($one:ident)*], two: [$($two:ident)*]) => {
         match $operator {
@@ -625,7 +626,7 @@ macro_rules! same {
     };
 }
 
-/// An instruction and how many operands it has.
+/// Returns an instruction and its number of operands.
 #[rustfmt::skip]
 fn calculates(operator: &Operator<'_>) -> Option<(Code, usize)> {
     match operator {

@@ -1,4 +1,4 @@
-//! The modules of the examples do what their sources do that are compiled for this machine, call for call.
+//! The modules of the examples have the same results as their sources compiled for this machine, call for call.
 
 #![allow(
     unreachable_pub,
@@ -25,12 +25,12 @@ type Call = (u8, u8, i64);
 
 fn calls() -> impl Strategy<Value = Vec<Call>> {
     let command = prop_oneof![1 => Just(0), 1 => Just(1), 8 => Just(255)];
-    // Not what ab216 panics at.
+    // Without the value for which ab216 panics.
     let source = prop_oneof![-70_000_i64..70_000, any::<i64>()].prop_filter("a panic", |source| *source as u8 != 0xEE);
     prop::collection::vec((command, any::<u8>(), source), 1..60)
 }
 
-/// Sink and outputs after each call of a module.
+/// Returns sink and outputs after each call of a module.
 fn of_module(bytes: &[u8], calls: &[Call]) -> Vec<(i64, u8)> {
     let module = Module::load(bytes).expect("it is taken");
     let mut instance = Instance::new(&module, 1);
@@ -51,7 +51,7 @@ fn of_module(bytes: &[u8], calls: &[Call]) -> Vec<(i64, u8)> {
     after
 }
 
-/// The same natively.
+/// Returns sink and outputs after each call of the native code.
 macro_rules! natively {
     ($program:ident, $begin:expr, $calls:expr) => {{
         let mut image = $program::lineshaft::Image::new($begin);

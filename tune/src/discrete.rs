@@ -1,7 +1,8 @@
-//! Systems from sample to sample.
+//! Discrete-time linear systems.
 //!
-//! Law      x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k). A continuous system behind a hold and a delay becomes one exactly
-//! Reads    continuous systems, estimators of velocity as the core steps them
+//! Law      x(k+1) = A x(k) + B u(k), y(k) = C x(k) + D u(k). A continuous system with a hold and a delay is converted
+//!          exactly
+//! Reads    continuous systems, velocity estimators of the core
 //! Writes   matrices, frequency responses, poles
 //! Refuses  nothing: a model is checked before
 
@@ -20,7 +21,7 @@ pub(crate) struct Discrete {
     pub(crate) d: f64,
 }
 
-/// e^(A t) and the integral of e^(A s) B over t.
+/// Returns e^(A t) and the integral of e^(A s) B over t.
 pub(crate) fn held(system: &Continuous, t: f64) -> (DMatrix<f64>, DVector<f64>) {
     let n = system.a.nrows();
     let mut whole = DMatrix::zeros(n + 1, n + 1);
@@ -33,10 +34,10 @@ pub(crate) fn held(system: &Continuous, t: f64) -> (DMatrix<f64>, DVector<f64>) 
     )
 }
 
-/// By the series of a part that is small, squared again.
+/// Returns the matrix exponential, by the series of a scaled matrix and repeated squaring.
 fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     let n = matrix.nrows();
-    // B may be large beside A and converges as A does: it stands once in each term.
+    // B may be large relative to A and converges as A does: it is in each term once.
     let size = matrix.view((0, 0), (n - 1, n - 1)).iter().fold(0.0_f64, |most, x| most.max(x.abs())) * n as f64;
     let mut halvings = 0_u32;
     let mut scale = 1.0;
@@ -57,19 +58,19 @@ fn exponential(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     sum
 }
 
-/// A continuous system behind a hold of `period` and a `delay`: what one sample does.
+/// A continuous system with a hold of `period` and a `delay`, advanced by one sample.
 pub(crate) struct Delayed {
     pub(crate) a: DMatrix<f64>,
-    /// Of the input `lag` samples ago.
+    /// Effect of the input `lag` samples ago.
     pub(crate) newer: DVector<f64>,
-    /// Of the input a sample before that.
+    /// Effect of the input one sample before that.
     pub(crate) older: DVector<f64>,
     pub(crate) lag: usize,
 }
 
 impl Delayed {
     pub(crate) fn of(system: &Continuous, period: f64, delay: f64) -> Self {
-        // A hair below a whole number of periods is that number.
+        // A value slightly below a whole number of periods counts as that number.
         let lag = (delay / period + 1e-9).floor().max(0.0);
         let late = (delay - lag * period).max(0.0);
         let (rest, newer) = held(system, period - late);
@@ -77,7 +78,7 @@ impl Delayed {
         Self { a: &rest * first, newer, older: rest * older, lag: lag as usize }
     }
 
-    /// The first state at each sample, from rest; `inputs` may be of any length.
+    /// Returns the first state at each sample, from rest; `inputs` may be of any length.
     pub(crate) fn response(&self, inputs: &[f64]) -> Vec<f64> {
         let past = |k: usize, back: usize| k.checked_sub(back).and_then(|at| inputs.get(at)).copied().unwrap_or(0.0);
         let mut x: DVector<f64> = DVector::zeros(self.a.nrows());
@@ -95,12 +96,12 @@ impl Delayed {
 }
 
 impl Discrete {
-    /// An axis from command to position, sampled each cycle.
+    /// Returns an axis from command to position, sampled each cycle.
     pub(crate) fn of(model: &Model) -> Self {
         let parts = Delayed::of(&model.continuous(), model.cycle, model.delay);
         let (n, past) = (parts.a.nrows(), parts.lag + 1);
         let size = n + past;
-        // Behind the states of the axis stand the inputs of the samples before, the last one first.
+        // The states of the axis are followed by the inputs of previous samples, the last one first.
         let mut a = DMatrix::zeros(size, size);
         a.view_mut((0, 0), (n, n)).copy_from(&parts.a);
         let mut b = DVector::zeros(size);
@@ -121,17 +122,17 @@ impl Discrete {
         Self { a, b, c, d: 0.0 }
     }
 
-    /// An estimator from position to velocity, as it answers to one impulse.
+    /// Returns an estimator from position to velocity, found from its impulse response.
     ///
     /// # Errors
-    /// Settings of which the core makes none.
+    /// Settings for which the core has no estimator.
     pub(crate) fn estimator(method: VelocityMethod, cycle: f64) -> Result<Self, EstimatorError> {
         const SIZE: i64 = 1 << 40;
         let mut estimator = VelocityEstimator::new(method, cycle)?;
         estimator.step(0);
         let answers: Vec<f64> = (0..40).map(|k| estimator.step(if k == 0 { SIZE } else { 0 }) / SIZE as f64).collect();
         let (d, tail) = (answers[0], &answers[1..]);
-        // Observers of the core have three states at most.
+        // Observers of the core have at most three states.
         (1..=3).find_map(|order| realised(d, tail, order)).ok_or(EstimatorError::Unsettled {
             name: "cycle",
             value: cycle,
@@ -139,7 +140,7 @@ impl Discrete {
         })
     }
 
-    /// `count` samples as one, the input held.
+    /// Combines `count` samples to one, with the input held.
     pub(crate) fn held_for(&self, count: u32) -> Self {
         let (mut a, mut b) = (self.a.clone(), self.b.clone());
         for _ in 1..count {
@@ -149,7 +150,7 @@ impl Discrete {
         Self { a, b, c: self.c.clone(), d: self.d }
     }
 
-    /// This one's output into the input of the next.
+    /// Connects the output of this system to the input of the next one.
     pub(crate) fn then(&self, next: &Self) -> Self {
         let (n, m) = (self.a.nrows(), next.a.nrows());
         let mut a = DMatrix::zeros(n + m, n + m);
@@ -165,17 +166,17 @@ impl Discrete {
         Self { a, b, c, d: self.d * next.d }
     }
 
-    /// With an output so many times as large.
+    /// Returns the system with its output multiplied by a factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         Self { c: &self.c * factor, d: self.d * factor, ..self.clone() }
     }
 
-    /// The loop closed over this chain, which has no way through in the same sample: its states.
+    /// Returns the state matrix of the closed loop of this chain, which must have no direct feedthrough.
     pub(crate) fn closed(&self) -> DMatrix<f64> {
         &self.a - &self.b * &self.c
     }
 
-    /// C (zI - A)^-1 B + D.
+    /// Returns C (zI - A)^-1 B + D.
     pub(crate) fn at(&self, z: C64) -> C64 {
         let n = self.a.nrows();
         if n == 0 {
@@ -193,7 +194,7 @@ impl Discrete {
     }
 }
 
-/// Of the least order whose answers to an impulse are these, to eight digits.
+/// Returns the system of this order with these impulse responses, to eight digits.
 fn realised(d: f64, tail: &[f64], order: usize) -> Option<Discrete> {
     let rows = tail.len() - order;
     let hankel = DMatrix::from_fn(rows, order, |i, j| tail[i + j]);
@@ -214,24 +215,24 @@ fn realised(d: f64, tail: &[f64], order: usize) -> Option<Discrete> {
     Some(Discrete { a, b: DVector::from_column_slice(&tail[..order]), c, d })
 }
 
-/// The eigenvalues; none where they are not found.
+/// Returns the eigenvalues; none if they are not found.
 pub(crate) fn poles(a: &DMatrix<f64>) -> Vec<C64> {
     let schur = Schur::try_new(a.clone(), 1e-14, 10_000);
     schur.map_or_else(Vec::new, |schur| schur.complex_eigenvalues().iter().copied().collect())
 }
 
-/// The largest magnitude of an eigenvalue; infinite where none is found.
+/// Returns the largest magnitude of an eigenvalue; infinite if none is found.
 pub(crate) fn radius(a: &DMatrix<f64>) -> f64 {
     let poles = poles(a);
     if poles.is_empty() { f64::INFINITY } else { poles.iter().fold(0.0_f64, |most, &x| most.max(size(x))) }
 }
 
-/// Magnitude.
+/// Returns the magnitude.
 pub(crate) fn size(x: C64) -> f64 {
     (x.re * x.re + x.im * x.im).sqrt()
 }
 
-/// On the unit circle.
+/// Returns the point of an angle on the unit circle.
 pub(crate) fn turn(angle: f64) -> C64 {
     C64::new(libm::cos(angle), libm::sin(angle))
 }
@@ -270,7 +271,7 @@ mod tests {
         }
     }
 
-    /// A ramp of the position begins a delay after the step, whatever part of a cycle that is.
+    /// A ramp of the position begins one delay after the step, for any fraction of a cycle.
     #[test]
     fn a_delay_shifts_what_follows() {
         let integrator = Continuous { a: DMatrix::zeros(1, 1), b: DVector::from_vec(vec![1.0]) };
@@ -283,7 +284,7 @@ mod tests {
         }
     }
 
-    /// The states of past inputs do what the delay does.
+    /// The states of past inputs have the effect of the delay.
     #[test]
     fn a_system_with_its_past_answers_as_its_parts_do() {
         for delay in [0.0, 0.0004, 0.001, 0.0023, 0.005] {
@@ -301,7 +302,7 @@ mod tests {
         }
     }
 
-    /// Each estimator of the core, as a system of its least order: on a long zigzag both say the same.
+    /// Each estimator of the core, as a system of its least order: both agree on a long zigzag.
     #[test]
     fn an_estimator_is_what_the_core_makes_of_it() {
         let methods = [
@@ -328,7 +329,7 @@ mod tests {
         }
     }
 
-    /// The response at a frequency is the ratio of what goes in and comes out there.
+    /// The response at a frequency is the ratio of output and input.
     #[test]
     fn a_response_is_that_of_a_long_sinusoid() {
         let system = Discrete {

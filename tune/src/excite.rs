@@ -1,129 +1,131 @@
-//! A safe excitation of an axis from rest.
+//! Safe excitation of an axis from rest.
 //!
-//! Law      a ramp of the command in each sense until the axis breaks away; then steps of the command of random lengths around a slow
-//!          motion to and fro, so that the sense of friction is known; then back to about the start. The commands of a
-//!          leg are hold + sense (break-away +- amplitude); a velocity outside its band decides which, chance inside of it. The
-//!          amplitude doubles from leg to leg until the velocities fill their band
+//! Law      a ramp of the command in each direction until the axis breaks away; then steps of the command of random
+//!          lengths around a slow motion back and forth, so that the direction of friction is known; then back to about
+//!          the start. The commands of a leg are hold + sense (break-away +- amplitude). Outside its band the velocity
+//!          selects the sign, within the band it is random. The amplitude doubles from leg to leg until the velocities
+//!          fill their band
 //! Reads    position since the start (inc), velocity (inc/s) of each cycle; NaN counts as 0
-//! Writes   the command, -1 to 1, within the permitted one
-//! Refuses  settings beyond their range. Aborts with 0: stuck, against the command, beyond the travel by more than
-//!          its margin, no time left
+//! Writes   the command, -1 to 1, limited to the permitted one
+//! Refuses  settings outside their range. Aborts with command 0: stuck, motion against the command, travel exceeded by
+//!          more than its margin, no time left
 //!
-//! At a bound of the velocity it brakes, at a bound of the travel it turns. It takes no memory and runs in a cycle.
+//! At a limit of the velocity it brakes, at a limit of the travel it reverses. It does not allocate and can run in a
+//! cycle.
 
 use crate::model::{ModelError, Takes, judge};
 use serde::{Deserialize, Serialize};
 
-/// What an excitation may do.
+/// Limits of an excitation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Permitted {
-    /// Of the machine (s): 0.00001 to 1.
+    /// Cycle time (s): 0.00001 to 1.
     pub cycle: f64,
-    /// What the drive takes.
+    /// Interface of the drive.
     pub takes: Takes,
-    /// Either way from the start (inc): 10 to 1e12.
+    /// Travel in both directions from the start (inc): 10 to 1e12.
     pub travel: f64,
-    /// Beyond the travel, before it aborts (inc): above 0.
+    /// Distance beyond the travel at which it aborts (inc): above 0.
     pub margin: f64,
-    /// Largest velocity (inc/s): above 0.
+    /// Maximum velocity (inc/s): above 0.
     pub velocity: f64,
-    /// Largest command: 0.001 to 1.
+    /// Maximum command: 0.001 to 1.
     pub command: f64,
-    /// Time from nothing to the largest command while it looks for the break-away (s): 0.05 to 100.
+    /// Time from zero to the maximum command during the search for the break-away (s): 0.05 to 100.
     pub ramp: f64,
-    /// Time of the motion to and fro (s): 0.1 to 1000.
+    /// Duration of the motion back and forth (s): 0.1 to 1000.
     pub duration: f64,
-    /// Of the random steps.
+    /// Seed of the random steps.
     pub seed: u64,
 }
 
-/// What to do in this cycle.
+/// Result of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Drive {
     /// The command, -1 to 1.
     Command(f64),
-    /// It is over: the command is 0, or what holds the load where the drive takes efforts.
+    /// The excitation has ended: the command is 0, or holds the load of a drive with effort interface.
     Done(f64),
-    /// It is over, the command is 0, and this is why.
+    /// The excitation was aborted for this reason, and the command is 0.
     Aborted(Abort),
 }
 
-/// Why an excitation ended early.
+/// Reason for an abort.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
 pub enum Abort {
-    /// Nothing broke away.
+    /// The axis did not break away.
     #[error("the axis does not move at a command of {command}, the largest that is permitted")]
     Stuck {
-        /// The largest one.
+        /// Maximum command.
         command: f64,
     },
-    /// It went the other way.
+    /// The axis moved against the command.
     #[error("the axis moved {moved:.0} inc against a command of {command:.3}; the same sense is expected")]
     Against {
-        /// Of the cycle.
+        /// Command of the cycle.
         command: f64,
-        /// inc
+        /// Distance (inc).
         moved: f64,
     },
-    /// It went too far.
+    /// The axis moved too far.
     #[error("the axis is {position:.0} inc from its start; within {most:.0} inc are permitted")]
     Travel {
-        /// inc
+        /// Position (inc).
         position: f64,
         /// Travel and margin (inc).
         most: f64,
     },
-    /// Nothing is left to shake it with.
+    /// No command is left for the excitation.
     #[error(
         "the axis needs a command of {needed:.3} to move at all; above {permitted:.3} there is nothing left to excite it with"
     )]
     NoRoom {
-        /// At break-away.
+        /// Command at break-away.
         needed: f64,
-        /// The largest one.
+        /// Maximum command.
         permitted: f64,
     },
 }
 
-/// Makes of small seeds numbers with bits at all places.
+/// Distributes the bits of small seeds.
 const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// Part of the travel within which it turns of its own accord.
+/// Fraction of the travel beyond which it reverses.
 const TURN: f64 = 0.6;
 
-/// Part of it from which on what still goes outwards is braked.
+/// Fraction of the travel beyond which outward motion is braked.
 const LATE: f64 = 0.8;
 
-/// Band of velocities of a leg, in parts of the permitted one: it accelerates below, slows down above.
+/// Band of velocities of a leg, as fractions of the permitted one: it accelerates below and decelerates above.
 const BAND: (f64, f64) = (0.2, 0.7);
 
-/// Part of the permitted velocity at which it brakes with all it may.
+/// Fraction of the permitted velocity at which it brakes with the maximum command.
 const BRAKE: f64 = 0.95;
 
-/// Longest step of the command (cycles), a power of 2.
+/// Maximum duration of a command step (cycles), a power of 2.
 const LONGEST: u64 = 8;
 
-/// Part of the permitted command with which the first leg is excited.
+/// Fraction of the permitted command for the first leg.
 const FIRST: f64 = 1.0 / 16.0;
 
-/// Least part of it that has to be left beside the break-away.
+/// Minimum fraction of the permitted command that must be left above the break-away.
 const ROOM: f64 = 0.1;
 
-/// Part of the travel from the start within which it is back.
+/// Fraction of the travel within which it counts as back at the start.
 const HOME: f64 = 0.05;
 
-/// Longest time for the way back, in parts of the duration.
+/// Maximum time for the return, as a multiple of the duration.
 const WAY_BACK: f64 = 1.0;
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Phase {
-    /// Looks for the break-away in one sense, from a position and with a command.
+    /// Searches for the break-away in one direction, from a position and with a command.
     Ramp {
         sense: f64,
         level: f64,
         from: f64,
     },
-    /// Lets the axis come to rest.
+    /// Brings the axis to rest.
     Rest {
         level: f64,
     },
@@ -136,7 +138,7 @@ enum Phase {
     Over(Drive),
 }
 
-/// An excitation between two cycles.
+/// State of an excitation between two cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Excitation {
     permitted: Permitted,
@@ -148,17 +150,17 @@ pub struct Excitation {
     amplitude: f64,
     /// Largest velocity of this leg (inc/s).
     fastest: f64,
-    /// Of the step of the command, and how many cycles it lasts yet.
+    /// Sign of the command step, and its remaining cycles.
     bit: f64,
     lasts: u64,
     random: u64,
 }
 
 impl Excitation {
-    /// At rest, before the first cycle.
+    /// Creates an excitation at rest, before the first cycle.
     ///
     /// # Errors
-    /// A setting beyond its range.
+    /// A setting outside its range.
     pub fn new(permitted: Permitted) -> Result<Self, ModelError> {
         let p = &permitted;
         judge("cycle", p.cycle, "s", 1e-5, 1.0)?;
@@ -183,7 +185,7 @@ impl Excitation {
         })
     }
 
-    /// One cycle, with the position since the start (inc) and the velocity (inc/s).
+    /// Executes one cycle, with the position since the start (inc) and the velocity (inc/s).
     pub fn next(&mut self, position: f64, velocity: f64) -> Drive {
         let number = |value: f64| if value.is_finite() { value } else { 0.0 };
         let (position, velocity) = (number(position), number(velocity));
@@ -200,12 +202,12 @@ impl Excitation {
         }
     }
 
-    /// Command at which the axis broke away upwards and downwards; 0 before that.
+    /// Returns the commands at which the axis broke away in positive and in negative direction; 0 before that.
     pub fn break_away(&self) -> (f64, f64) {
         (self.up, self.down)
     }
 
-    /// Part of it that is over, 0 to 1.
+    /// Returns the completed fraction, 0 to 1.
     pub fn progress(&self) -> f64 {
         match self.phase {
             Phase::Ramp { sense, level, .. } => {
@@ -226,13 +228,13 @@ impl Excitation {
         Drive::Aborted(abort)
     }
 
-    /// Way that is a motion, no rounding (inc).
+    /// Returns the distance that counts as motion instead of rounding (inc).
     fn some_way(&self) -> f64 {
         (0.02 * self.permitted.travel).clamp(3.0, 50.0)
     }
 
     fn cycles(&self, time: f64) -> u32 {
-        // Saturates.
+        // The cast saturates.
         (time / self.permitted.cycle) as u32
     }
 
@@ -242,7 +244,7 @@ impl Excitation {
         if moved >= self.some_way() {
             return self.broke_away(sense, level);
         }
-        // A load that falls while the command is small yet is no wrong sense; all of half the travel is.
+        // A load that falls while the command is still small is no wrong direction; half of the travel is.
         if moved < -0.5 * p.travel {
             return self.abort(Abort::Against { command: level, moved: -moved });
         }
@@ -274,7 +276,7 @@ impl Excitation {
         self.command(0.0)
     }
 
-    /// The command falls until the axis stands, and no farther: a load would take it along.
+    /// Reduces the command until the axis rests, and no further, because a load would move it.
     fn rest(&mut self, level: f64, position: f64, velocity: f64) -> Drive {
         let p = self.permitted;
         let level = self.within(level - 2.0 * p.command * p.cycle / p.ramp);
@@ -287,12 +289,12 @@ impl Excitation {
         command.min(self.permitted.command).max(-self.permitted.command)
     }
 
-    /// Largest command at a break-away.
+    /// Returns the largest command at a break-away.
     fn needed(&self) -> f64 {
         self.up.max(-self.down)
     }
 
-    /// What holds a load: half way between the two that move it. A drive of velocities holds it by itself.
+    /// Returns the command that holds a load: the mean of the two that move it. A velocity drive holds it itself.
     fn hold(&self) -> f64 {
         match self.permitted.takes {
             Takes::Velocity => 0.0,
@@ -300,23 +302,23 @@ impl Excitation {
         }
     }
 
-    /// What moves it slowly in the sense of this leg, beyond what holds it.
+    /// Returns the command, in addition to the holding one, that moves the axis slowly in the direction of this leg.
     fn friction(&self) -> f64 {
         let friction = 0.5 * (self.up - self.down);
         match self.permitted.takes {
-            // A velocity begins beyond its dead band, and with the first step.
+            // A velocity begins beyond the dead band, with the first step.
             Takes::Velocity => friction + self.amplitude,
             Takes::Effort => friction,
         }
     }
 
-    /// hold + sense (friction + `shake` amplitude), as far as it is permitted.
+    /// Returns hold + sense (friction + `shake` amplitude), limited to the permitted command.
     fn command(&self, shake: f64) -> Drive {
         Drive::Command(self.within(self.hold() + self.sense * (self.friction() + shake * self.amplitude)))
     }
 
-    /// Against a motion of so many parts of the permitted velocity, with half of what is permitted at 1 and beyond; with 0 where
-    /// the drive brakes.
+    /// Returns the command against a motion at that fraction of the permitted velocity: half of the permitted command
+    /// at 1 and above, or 0 if the drive brakes.
     fn brake(&self, part: f64) -> Drive {
         match self.permitted.takes {
             Takes::Velocity => Drive::Command(0.0),
@@ -329,7 +331,7 @@ impl Excitation {
     fn leg(&mut self, left: u32, position: f64, velocity: f64) -> Drive {
         let p = self.permitted;
         let Some(left) = left.checked_sub(1) else {
-            // On its way back nothing has to be shaken any more.
+            // The return needs no excitation.
             self.amplitude = self.amplitude.min(FIRST * p.command);
             return self.back(self.cycles(WAY_BACK * p.duration), position, velocity);
         };
@@ -338,7 +340,7 @@ impl Excitation {
         if position * self.sense > TURN * p.travel {
             self.turn();
         }
-        // A turn that takes too long brakes as well.
+        // It also brakes if a reversal takes too long.
         let is_late = position.abs() > LATE * p.travel && velocity * position > 0.0;
         if is_late || velocity.abs() > BRAKE * p.velocity {
             return self.brake(velocity.signum());
@@ -369,7 +371,7 @@ impl Excitation {
         self.fastest = 0.0;
     }
 
-    /// +1 or -1 for a random number of cycles.
+    /// Returns +1 or -1 for a random number of cycles.
     fn step_of_chance(&mut self) -> f64 {
         match self.lasts.checked_sub(1) {
             Some(lasts) => self.lasts = lasts,
@@ -394,11 +396,11 @@ impl Excitation {
         };
         self.phase = Phase::Back { left };
         self.sense = -position.signum();
-        // The nearer, the slower; fast enough to get there.
+        // The nearer the slower, but fast enough to arrive.
         let wanted = (0.5 * position.abs() / (TURN * p.travel)).clamp(0.06, 0.4);
         let along = velocity * self.sense / p.velocity;
         if along > 3.0 * wanted || along < -0.1 {
-            // No more than the motion asks for: an axis of little inertia would be thrown back.
+            // In proportion to the velocity: an axis of little inertia would be thrown back otherwise.
             return self.brake(velocity / p.velocity);
         }
         self.command(if along < wanted { 1.0 } else { -1.0 })

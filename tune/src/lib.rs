@@ -1,13 +1,14 @@
-//! Tuning of an axis: an excitation that is safe, a model of what answers to it, gains by stated margins, and how the axis answers with
-//! them.
+//! Tuning of an axis: safe excitation, identification of a model, gains for given margins, and the response of the axis
+//! with them.
 //!
-//! Law      `excite` shakes an axis within bounds, cycle by cycle; `record` is what was seen; `identify` makes a model of it, or says
-//!          why not; `design` finds gains as they can be set; `response` shows what they do, before and after
-//! Reads    nothing but what it is given: no file, no thread, no clock; chance comes from a seed
-//! Writes   nothing: who uses it decides what is set
-//! Refuses  with one sentence each: `ModelError`, `Abort`, `Refusal`, `LoopError`, `DesignError`
+//! Law      `excite` excites an axis within limits, cycle by cycle; `record` stores the measurement; `identify` finds a
+//!          model, or returns the reason why not; `design` finds gains that can be set; `response` shows their effect,
+//!          before and after
+//! Reads    only its arguments: no file, no thread, no clock; random numbers come from a seed
+//! Writes   nothing: the caller decides which gains to set
+//! Refuses  with one message each: `ModelError`, `Abort`, `Refusal`, `LoopError`, `DesignError`
 //!
-//! The laws of the loops are those of the core; their frequency responses stand here.
+//! The laws of the loops are those of the core; their frequency responses are in this crate.
 //!
 //! ```
 //! use lineshaft_tune::{Dynamics, Law, Model, Move, Targets, Wish, bode, design, simulate};

@@ -1,9 +1,10 @@
-//! The loops of an axis as what they make of small errors.
+//! Loops of an axis as linear systems, for small errors.
 //!
-//! Law      position loop: kv/max_velocity, or (KPROP + KDER (1 - 1/z) + KINT z/(z - 1)) / K_OUT each TIMER. Velocity loop, each cycle:
-//!          (VELKPROP + VELKINT T z/(z - 1)) / 100 on what is asked for minus the estimated velocity, in parts of max_velocity
+//! Law      position loop: kv/max_velocity, or (KPROP + KDER (1 - 1/z) + KINT z/(z - 1)) / K_OUT each TIMER. Velocity
+//!          loop, each cycle: (VELKPROP + VELKINT T z/(z - 1)) / 100 on the setpoint minus the estimated velocity, as
+//!          fractions of max_velocity
 //! Reads    gains, a model
-//! Writes   the chain of the open loop, broken where its error is made
+//! Writes   the chain of the open loop, cut at its error
 //! Refuses  loops that do not suit the drive
 
 use crate::discrete::Discrete;
@@ -12,15 +13,15 @@ use lineshaft_core::regulator::{EstimatorError, K_OUT, PidGains, VELOCITY_GAIN, 
 use nalgebra::{DMatrix, DVector, RowDVector};
 use serde::{Deserialize, Serialize};
 
-/// The law of the position loop.
+/// Law of the position loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum PositionLaw {
-    /// kv (1/s)
+    /// Proportional, with kv (1/s).
     Proportional {
-        /// Above 0.
+        /// Gain (1/s), above 0.
         kv: f64,
     },
-    /// The PID of MACS.
+    /// PID of MACS.
     Pid {
         /// Its parameters.
         gains: PidGains,
@@ -29,41 +30,41 @@ pub enum PositionLaw {
     },
 }
 
-/// The velocity loop below it.
+/// Velocity loop inside the position loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Inner {
     /// Its parameters.
     pub gains: VelocityGains,
-    /// How it knows its velocity.
+    /// Method of finding the velocity.
     pub method: VelocityMethod,
 }
 
 /// All loops of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Loops {
-    /// Of the position.
+    /// Position loop.
     pub position: PositionLaw,
-    /// Of the velocity; none where the position loop commands the drive (AMPMODE 2, or a drive of velocities).
+    /// Velocity loop; `None` if the position loop commands the drive (AMPMODE 2, or a velocity drive).
     pub velocity: Option<Inner>,
-    /// VELMAX (inc/s): the output 1 of the position loop, where that is a velocity; and what FFVEL refers to.
+    /// VELMAX (inc/s): the velocity of output 1 of the position loop, if that is a velocity; reference of FFVEL.
     pub max_velocity: f64,
-    /// What FFACC refers to (inc/s^2).
+    /// Reference of FFACC (inc/s^2).
     pub max_acceleration: f64,
 }
 
-/// Loops that cannot be.
+/// Error of invalid loops.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LoopError {
-    /// A value that is none.
+    /// A value outside its range.
     #[error(transparent)]
     Value(#[from] ModelError),
-    /// An estimator that is none.
+    /// An invalid estimator.
     #[error(transparent)]
     Estimator(#[from] EstimatorError),
-    /// A velocity loop stands above a drive that has its own.
+    /// A velocity loop for a drive that has its own.
     #[error("the drive takes velocities; a velocity loop suits one that takes efforts")]
     TwoVelocityLoops,
-    /// Nothing damps an effort.
+    /// No damping for an effort.
     #[error(
         "the drive takes efforts; a proportional position loop suits one that takes velocities, or a velocity loop below it"
     )]
@@ -71,7 +72,7 @@ pub enum LoopError {
 }
 
 impl Loops {
-    /// Cycles of the machine between two samples of the position loop.
+    /// Returns the cycles of the machine between two samples of the position loop.
     pub fn cycles(&self) -> u32 {
         match self.position {
             PositionLaw::Proportional { .. } => 1,
@@ -94,7 +95,7 @@ impl Loops {
         }
     }
 
-    /// From the output of the position loop to the position, sample by sample of the position loop.
+    /// Returns the system from the output of the position loop to the position, sampled with the position loop.
     pub(crate) fn axis(&self, model: &Model) -> Result<Discrete, LoopError> {
         let axis = Discrete::of(model);
         let axis = match &self.velocity {
@@ -104,20 +105,20 @@ impl Loops {
         Ok(axis.held_for(self.cycles()))
     }
 
-    /// The open loop of the position.
+    /// Returns the open position loop.
     pub(crate) fn position_chain(&self, axis: &Discrete) -> Discrete {
         self.position.law(self.max_velocity).then(axis)
     }
 }
 
 impl PositionLaw {
-    /// From the error (inc) to the output.
+    /// Returns the system from the error (inc) to the output.
     pub(crate) fn law(&self, max_velocity: f64) -> Discrete {
         match self {
             Self::Proportional { kv } => gain(kv / max_velocity),
             Self::Pid { gains, .. } => {
                 let part = |gain: i64| gain as f64 / K_OUT;
-                // KILIM 0 is no integral part.
+                // KILIM 0 means no integral term.
                 let integral = if gains.limit == 0 { 0.0 } else { part(gains.integral) };
                 pid(part(gains.proportional), part(gains.derivative), integral)
             }
@@ -126,27 +127,27 @@ impl PositionLaw {
 }
 
 impl Inner {
-    /// From the error (parts of max_velocity) to the output.
+    /// Returns the system from the error (fraction of max_velocity) to the output.
     pub(crate) fn law(&self) -> Discrete {
         let (proportional, integral) = self.weights();
         pi(proportional, integral)
     }
 
-    /// Output per full speed, and per full speed and cycle.
+    /// Returns the output per full speed, and per full speed and cycle.
     pub(crate) fn weights(&self) -> (f64, f64) {
         let gains = &self.gains;
-        // VELKILIM 0 is no integral part.
+        // VELKILIM 0 means no integral term.
         let integral = if gains.limit == 0 { 0.0 } else { f64::from(gains.integral) * gains.cycle * VELOCITY_GAIN };
         (f64::from(gains.proportional) * VELOCITY_GAIN, integral)
     }
 
-    /// The open loop of the velocity: law, axis, estimator.
+    /// Returns the open velocity loop: law, axis, estimator.
     pub(crate) fn chain(&self, axis: &Discrete, cycle: f64, max_velocity: f64) -> Result<Discrete, LoopError> {
         let seen = Discrete::estimator(self.method, cycle)?.scaled(1.0 / max_velocity);
         Ok(self.law().then(axis).then(&seen))
     }
 
-    /// The closed one, from what is asked for to the position.
+    /// Returns the closed velocity loop, from setpoint to position.
     fn closed(&self, axis: &Discrete, cycle: f64, max_velocity: f64) -> Result<Discrete, LoopError> {
         let chain = self.chain(axis, cycle, max_velocity)?;
         let law = self.law().a.nrows();
@@ -156,12 +157,13 @@ impl Inner {
     }
 }
 
-/// A factor, as a system without a state.
+/// Returns a factor, as a system without states.
 pub(crate) fn gain(factor: f64) -> Discrete {
     Discrete { a: DMatrix::zeros(0, 0), b: DVector::zeros(0), c: RowDVector::zeros(0), d: factor }
 }
 
-/// States: the sum; the error of the sample before. The sum takes the error of the sample before it counts.
+/// Returns a PID law. States: the sum; the error of the previous sample. The sum includes the error of the present
+/// sample.
 pub(crate) fn pid(proportional: f64, derivative: f64, integral: f64) -> Discrete {
     let direct = proportional + derivative + integral;
     if integral == 0.0 {
@@ -186,7 +188,7 @@ mod tests {
     use super::*;
     use lineshaft_core::regulator::{Pid, PidInput, VelocityLoop};
 
-    /// Errors that no limit of the laws cuts.
+    /// Errors that stay within the limits of the laws.
     fn errors() -> impl Iterator<Item = f64> {
         (0..200).map(|k| f64::from((k * k * 31) % 101 - 50))
     }
@@ -196,7 +198,7 @@ mod tests {
         let mut before = None;
         for error in errors().map(|error| error * scale) {
             let expected = law(error);
-            // The law takes the error before its first one for the same.
+            // The law uses its first error also as the previous one.
             if before.is_none() && system.a.nrows() > 0 && system.c[system.a.nrows() - 1] < 0.0 {
                 x[system.a.nrows() - 1] = error;
             }

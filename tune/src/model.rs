@@ -1,60 +1,61 @@
-//! What is known of an axis: the model that gains are designed for.
+//! Model of an axis for the design of gains.
 //!
-//! Law      drive of velocities: v' = (gain u - v) / time_constant, with an offset of the velocity at u = 0.
-//!          drive of efforts: v' = acceleration u - viscous v - coulomb sign(v) - load; with a resonance the load hangs on a spring,
-//!          and friction is the motor's. u acts `delay` late, and is held for a cycle
-//! Reads    u, the command in parts of the full one, -1 to 1
+//! Law      velocity drive: v' = (gain u - v) / time_constant, with an offset of the velocity at u = 0. Effort drive:
+//!          v' = acceleration u - viscous v - coulomb sign(v) - load; with a resonance the load is connected by a
+//!          spring, and friction acts on the motor. u takes effect after `delay`, and is held for a cycle
+//! Reads    u, the command as a fraction of full command, -1 to 1
 //! Writes   position of the encoder, at the motor (inc)
-//! Refuses  figures beyond their range ([`ModelError`])
+//! Refuses  figures outside their range ([`ModelError`])
 //!
-//! The modes of two masses add: acceleration (1/s^2 + R / (s^2 + 2 z w s + w^2)), R the inertia of the load in parts of the motor's.
+//! The modes of two masses add up: acceleration (1/s^2 + R / (s^2 + 2 z w s + w^2)), with R the inertia of the load
+//! relative to that of the motor.
 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// What a drive takes.
+/// Interface of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Takes {
-    /// Velocities: 1 is the full one.
+    /// Velocity: 1 is the full velocity.
     Velocity,
-    /// Efforts, currents or torques: 1 is the full one.
+    /// Effort, that is current or torque: 1 is the full effort.
     Effort,
 }
 
-/// The first resonance of a motor and a load behind a spring.
+/// The first resonance of a motor and a load on a spring.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Resonance {
-    /// Hz, with a motor that is free.
+    /// Frequency with a free motor (Hz).
     pub frequency: f64,
-    /// Of the whole swing, in parts of the critical one: with what viscous friction of the motor makes of it.
+    /// Damping of the whole oscillation, relative to the critical one, including the viscous friction of the motor.
     pub damping: f64,
-    /// Inertia of the load in parts of that of the motor.
+    /// Inertia of the load relative to that of the motor.
     pub inertia_ratio: f64,
 }
 
-/// How the axis moves.
+/// Dynamics of the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Dynamics {
-    /// Behind a drive that closes its velocity loop.
+    /// With a drive that closes the velocity loop.
     Velocity {
-        /// Velocity at the command 1 (inc/s).
+        /// Velocity at command 1 (inc/s).
         gain: f64,
-        /// Of the lag of first order (s).
+        /// Time constant of the first-order lag (s).
         time_constant: f64,
-        /// Velocity at the command 0 (inc/s).
+        /// Velocity at command 0 (inc/s).
         offset: f64,
     },
-    /// Behind a drive that gives efforts.
+    /// With a drive that has an effort interface.
     Effort {
-        /// At the command 1, of the whole inertia (inc/s^2).
+        /// Acceleration at command 1, of the whole inertia (inc/s^2).
         acceleration: f64,
-        /// Viscous friction in parts of the whole inertia (1/s).
+        /// Viscous friction relative to the whole inertia (1/s).
         viscous: f64,
-        /// Coulomb friction, likewise (inc/s^2).
+        /// Coulomb friction relative to the whole inertia (inc/s^2).
         coulomb: f64,
-        /// A constant load such as gravity, against the positive sense (inc/s^2).
+        /// A constant load such as gravity, in negative direction (inc/s^2).
         load: f64,
-        /// Where there is one.
+        /// Resonance, if there is one.
         resonance: Option<Resonance>,
     },
 }
@@ -62,34 +63,35 @@ pub enum Dynamics {
 /// A model of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Model {
-    /// Of the machine (s).
+    /// Cycle time (s).
     pub cycle: f64,
-    /// From the output of a cycle, beyond the cycle itself, to what it does (s). Lags of an amplifier of efforts are in it.
+    /// Delay from the output of a cycle to its effect, in addition to the cycle itself (s). It includes lags of an
+    /// amplifier with effort interface.
     pub delay: f64,
-    /// How it moves.
+    /// Dynamics.
     pub dynamics: Dynamics,
 }
 
-/// A figure of a model that is none.
+/// Error of a figure of a model.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("{name} is {value} {unit}; {least} to {most} {unit} is permitted")]
 pub struct ModelError {
-    /// Which.
+    /// Name of the figure.
     pub name: &'static str,
-    /// What was given.
+    /// The given value.
     pub value: f64,
-    /// Of all three.
+    /// Unit of all three values.
     pub unit: &'static str,
-    /// Smallest that is permitted.
+    /// Minimum.
     pub least: f64,
-    /// Largest that is permitted.
+    /// Maximum.
     pub most: f64,
 }
 
-/// Longest delay (cycles).
+/// Maximum delay (cycles).
 pub(crate) const MOST_DELAY: f64 = 50.0;
 
-/// A lag below this part of a cycle is none.
+/// A lag below this part of a cycle is neglected.
 const LEAST_LAG: f64 = 0.01;
 
 pub(crate) fn judge(
@@ -103,14 +105,14 @@ pub(crate) fn judge(
     if (least..=most).contains(&value) { Ok(()) } else { Err(error) }
 }
 
-/// x' = A x + B u; the position is x[0], the velocity of a motor that has friction x[1].
+/// x' = A x + B u; the position is x[0], the velocity of a motor with friction x[1].
 pub(crate) struct Continuous {
     pub(crate) a: DMatrix<f64>,
     pub(crate) b: DVector<f64>,
 }
 
 impl Model {
-    /// What its drive takes.
+    /// Returns the interface of its drive.
     pub fn takes(&self) -> Takes {
         match self.dynamics {
             Dynamics::Velocity { .. } => Takes::Velocity,
@@ -118,10 +120,10 @@ impl Model {
         }
     }
 
-    /// Is each figure within its range?
+    /// Checks that each figure is within its range.
     ///
     /// # Errors
-    /// The first one that is not.
+    /// The first figure outside its range.
     pub fn check(&self) -> Result<(), ModelError> {
         judge("cycle", self.cycle, "s", 1e-5, 1.0)?;
         judge("delay", self.delay, "s", 0.0, MOST_DELAY * self.cycle)?;
@@ -145,7 +147,7 @@ impl Model {
         }
     }
 
-    /// Its linear part.
+    /// Returns its linear part.
     pub(crate) fn continuous(&self) -> Continuous {
         match self.dynamics {
             Dynamics::Velocity { gain, time_constant, .. } => {
@@ -158,7 +160,7 @@ impl Model {
             Dynamics::Effort { acceleration, viscous, resonance: Some(r), .. } => {
                 let omega = core::f64::consts::TAU * r.frequency;
                 let stiffness = omega * omega;
-                // Friction of the motor damps the swing as well; the rest is the spring's.
+                // Friction of the motor damps the oscillation as well; the rest is the damping of the spring.
                 let damping = (2.0 * r.damping * omega - viscous * r.inertia_ratio).max(0.0);
                 let (motor, load) = (r.inertia_ratio / (1.0 + r.inertia_ratio), 1.0 / (1.0 + r.inertia_ratio));
                 // Position and velocity of the motor, twist, velocity of the load.
@@ -175,12 +177,12 @@ impl Model {
     }
 }
 
-/// p'' = gain u - rate p'.
+/// Returns the system p'' = gain u - rate p'.
 pub(crate) fn first_order(gain: f64, rate: f64) -> Continuous {
     Continuous { a: DMatrix::from_row_slice(2, 2, &[0.0, 1.0, 0.0, -rate]), b: DVector::from_vec(vec![0.0, gain]) }
 }
 
-/// p'' = u - 2 z w p' - w^2 p.
+/// Returns the system p'' = u - 2 z w p' - w^2 p.
 pub(crate) fn second_order(omega: f64, damping: f64) -> Continuous {
     let a = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -omega * omega, -2.0 * damping * omega]);
     Continuous { a, b: DVector::from_vec(vec![0.0, 1.0]) }
@@ -197,8 +199,8 @@ mod tests {
         Model { cycle: 1e-3, delay: 0.0, dynamics }
     }
 
-    /// The swing of both masses has the frequency and the damping of the model, friction of the motor included; what is left of its poles
-    /// are a place and the velocity of all of it.
+    /// The oscillation of both masses has the frequency and the damping of the model, including friction of the motor;
+    /// the other poles are the position and the velocity of the whole axis.
     #[test]
     fn two_masses_swing_as_the_model_says() {
         for viscous in [0.0, 2.0] {
@@ -206,7 +208,7 @@ mod tests {
             let swing = poles.iter().find(|pole| pole.im > 1.0).copied().unwrap();
             let omega = core::f64::consts::TAU * 50.0;
             assert!((size(swing) / omega - 1.0).abs() < 0.005, "{viscous}: {swing}");
-            // -re/|s|, to the square of what is small beside the swing.
+            // -re/|s|, accurate to the square of terms that are small relative to the oscillation.
             assert!((-swing.re / size(swing) - 0.05).abs() < 0.001, "{viscous}: {swing}");
             let whole = poles.iter().map(|pole| pole.re).fold(0.0, |sum, re| sum + re) - 2.0 * swing.re;
             assert!((whole + viscous).abs() < 0.1, "{viscous}: {whole}");

@@ -1,10 +1,10 @@
-//! What is seen of an axis while it is excited.
+//! Record of an axis during its excitation.
 //!
-//! Law      `commands[k]` is put out in cycle k, after `positions[k]` was read: without a delay it shows in `positions[k + 1]` first.
-//!          The record begins at rest, with the command before it 0
-//! Reads    commands in parts of the full one, counted positions (inc)
+//! Law      `commands[k]` is output in cycle k, after `positions[k]` was read: without a delay its effect is first in
+//!          `positions[k + 1]`. The record begins at rest, after the command 0
+//! Reads    commands as fractions of full command, counted positions (inc)
 //! Writes   nothing
-//! Refuses  lists of different length, commands that are no numbers within +-1, a cycle beyond its range
+//! Refuses  lists of different lengths, commands that are not within +-1, a cycle time outside its range
 
 use crate::identify::Refusal;
 use crate::model::{Takes, judge};
@@ -13,24 +13,25 @@ use serde::{Deserialize, Serialize};
 /// A record of an excitation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Of the machine (s).
+    /// Cycle time (s).
     pub cycle: f64,
-    /// What the commands are.
+    /// Interface of the drive.
     pub takes: Takes,
-    /// One for each cycle, -1 to 1.
+    /// One command for each cycle, -1 to 1.
     pub commands: Vec<f64>,
-    /// One for each cycle (inc).
+    /// One position for each cycle (inc).
     pub positions: Vec<i64>,
-    /// Efforts that the drive tells, in the unit of the commands; empty where it tells none. Where there are any, they
-    /// count as what acts, and their lag is no part of the delay that is found.
+    /// Efforts that the drive reports, in the unit of the commands; empty if it reports none. If present they are used
+    /// instead of the commands, and their lag is not part of the identified delay.
     pub efforts: Vec<f64>,
 }
 
-/// Shortest record (cycles).
+/// Minimum length of a record (cycles).
 pub(crate) const LEAST_CYCLES: usize = 64;
 
 impl Record {
-    /// For so many cycles, empty. Its memory is touched here, so that no cycle waits for a page of it.
+    /// Creates an empty record for that number of cycles. Its memory is accessed here, so that no cycle waits for a
+    /// memory page.
     pub fn with_capacity(cycle: f64, takes: Takes, cycles: usize) -> Self {
         let (mut commands, mut positions) = (vec![1.0; cycles], vec![1; cycles]);
         commands.clear();
@@ -38,7 +39,7 @@ impl Record {
         Self { cycle, takes, commands, positions, efforts: Vec::new() }
     }
 
-    /// One cycle more.
+    /// Adds one cycle.
     pub fn push(&mut self, command: f64, position: i64) {
         self.commands.push(command);
         self.positions.push(position);
@@ -62,12 +63,12 @@ impl Record {
         Ok(())
     }
 
-    /// What acts on the axis.
+    /// Returns the inputs that act on the axis.
     pub(crate) fn inputs(&self) -> &[f64] {
         if self.takes == Takes::Effort && !self.efforts.is_empty() { &self.efforts } else { &self.commands }
     }
 
-    /// From the first one on (inc).
+    /// Returns the positions relative to the first one (inc).
     pub(crate) fn way(&self) -> Vec<f64> {
         let first = self.positions.first().copied().unwrap_or(0);
         self.positions.iter().map(|&position| position.saturating_sub(first) as f64).collect()

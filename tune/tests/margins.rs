@@ -1,4 +1,4 @@
-//! Margins and poles of loops, against closed forms and against polynomials that are written down here by hand.
+//! Margins and poles of loops, compared with closed forms and with polynomials that are derived here by hand.
 
 use lineshaft_core::regulator::{K_OUT, VELOCITY_GAIN, VelocityMethod};
 use lineshaft_tune::{
@@ -35,7 +35,7 @@ fn power_of_z(n: usize) -> Polynomial {
     power
 }
 
-/// Largest magnitude of a root: eigenvalues of the companion matrix.
+/// Returns the largest magnitude of a root: eigenvalues of the companion matrix.
 fn radius(polynomial: &[f64]) -> f64 {
     let degree = polynomial.len() - 1;
     let leading = polynomial[degree];
@@ -59,7 +59,7 @@ fn value(polynomial: &[f64], z: Complex<f64>) -> Complex<f64> {
     polynomial.iter().rev().fold(Complex::new(0.0, 0.0), |sum, x| sum * z + x)
 }
 
-/// A loop: numerator and denominator of what is open.
+/// An open loop: numerator and denominator.
 struct Open(Polynomial, Polynomial);
 
 impl Open {
@@ -72,7 +72,7 @@ impl Open {
         radius(&plus(&self.0, &self.1))
     }
 
-    /// Phase margin (degrees) and gain margin (dB) by going along the circle in 40000 steps.
+    /// Returns phase margin (degrees) and gain margin (dB), evaluated on the unit circle in 40000 steps.
     fn margins(&self) -> (f64, f64) {
         let (mut phase, mut gain) = (180.0_f64, f64::INFINITY);
         let mut before = self.at(PI * 1e-6);
@@ -95,7 +95,7 @@ impl Open {
     }
 }
 
-/// gain / (s (time s + 1)) behind a hold of `period` and `late` samples.
+/// Returns gain / (s (time s + 1)) with a hold of `period` and `late` samples of delay.
 fn axis(gain: f64, time: f64, period: f64, late: usize) -> Open {
     let p = (-period / time).exp();
     let near = gain * (period - time * (1.0 - p));
@@ -107,7 +107,7 @@ fn chain(law: &Open, axis: &Open) -> Open {
     Open(times(&law.0, &axis.0), times(&law.1, &axis.1))
 }
 
-/// KPROP, KDER, KINT.
+/// Returns the law of KPROP, KDER, KINT.
 fn pid(loops: &Loops) -> Open {
     let PositionLaw::Pid { gains, .. } = loops.position else { panic!("{loops:?}") };
     let [p, d, i] = [gains.proportional, gains.derivative, gains.integral].map(|gain| gain as f64 / K_OUT);
@@ -118,7 +118,7 @@ fn pid(loops: &Loops) -> Open {
     Open(vec![d, -p - 2.0 * d, p + d + i], vec![0.0, -1.0, 1.0])
 }
 
-/// VELKPROP, VELKINT.
+/// Returns the law of VELKPROP, VELKINT.
 fn pi(inner: &Inner) -> Open {
     let p = f64::from(inner.gains.proportional) * VELOCITY_GAIN;
     let i = f64::from(inner.gains.integral) * VELOCITY_GAIN * 1000.0 * CYCLE;
@@ -143,8 +143,8 @@ fn agree(margins: &Margins, open: &Open) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// An integrator behind whole cycles of delay: 2 sin(w/2) = kv T at the crossover, and each sample of delay, with half a one of
-/// the hold, turns the phase by w.
+/// An integrator with a delay of whole cycles: 2 sin(w/2) = kv T at the crossover, and each sample of delay, with half
+/// a sample of the hold, shifts the phase by w.
 #[test]
 fn an_integrator_with_a_delay_has_the_margins_of_its_closed_form() {
     for late in 0..6 {
@@ -167,14 +167,14 @@ fn an_integrator_with_a_delay_has_the_margins_of_its_closed_form() {
             let critical = PI / 2.0 / lag;
             let gain = 20.0 * (2.0 * (critical / 2.0).sin() / (kv * CYCLE)).log10();
             assert!((margins.gain - gain).abs() < 0.01, "{late} {kv}: {} {gain}", margins.gain);
-            // In continuous time, where the crossover is slow beside the cycle: 90 deg - w T.
+            // In continuous time, if the crossover is slow relative to the cycle: 90 deg - w T.
             let continuous = 90.0 - (kv * (delay + CYCLE / 2.0)).to_degrees();
             assert!(kv > 20.0 || (margins.phase - continuous).abs() < 0.1, "{late} {kv}: {continuous}");
         }
     }
 }
 
-/// A part of a cycle counts as such.
+/// A fraction of a cycle shifts the phase by that fraction.
 #[test]
 fn a_delay_of_a_part_of_a_cycle_turns_the_phase_by_that_part() {
     for part in [0.0, 0.1, 0.25, 0.5, 0.9, 1.3, 2.75] {
@@ -193,7 +193,7 @@ fn a_delay_of_a_part_of_a_cycle_turns_the_phase_by_that_part() {
     }
 }
 
-/// Frequency of the swing with a motor that is free, and with one that is held, are the peak and the dip of the response.
+/// The frequency of the oscillation with a free motor is the peak of the response, that with a held motor is the dip.
 #[test]
 fn a_resonance_peaks_where_it_is() {
     let resonance = Some(Resonance { frequency: 60.0, damping: 0.02, inertia_ratio: 3.0 });
@@ -208,7 +208,7 @@ fn a_resonance_peaks_where_it_is() {
     assert!((dip.frequency - 30.0).abs() < 0.3, "{}", dip.frequency);
 }
 
-/// The same model, slower or faster sampled, and targets that are given.
+/// The same model with slower or faster sampling, and with given targets.
 #[test]
 fn targets_are_met_as_they_are_given() {
     let dynamics = Dynamics::Velocity { gain: 1e5, time_constant: 0.01, offset: 0.0 };
@@ -221,7 +221,7 @@ fn targets_are_met_as_they_are_given() {
             let PositionLaw::Proportional { kv } = found.loops.position else { panic!() };
             assert!(found.position.phase >= phase_margin && found.position.gain >= 10.0, "{found:?}");
             assert!(kv < stiffest, "more margin is less gain: {kv} {stiffest}");
-            // No more than it has to: one of both is near.
+            // Not more than necessary: one of both is near its target.
             assert!(found.position.phase < phase_margin + 3.0 || found.position.gain < 10.5, "{found:?}");
             stiffest = kv;
         }
@@ -264,7 +264,7 @@ fn what_cannot_be_designed_is_refused() {
         said(model(velocity), wish_of_load),
         "inertia_ratio is 5 times the motor's; 0 to 0 times the motor's is permitted"
     );
-    // A KPROP of 1 is too much already.
+    // A KPROP of 1 is already too large.
     let wild = Dynamics::Velocity { gain: 1e9, time_constant: 0.01, offset: 0.0 };
     assert!(matches!(
         design(&model(wild), &wish(Law::Pid { timer: 1 }, None, 1e9)),
@@ -275,13 +275,14 @@ fn what_cannot_be_designed_is_refused() {
 fn designed(model: &Model, wish: &Wish) -> Option<Design> {
     match design(model, wish) {
         Ok(found) => Some(found),
-        // Integer gains do not suit each axis.
+        // Integer gains do not suit every axis.
         Err(DesignError::Unreachable { .. }) => None,
         Err(error) => panic!("{error}"),
     }
 }
 
-/// Open velocity loop and open position loop of kv above it, the velocity by the difference of two samples.
+/// Returns the open velocity loop and the open position loop with kv around it; the velocity is the difference of two
+/// samples.
 fn cascade(loops: &Loops, acceleration: f64, viscous: f64, late: usize) -> (Open, Open) {
     let (most, inner) = (loops.max_velocity, loops.velocity.expect("a velocity loop"));
     let PositionLaw::Proportional { kv } = loops.position else { panic!("{loops:?}") };
@@ -293,14 +294,14 @@ fn cascade(loops: &Loops, acceleration: f64, viscous: f64, late: usize) -> (Open
     let law = pi(&inner);
     let numerator: Polynomial = times(&law.0, &axis.0).iter().map(|x| x * scale).collect();
     let inner_loop = Open(numerator, times(&law.1, &seen));
-    // Closed, to the position: law axis / (1 + law axis (z - 1) / (z T most)), without what stands twice.
+    // Closed, to the position: law axis / (1 + law axis (z - 1) / (z T most)), without common factors.
     let closed = plus(&inner_loop.0, &inner_loop.1);
     let forward = times(&times(&law.0, &axis.0), &[0.0, 1.0]);
     let scaled: Polynomial = forward.iter().map(|x| x * kv / most).collect();
     (inner_loop, Open(scaled, times(&closed, &[-1.0, 1.0])))
 }
 
-/// Between two values, each order of magnitude as often.
+/// Values between two limits, with a uniform logarithm.
 fn spread(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (libm::log(low)..libm::log(high)).prop_map(libm::exp)
 }
@@ -362,15 +363,15 @@ proptest! {
             agree(&found.position, &outer_loop)?;
         }
     }
-    /// With the ratio of inertias each regime has them: the whole inertia, and the motor alone with none and with all of the friction. And a
-    /// coupling that swings with a damping of 0.02 or more stays stable, however stiff it is.
+    /// With the ratio of inertias each regime keeps them: the whole inertia, and the motor alone with none and with all
+    /// of the friction. A coupling that oscillates with a damping of 0.02 or more stays stable at any stiffness.
     #[test]
     fn a_cascade_with_a_ratio_keeps_its_margins_in_each_regime(
         acceleration in spread(1e6, 1e8), viscous in spread(0.1, 10.0), late in 0_usize..3, ratio in spread(0.5, 30.0),
     ) {
         let dynamics = Dynamics::Effort { acceleration, viscous, coulomb: 0.0, load: 0.0, resonance: None };
         let model = Model { cycle: CYCLE, delay: late as f64 * CYCLE, dynamics };
-        // One unit of VELKPROP is a small part of what the motor alone takes.
+        // One unit of VELKPROP is a small part of the permitted gain of the motor alone.
         let most = acceleration * (1.0 + ratio) * 0.05;
         let wish = Wish { inertia_ratio: ratio, ..wish(Law::Proportional, Some(VelocityMethod::Difference), most) };
         if let Some(found) = designed(&model, &wish) {

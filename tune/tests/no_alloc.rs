@@ -1,4 +1,4 @@
-//! An excitation runs in a cycle: it takes no memory and gives none back, in any of its phases.
+//! An excitation runs in a cycle: it neither allocates nor frees memory in any of its phases.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft_tune::{Drive, Excitation, Permitted, Takes};
@@ -27,7 +27,7 @@ fn an_excitation_takes_no_memory() {
         };
         let mut excitation = Excitation::new(permitted).unwrap();
         let (mut place, mut velocity, mut cycles) = (0.0, 0.0, 0_u32);
-        // An axis without inertia: its velocity is the command beyond its friction.
+        // An axis without inertia: its velocity is the command minus its friction.
         let end = loop {
             let drive = assert_no_alloc(|| {
                 let _ = excitation.progress();

@@ -1,11 +1,12 @@
-//! The drives of a machine: that of each axis that has one, in file order, and behind them the second ones of axes with two.
+//! Drives of a machine: the drive of each axis that has one, in file order, followed by the second drives of gantry
+//! axes.
 
 use super::{AxisConfig, ConfigError, GantryProblem, MachineConfig};
 use crate::axis::{MAX_DELAY, Source};
 use crate::drive::{Backend, Capabilities, Interface};
 use crate::gantry::{Gantry, GantrySetup};
 
-/// Does the drive of an axis offer what the axis asks of it?
+/// Checks that the drive of an axis has the capabilities that the axis needs.
 pub(super) fn check_drive(axis: &AxisConfig, offers: &Capabilities) -> Result<(), ConfigError> {
     let name = || axis.name.clone();
     if offers.delay > MAX_DELAY {
@@ -21,7 +22,7 @@ pub(super) fn check_drive(axis: &AxisConfig, offers: &Capabilities) -> Result<()
     Ok(())
 }
 
-/// Can the second drive of an axis carry it with the first?
+/// Checks that the second drive of an axis can form a gantry with the first.
 pub(super) fn check_gantry(axis: &AxisConfig, offers: &Capabilities) -> Result<(), ConfigError> {
     let problem = match axis.drive {
         None => GantryProblem::NoFirst,
@@ -33,13 +34,14 @@ pub(super) fn check_gantry(axis: &AxisConfig, offers: &Capabilities) -> Result<(
 }
 
 impl MachineConfig {
-    /// Does each drive hang on one of these backends, which offers what the cell says of it? To be asked before they start.
+    /// Checks that each drive belongs to exactly one of these backends, with the capabilities of the cell. Call it
+    /// before they start.
     ///
     /// # Errors
-    /// The first drive that nobody serves, or another one than the cell describes.
+    /// The first drive without a backend, or with other capabilities than the cell describes.
     pub fn check_backends(&self, backends: &[&dyn Backend]) -> Result<(), ConfigError> {
         for (place, (_, axis, expected)) in self.drives().enumerate() {
-            // What it is given are outputs, whose backend nobody asks.
+            // Its signals are outputs; it has no backend of its own.
             if axis.analog.is_some() {
                 continue;
             }
@@ -55,17 +57,17 @@ impl MachineConfig {
         Ok(())
     }
 
-    /// How many drives there are: that of each axis that has one, in file order, and behind them the second ones.
+    /// Returns the number of drives: the first drives of all axes in file order, then the second ones.
     pub fn count_drives(&self) -> usize {
         self.count_driven() + self.axes.iter().filter(|axis| axis.second.is_some()).count()
     }
 
-    /// How many axes have a drive.
+    /// Returns the number of axes with a drive.
     pub(super) fn count_driven(&self) -> usize {
         self.axes.iter().filter(|axis| axis.drive.is_some()).count()
     }
 
-    /// The axes of the drives with what these offer, in the order of the drives.
+    /// Returns the axes of the drives with their capabilities, in the order of the drives.
     pub fn drives(&self) -> impl Iterator<Item = (u16, &AxisConfig, Capabilities)> {
         let of = |offers: fn(&AxisConfig) -> Option<Capabilities>| {
             (0..).zip(&self.axes).filter_map(move |(index, axis)| Some((index, axis, offers(axis)?)))
@@ -73,13 +75,13 @@ impl MachineConfig {
         of(|axis| axis.drive).chain(of(|axis| axis.second))
     }
 
-    /// The place of the second drive of an axis among the drives; none where it has one drive alone.
+    /// Returns the index of the second drive of an axis; `None` for an axis with one drive.
     pub fn second_drive(&self, axis: u16) -> Option<usize> {
         let behind = |(_, (index, ..)): &(usize, (u16, &AxisConfig, Capabilities))| *index == axis;
         self.drives().enumerate().skip(self.count_driven()).find(behind).map(|(place, _)| place)
     }
 
-    /// The axes with two drives, in file order.
+    /// Returns the axes with two drives, in file order.
     pub(crate) fn gantries(&self) -> Vec<Gantry> {
         let first = |of: u16| self.drives().position(|(index, ..)| index == of);
         let seconds = self.drives().enumerate().skip(self.count_driven());

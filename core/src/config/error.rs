@@ -1,4 +1,4 @@
-//! Why a machine cannot be made.
+//! Errors of the configuration of a machine.
 
 use super::{SlotProblem, SumProblem, names_no_io};
 use crate::axis::MAX_DELAY;
@@ -7,265 +7,265 @@ use crate::drive::Interface;
 use crate::parameter::{Applies, VirtualMasterProblem};
 use crate::table::PitchError;
 
-/// Why a machine cannot be made.
+/// Error of the configuration of a machine.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConfigError {
-    /// The cycle's length.
+    /// Cycle time out of range.
     #[error("cycle is {0} ns; 125000 ns to 20000000 ns is allowed")]
     Cycle(u64),
-    /// Too many of something.
+    /// Too many objects of a kind.
     #[error("{count} {what}; at most {most} are possible")]
     TooMany {
-        /// Of what.
+        /// Kind of object.
         what: &'static str,
-        /// How many there are.
+        /// Number of objects.
         count: usize,
-        /// How many are possible.
+        /// Maximum number.
         most: usize,
     },
-    /// Parameters of the virtual master.
+    /// Invalid parameters of the virtual master.
     #[error("machine: {0}")]
     VirtualMaster(VirtualMasterProblem),
-    /// A drive's delay.
+    /// Invalid delay of a drive.
     #[error("drive of {axis}: delay is {delay} cycles; at most {MAX_DELAY} are possible")]
     Delay {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// How long.
+        /// The delay.
         delay: u32,
     },
-    /// A way to command a drive that its backend does not have.
+    /// An interface that the backend of the drive does not offer.
     #[error("drive of {axis}: interface is {}, which its backend does not offer", interface.name())]
     NotOffered {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// What is asked for.
+        /// Requested interface.
         interface: Interface,
     },
-    /// A drive that is to home by itself.
+    /// Homing by a drive that does not offer it.
     #[error("drive of {axis}: homing.in_drive is true, and its backend offers no homing")]
     HomesNot {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
     },
-    /// Two drives that cannot carry one axis.
+    /// Two drives that cannot form a gantry.
     #[error("drives of {axis}: {problem}")]
     Gantry {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// Why not.
+        /// Reason.
         problem: GantryProblem,
     },
     /// A drive without a backend.
     #[error("drive of {axis}: no backend serves it")]
     NotServed {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
     },
     /// A drive of two backends.
     #[error("drive of {axis}: two backends serve it")]
     ServedTwice {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
     },
-    /// A drive that is another one than its cell describes.
+    /// A drive that differs from the description of the cell.
     #[error("drive of {axis}: its backend offers something else than the cell was read for")]
     OtherDrive {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
     },
-    /// An output of an open-loop axis.
+    /// Invalid output of an open-loop axis.
     #[error("{axis}: {key} is wired to entry {entry} of io, which is no {kind}")]
     Output {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// Which one.
+        /// Key of the output.
         key: &'static str,
-        /// To what.
+        /// Index in section `io`.
         entry: u16,
-        /// What it must be.
+        /// Required kind.
         kind: &'static str,
     },
-    /// A drive that is given a voltage.
+    /// Invalid drive with voltage interface.
     #[error("drive of {axis}: {problem}")]
     Analog {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// What is wrong with it.
+        /// Reason.
         problem: AnalogProblem,
     },
-    /// A contact of section safety.
+    /// Invalid contact of section safety.
     #[error("safety: {key} is digital input {place} (from 0), which does not exist")]
     Contact {
-        /// Which one.
+        /// Key of the contact.
         key: &'static str,
-        /// To what.
+        /// Index of the input.
         place: u32,
     },
-    /// A contact of section safety that the machine itself would work.
+    /// A contact of section safety that reads an output of the machine.
     #[error("safety: {key} is digital input {place} (from 0), which reads an output of the machine itself")]
     VirtualContact {
-        /// Which one.
+        /// Key of the contact.
         key: &'static str,
-        /// To what.
+        /// Index of the input.
         place: u32,
     },
-    /// An input that is to read an output.
+    /// Invalid input that is to read an output.
     #[error("digital input {input} of {count} is to read entry {output} of io; one of them and a do are expected")]
     VirtualInput {
-        /// Which one, from 1.
+        /// Number of the input, from 1.
         input: usize,
-        /// How many there are.
+        /// Number of digital inputs.
         count: usize,
-        /// What it is to read.
+        /// Index of the output to read.
         output: u16,
     },
-    /// An output that two of an axis' own would switch.
+    /// An output with two functions of the same axis.
     #[error("{axis}: {key} is wired to entry {entry} of io, which something else switches")]
     OutputTwice {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// What is wired to it.
+        /// Key of the second function.
         key: &'static str,
-        /// Which one.
+        /// Index in section `io`.
         entry: u16,
     },
-    /// A number of an input or output that is not there.
+    /// A number of an input or output that does not exist.
     #[error("{}{}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")), names_no_io(key, &number.to_string(), *is_output, &count.to_string()))]
     NoSuchIo {
-        /// Whose; none for the machine.
+        /// Name of the axis; `None` for the machine.
         axis: Option<String>,
-        /// The parameter.
+        /// Key of the parameter.
         key: &'static str,
         /// Its value.
         number: i64,
         /// Whether the number names an output.
         is_output: bool,
-        /// How many there are.
+        /// Number of existing inputs or outputs.
         count: usize,
     },
     /// An output with two functions.
     #[error("{}{key} names output {number}, which has another function already", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")))]
     OutputShared {
-        /// Whose; none for the machine.
+        /// Name of the axis; `None` for the machine.
         axis: Option<String>,
-        /// The parameter.
+        /// Key of the parameter.
         key: &'static str,
-        /// The output.
+        /// Number of the output.
         number: i64,
     },
-    /// A parameter of the reference selector.
+    /// Invalid parameter of the reference selector.
     #[error("{axis}: {key} has a value that the rest of the axis does not allow")]
     Selector {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// Which.
+        /// Key of the parameter.
         key: &'static str,
     },
-    /// Masters of reference selectors.
+    /// A loop in the masters of reference selectors.
     #[error("{axis}: its reference selector would follow itself, directly or through others")]
     MasterLoop {
-        /// One of the loop.
+        /// Name of an axis in the loop.
         axis: String,
     },
-    /// A parameter that follows from others.
+    /// A parameter that is derived from others.
     #[error("{axis}: {key} follows from others and leaves its range")]
     Derived {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// Which.
+        /// Key of the parameter.
         key: &'static str,
     },
-    /// A parameter that asks for something that does not exist.
+    /// A parameter that requires an object that does not exist.
     #[error("{axis}: {key} {}", not_built_here(*code))]
     NotBuilt {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// Which.
+        /// Key of the parameter.
         key: &'static str,
-        /// What does not exist.
+        /// Code of the missing object.
         code: Code,
     },
-    /// The pitch error of an axis.
+    /// Invalid pitch error of an axis.
     #[error("pitch_error of {axis}: {problem}")]
     Pitch {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// What is wrong with it.
+        /// Reason.
         problem: PitchProblem,
     },
-    /// A function slot.
+    /// Invalid function slot.
     #[error("{slot}: {problem}")]
     Slot {
-        /// Whose.
+        /// Name of the slot.
         slot: String,
-        /// What is wrong with it.
+        /// Reason.
         problem: SlotProblem,
     },
-    /// A master of several.
+    /// Invalid master that combines several leaders.
     #[error("{master}: {problem}")]
     Master {
-        /// Whose.
+        /// Name of the master.
         master: String,
-        /// What is wrong with it.
+        /// Reason.
         problem: SumProblem,
     },
-    /// Two parameters of an axis.
+    /// Two parameters of an axis that contradict each other.
     #[error("{axis}: {low} exceeds {high}")]
     Contradiction {
-        /// Whose.
+        /// Name of the axis.
         axis: String,
-        /// The one that must not be above the other.
+        /// Parameter that must not exceed the other one.
         low: &'static str,
-        /// The other one.
+        /// The other parameter.
         high: &'static str,
     },
 }
 
-/// Why an axis cannot have a pitch error.
+/// Reason why an axis cannot have a pitch error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PitchProblem {
-    /// No drive is led to its positions.
+    /// The axis has no drive that follows a position.
     #[error("it is for {}", Applies::Positioned.text())]
     Interface,
-    /// There is no such table.
+    /// The table does not exist.
     #[error("it is entry {0} of tables (from 0), which does not exist")]
     Table(u16),
-    /// The points of the table.
+    /// The points of the table are invalid.
     #[error("{0}")]
     Points(PitchError),
 }
 
-/// Why two drives cannot carry one axis.
+/// Reason why two drives cannot form a gantry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GantryProblem {
-    /// There is a second drive and no first one.
+    /// There is a second drive but no first one.
     #[error("the second one has no first one")]
     NoFirst,
-    /// An interface that two drives do not share.
+    /// Two drives cannot share this interface.
     #[error("interface is {}; two drives of one axis have interface position", .0.name())]
     Interface(Interface),
-    /// They would be asked for the same at different times.
+    /// The drives would execute a command at different times.
     #[error("the first one has a delay of {0} cycles, the second one of {1}; the same delay is expected")]
     Delays(u32, u32),
 }
 
-/// Why a drive cannot be given a voltage so.
+/// Reason why a drive cannot have a voltage interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AnalogProblem {
-    /// None, or two.
+    /// The axis has no drive, or two.
     #[error("one drive alone is given a voltage; the axis has none, or two")]
     Drives,
-    /// An interface that no voltage is for.
+    /// An interface for which no voltage is defined.
     #[error("interface is {}; a drive that is given a voltage has velocity or torque", .0.name())]
     Interface(Interface),
-    /// What it does at 10 V.
+    /// Missing or invalid velocity or torque at 10 V.
     #[error("what it does at 10 V is no number above 0")]
     Full,
-    /// Time of its enable (ms).
+    /// Invalid time of its enable (ms).
     #[error("its enable takes {0} ms; 0 to 4000 ms are expected")]
     Time(u64),
-    /// An output of the machine.
+    /// Ready input that reads an output of the machine.
     #[error("ready reads an output of the machine itself; an input with a terminal is expected")]
     Ready,
 }

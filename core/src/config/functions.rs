@@ -1,45 +1,46 @@
-//! Functions of digital outputs: who switches which.
+//! Functions of digital outputs: the owner of each output.
 //!
-//! Law      one output has one function: a brake that something else opens holds nothing. Several axes may share the output of
-//!          one and the same parameter, of the same sign; those that tell a drive the sign of its reference are of one drive
+//! Law      each output has one function: a brake that another function can open is not safe. Several axes may share an
+//!          output through the same parameter with the same sign; outputs for the sign of the reference of a drive
+//!          belong to one drive
 //! Source   MACS-IO-04, MACS-IO-06, MACS-IO-07, MACS-DIR-08, MACS-DIR-09
 
 use super::{ConfigError, IoKind, MachineConfig};
 use crate::object::Object;
 use crate::parameter::{AxisParameters, MACHINE, Polarity};
 
-/// Outputs that parameters can name are below that: O_* to 8, REVERS to 10.
+/// Upper bound of the output numbers in parameters: O_* up to 8, REVERS up to 10.
 const OUTPUTS: usize = 16;
-/// Functions of outputs that an axis has at most.
+/// Maximum functions of outputs per axis.
 const FUNCTIONS: usize = 4;
 
-/// A parameter that names an output, and its number; 0 names none.
+/// Key of a parameter that names an output, and the number of the output; 0: none.
 pub type Function = (&'static str, i64);
 
-/// What switches an output.
+/// Owner of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Switcher {
-    /// A parameter: of that axis, or of [`MACHINE`].
+    /// A parameter of that axis, or of [`MACHINE`].
     Parameter(u16, Function),
-    /// The axis by itself: its brake, what `wf` switches.
+    /// The axis directly: its brake, or an output of `wf`.
     Axis(u16),
-    /// A function slot, by its place.
+    /// A function slot, by its index.
     Slot(u16),
 }
 
 /// An output that would have two functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OutputShared {
-    /// Place of the axis, or [`MACHINE`].
+    /// Index of the axis, or [`MACHINE`].
     pub axis: u16,
-    /// The parameter that names the output, and its value.
+    /// Parameter that names the output, and its value.
     pub function: Function,
-    /// What switches it already.
+    /// Present owner of the output.
     pub other: Switcher,
 }
 
 impl AxisParameters {
-    /// The functions that it gives to digital outputs.
+    /// Returns the functions that the parameters give to digital outputs.
     pub fn output_functions(&self) -> [Function; FUNCTIONS] {
         let (first, second) = match self.reversing().polarity {
             Polarity::Bipolar => (0, 0),
@@ -51,12 +52,12 @@ impl AxisParameters {
 }
 
 impl MachineConfig {
-    /// Has each output one function, with these parameters of the axes (by their places) and this O_ERROR? Who has a
-    /// new one, of the axes and [`MACHINE`], comes last, so that it is told and not the axis that had its output
-    /// before.
+    /// Checks that each output has one function, for these parameters of the axes (by index) and this O_ERROR. Axes
+    /// with new parameters, and a new [`MACHINE`], are checked last, so that the error names them instead of the
+    /// present owner of the output.
     ///
     /// # Errors
-    /// The first output that would have two.
+    /// The first output that would have two functions.
     pub fn check_functions(
         &self,
         o_error: i64,
@@ -99,7 +100,7 @@ impl MachineConfig {
         Ok(())
     }
 
-    /// Have its outputs one function each, at the start and with what was saved?
+    /// Checks that its outputs have one function each, with the parameters of the cell and with the saved ones.
     pub(super) fn check_outputs_once(&self) -> Result<(), ConfigError> {
         let now = self.check_functions(
             self.global.parameters.o_error,

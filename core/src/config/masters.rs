@@ -1,20 +1,20 @@
-//! Masters of several, and which axes lead through what.
+//! Masters that combine several leaders, and the leader relations of axes.
 //!
-//! Law      a master's members are simple leaders and other masters; what it adds up are the simple ones of all of them
-//! Refuses  nothing to add up, members that do not exist or stand twice, masters that read each other in a loop, more members than there
-//!          is room for; axes whose selectors would follow themselves
+//! Law      the members of a master are simple leaders and other masters; it adds up the simple ones of all of them
+//! Refuses  a master without members, members that do not exist or are listed twice, masters that read each other in a
+//!          loop, more members than there is room for; axes whose selectors would follow themselves
 //! Source   contract section 10, PLCopen (MC_CombineAxes)
 
 use super::{ConfigError, MachineConfig, SourceConfig};
 use crate::object::{AxisSet, Leader};
 use crate::sync::{MOST_TERMS, Sum};
 
-/// How names of signals of the virtual master begin.
+/// Prefix of the names of signals of the virtual master.
 const OF_VIRTUAL: &str = "machine.vmaster.";
 
-/// Most entries of `masters`.
+/// Maximum entries of `masters`.
 pub const MAX_MASTERS: usize = 64;
-/// Most members of one of them.
+/// Maximum members per entry.
 pub const MAX_MEMBERS: usize = 16;
 
 /// An entry of `masters`.
@@ -22,47 +22,47 @@ pub const MAX_MEMBERS: usize = 16;
 pub struct SumConfig {
     /// Name.
     pub name: String,
-    /// What is added.
+    /// Members that are added.
     pub add: Vec<Leader>,
-    /// What is subtracted.
+    /// Members that are subtracted.
     pub subtract: Vec<Leader>,
 }
 
 impl SumConfig {
-    /// Its members, with what is added first; true of those.
+    /// Returns the members, added ones first; true for those that are added.
     pub fn members(&self) -> impl Iterator<Item = (Leader, bool)> {
         let added = self.add.iter().map(|member| (*member, true));
         added.chain(self.subtract.iter().map(|member| (*member, false)))
     }
 }
 
-/// Why a master cannot be what it says.
+/// Error of a master.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SumProblem {
     /// No members.
     #[error("it adds up nothing")]
     Empty,
-    /// Too many of its own.
+    /// Too many members.
     #[error("it has {0} members; at most {MAX_MEMBERS} are possible")]
     Members(usize),
-    /// Too many, through others.
+    /// Too many simple leaders, including those of other masters.
     #[error("it has more than {MOST_TERMS} leaders, itself and through other masters")]
     Leaders,
-    /// Something that does not exist, or that nobody else may follow.
+    /// A member that does not exist, or that must not be followed.
     #[error("a member is nothing that it can follow")]
     Place,
-    /// One that stands twice.
+    /// A member that is listed twice.
     #[error("a member stands in it twice")]
     Twice,
-    /// Itself.
+    /// A loop of masters.
     #[error("it is a member of itself, directly or through others")]
     Loop,
 }
 
-/// What the masters add up, as far as it can be told: none of one in a loop, or behind one.
+/// Returns the sums of the masters; `None` for a master in a loop, or with a member in a loop.
 pub fn sums(masters: &[SumConfig]) -> Vec<Option<Sum>> {
     let mut sums: Vec<Option<Sum>> = vec![None; masters.len()];
-    // Each turn tells at least one more, or nothing is left but loops.
+    // Each pass resolves at least one more master, unless only loops are left.
     for _ in masters {
         for (place, master) in masters.iter().enumerate() {
             if sums.get(place).is_some_and(Option::is_none) {
@@ -84,12 +84,12 @@ fn sum(master: &SumConfig, told: &[Option<Sum>]) -> Option<Sum> {
 }
 
 impl MachineConfig {
-    /// What its masters add up.
+    /// Returns the sums of the masters.
     pub(crate) fn sums(&self) -> Vec<Sum> {
         sums(&self.masters).into_iter().map(Option::unwrap_or_default).collect()
     }
 
-    /// Are the masters what they say?
+    /// Checks the masters.
     pub(super) fn check_sums(&self) -> Result<(), ConfigError> {
         for (master, sum) in self.masters.iter().zip(sums(&self.masters)) {
             self.check_sum(master, sum.as_ref())
@@ -119,7 +119,7 @@ impl MachineConfig {
         }
     }
 
-    /// Is there such a leader, and has it a name?
+    /// Returns true if the leader exists and has a name.
     fn is_leader(&self, leader: Leader) -> bool {
         let (place, count) = match leader {
             Leader::AxisCommand(place) | Leader::AxisActual(place) => (place, self.axes.len()),
@@ -132,22 +132,22 @@ impl MachineConfig {
         usize::from(place) < count
     }
 
-    /// The axes whose commands a leader reads, itself or through sinks and other masters: they move before its followers, and none of
-    /// these may lead them in turn. Whom the virtual master follows is no matter of the cell.
+    /// Returns the axes whose commands a leader reads, directly or through sinks and other masters: they move before
+    /// its followers, and must not follow them. The leader of the virtual master is not part of the cell.
     pub fn commanded(&self, leader: Leader) -> AxisSet {
         let axis = |leader| if let Leader::AxisCommand(axis) = leader { Some(axis) } else { None };
         self.read_by(leader).into_iter().filter_map(axis).collect()
     }
 
-    /// Does a leader read the virtual master, itself or through sinks and other masters?
+    /// Returns true if a leader reads the virtual master, directly or through sinks and other masters.
     pub(crate) fn reads_virtual(&self, leader: Leader) -> bool {
         self.read_by(leader).contains(&Leader::Virtual)
     }
 
-    /// A leader and those that it reads, itself or through sinks and other masters.
+    /// Returns a leader and those that it reads, directly or through sinks and other masters.
     fn read_by(&self, leader: Leader) -> Vec<Leader> {
         let (mut reached, mut next) = (vec![leader], 0);
-        // Each leader is looked at once: what reads itself in a circle ends, too.
+        // Each leader is visited once, so that a loop ends, too.
         while let Some(leader) = reached.get(next).copied() {
             next += 1;
             let mut reach = |leader| {
@@ -175,7 +175,7 @@ impl MachineConfig {
         reached
     }
 
-    /// A vocabulary may couple its axis at any time: no chain of masters may close.
+    /// A vocabulary may couple its axis at any time: a chain of masters must not be a loop.
     pub(super) fn check_masters(&self) -> Result<(), ConfigError> {
         let master = |axis: &super::AxisConfig| axis.vocabularies.master().map(|leader| self.commanded(leader));
         let leaders: Vec<AxisSet> = self.axes.iter().map(|axis| master(axis).unwrap_or_default()).collect();
@@ -217,7 +217,7 @@ mod tests {
         }
     }
 
-    /// Leaders that are read in one scale have it together.
+    /// A sum has the common scale of its members.
     #[test]
     fn a_sum_has_the_scale_of_its_members() {
         let sum = Leader::Sum;
@@ -233,7 +233,7 @@ mod tests {
         config.axes[usize::from(LINE)].scale = Scale::new(crate::unit::Fraction::from(7), per).expect("a scale");
         assert_eq!([0, 1].map(|place| config.scale_of(sum(place))), [scale, Scale::increments()]);
         assert_eq!(config.scale_of(sum(9)), Scale::increments());
-        // Nobody has checked it: it ends all the same.
+        // The config is not checked here: the search ends all the same.
         config.masters[0].add.push(sum(1));
         assert_eq!(config.scale_of(sum(1)), Scale::increments());
     }
@@ -258,11 +258,11 @@ mod tests {
         assert_eq!(problem(vec![master(&[BELT], &[BELT])]), Some(SumProblem::Twice));
         assert_eq!(problem(vec![master(&[sum(0)], &[])]), Some(SumProblem::Loop));
         assert_eq!(problem(vec![master(&[sum(1)], &[]), master(&[BELT], &[sum(0)])]), Some(SumProblem::Loop));
-        // Behind each other in any order of the file.
+        // Masters may refer to each other in any order of the file.
         assert_eq!(problem(vec![master(&[sum(1)], &[]), master(&[sum(2)], &[]), master(&[BELT], &[])]), None);
     }
 
-    /// The n-th one has 2^n leaders: 64 are as many as there may be.
+    /// The n-th master has 2^n leaders: 64 are the maximum.
     #[test]
     fn members_are_counted() {
         let doubles = |count: u16| -> Vec<SumConfig> {

@@ -3,29 +3,29 @@
 use super::{ConfigError, IoKind, MachineConfig};
 use crate::parameter::{AxisParameters, MachineParameters};
 
-/// How many digital inputs and outputs there are, for the parameters that name them by number from 1.
+/// Numbers of digital inputs and outputs, for parameters that name them by number from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IoCounts {
     inputs: usize,
     outputs: usize,
 }
 
-/// A number of an input or output that is not there.
+/// Error: a number of an input or output that does not exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoSuchIo {
-    /// The parameter that names it.
+    /// Parameter that names it.
     pub key: &'static str,
     /// Its value.
     pub number: i64,
-    /// Is it an output?
+    /// Whether it is an output.
     pub is_output: bool,
-    /// How many there are.
+    /// Number of existing ones.
     pub count: usize,
 }
 
-/// Why a number names no input, or output: `o_error is 8; the cell has 2 digital outputs`.
+/// Returns the error text of a number that names no input or output: `o_error is 8; the cell has 2 digital outputs`.
 pub fn names_no_io(key: &str, number: &str, outputs: bool, count: &str) -> String {
-    // What they need stands in their tens.
+    // The number is in the tens digits of these values.
     let is = match key {
         "revers" => "needs output",
         "vmencmtyp" => "needs input",
@@ -34,7 +34,7 @@ pub fn names_no_io(key: &str, number: &str, outputs: bool, count: &str) -> Strin
     format!("{key} {is} {number}; {}", cell_has(outputs, count))
 }
 
-/// How many digital inputs, or outputs, the cell has.
+/// Returns the text about the number of digital inputs or outputs of the cell.
 fn cell_has(outputs: bool, count: &str) -> String {
     let what = if outputs { "output" } else { "input" };
     format!("the cell has {count} digital {what}{}", if count == "1" { "" } else { "s" })
@@ -48,12 +48,12 @@ impl NoSuchIo {
 }
 
 impl IoCounts {
-    /// So many digital inputs and outputs.
+    /// Creates the counts.
     pub fn new(inputs: usize, outputs: usize) -> Self {
         Self { inputs, outputs }
     }
 
-    /// Of a machine.
+    /// Returns the counts of a machine.
     pub fn of(config: &MachineConfig) -> Self {
         Self { inputs: config.count_io(IoKind::DigitalInput), outputs: config.count_io(IoKind::DigitalOutput) }
     }
@@ -66,10 +66,10 @@ impl IoCounts {
         })
     }
 
-    /// Are those there that an axis names?
+    /// Checks that the inputs and outputs of an axis exist.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first one that does not exist.
     pub fn check_axis(self, parameters: &AxisParameters) -> Result<(), NoSuchIo> {
         let (inputs, outputs) = (parameters.assigned, parameters.outputs);
         self.check(&[
@@ -83,10 +83,10 @@ impl IoCounts {
         ])
     }
 
-    /// Are those there that the machine names?
+    /// Checks that the inputs and outputs of the machine exist.
     ///
     /// # Errors
-    /// The first that is not.
+    /// The first one that does not exist.
     pub fn check_machine(self, parameters: &MachineParameters) -> Result<(), NoSuchIo> {
         self.check(&[
             ("i_break", parameters.i_break, false),

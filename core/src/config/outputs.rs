@@ -1,13 +1,13 @@
-//! Outputs that axes switch by themselves: those of their brakes, of motors in open loop, of drives without a bus.
+//! Outputs that axes control directly: brakes, motors in open loop, drives without a bus.
 //!
-//! Law      each is of its kind, and of one axis
+//! Law      each output has the required kind, and belongs to one axis
 //! Source   contract section 3
 
 use super::{AnalogProblem, AxisConfig, ConfigError, IoKind, MachineConfig};
 use crate::drive::{AnalogWiring, FULL_VOLTS, Interface, LONGEST_ENABLE_NS, SpeedOutputs};
 
 impl MachineConfig {
-    /// Are the inputs and outputs of an axis of the right kind, and its own alone?
+    /// Checks that the inputs and outputs of an axis have the required kind, and that its outputs belong to it alone.
     pub(super) fn check_outputs(&self, axis: &AxisConfig) -> Result<(), ConfigError> {
         let name = || axis.name.clone();
         let (input, digital) = ((IoKind::DigitalInput, "di"), (IoKind::DigitalOutput, "do"));
@@ -59,13 +59,13 @@ impl MachineConfig {
         Ok(())
     }
 
-    /// Returns the full scale of an analog input or output by its place in section `io` (V): its range is that to either side.
+    /// Returns the full scale of an analog input or output by its index in section `io` (V), in both directions.
     pub fn full_scale(&self, entry: u16) -> f64 {
         let given = self.global.full_scales.iter().find(|given| given.entry == entry);
         given.map_or(FULL_VOLTS, |given| given.volts)
     }
 
-    /// The axis that switches an output by itself, so that nobody else may; by its place in section `io`.
+    /// Returns the axis that controls an output directly, and therefore exclusively; by the index in section `io`.
     pub fn owner_of_output(&self, entry: u16) -> Option<u16> {
         let owns = |axis: &AxisConfig| axis.own_outputs().contains(&Some(entry));
         self.axes.iter().position(owns).map(|index| index as u16)

@@ -1,7 +1,8 @@
-//! Function slots and tables of a machine: what each is wired to, by places in the sections.
+//! Function slots and tables of a machine: the connections of each slot, by indices in the sections.
 //!
-//! Law      slots stand by their numbers, ascending; everything in core counts places in that list
-//! Refuses  what a type has not, places that do not exist, two writers of one object, values beyond their fields
+//! Law      slots are in ascending order of their numbers; the core uses indices in that list
+//! Refuses  connections that a type does not have, indices that do not exist, two writers of one object, values outside
+//!          their fields
 //! Source   contract section 10
 
 use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
@@ -17,11 +18,11 @@ use crate::unit::{Dimension, Quantity, Scale};
 use lineshaft_program::Module;
 use std::sync::Arc;
 
-/// Most slots of one machine.
+/// Maximum slots of one machine.
 pub const MAX_SLOTS: usize = 256;
-/// Most cycles of the machine between two calls of a slot.
+/// Maximum cycles of the machine between two calls of a slot.
 pub const MAX_FACTOR: u32 = 255;
-/// Most values over which a mean slides.
+/// Maximum values of a sliding mean.
 pub const MAX_WINDOW: usize = 30_000;
 
 /// An entry of `tables`.
@@ -29,7 +30,7 @@ pub const MAX_WINDOW: usize = 30_000;
 pub struct TableConfig {
     /// Name.
     pub name: String,
-    /// Its numbers at the start.
+    /// Initial numbers.
     pub table: Arc<Table>,
 }
 
@@ -38,47 +39,47 @@ pub struct TableConfig {
 pub struct ProgramConfig {
     /// Name.
     pub name: String,
-    /// The module at the start.
+    /// Initial module.
     pub module: Arc<Module>,
 }
 
-/// Instructions of a call where the cell does not say.
+/// Default of the instructions per call.
 pub const FUEL: u32 = 50_000;
-/// Most instructions of a call.
+/// Maximum instructions per call.
 pub const MAX_FUEL: u32 = 10_000_000;
 
-/// What a slot reads.
+/// Source of a slot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum SourceConfig {
-    /// Nothing.
+    /// No source.
     #[default]
     None,
     /// A position or a sink.
     Lead(Leader),
-    /// Any other signal by its name.
+    /// Any other signal, by its name.
     Signal(String),
 }
 
-/// What a slot writes.
+/// Sink of a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SinkConfig {
-    /// Nothing but its signal.
+    /// Only the signal of the sink.
     #[default]
     None,
     /// The command of an axis.
     Axis(u16),
     /// A memory cell.
     Memory(u16),
-    /// An analog output, by its place in section `io`.
+    /// An analog output, by its index in section `io`.
     Output(u16),
 }
 
 /// A binary input or output: an entry of `io` or a bit of `memory`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line {
-    /// Which.
+    /// The object.
     pub object: Object,
-    /// Its level is turned.
+    /// Whether its level is inverted.
     pub inverted: bool,
 }
 
@@ -87,48 +88,48 @@ pub struct Line {
 pub struct SlotConfig {
     /// Name.
     pub name: String,
-    /// Its number: lower ones come first in a cycle.
+    /// Number: lower numbers come first in a cycle.
     pub number: u16,
-    /// Its type.
+    /// Function type.
     pub kind: Kind,
-    /// What it reads.
+    /// The source.
     pub source: SourceConfig,
-    /// How wide that is.
+    /// Width of the source.
     pub source_width: Width,
-    /// What it writes.
+    /// The sink.
     pub sink: SinkConfig,
-    /// How wide that is.
+    /// Width of the sink.
     pub sink_width: Width,
     /// E1 to E8.
     pub inputs: [Option<Line>; LINES],
     /// A1 to A8.
     pub outputs: [Option<Line>; LINES],
-    /// Places in `tables`.
+    /// Indices in `tables`.
     pub tables: [Option<u16>; LINES],
-    /// The signals of the words that it reads beside its source, in the order of its type.
+    /// Signals of the words that it reads in addition to its source, in the order of the type.
     pub words: [Option<String>; WORDS],
-    /// Place in `programs`; type apsf has one.
+    /// Index in `programs`; only for type apsf.
     pub program: Option<u16>,
-    /// Instructions of a call of it, at most.
+    /// Maximum instructions per call of the program.
     pub fuel: u32,
-    /// The signals that it reads.
+    /// Signals that the program reads.
     pub reads: Vec<String>,
-    /// The memory cells that it writes.
+    /// Memory cells that the program writes.
     pub writes: Vec<u16>,
-    /// What its sink carries.
+    /// Quantity of the sink.
     pub quantity: function::Quantity,
-    /// It is called in each n-th cycle.
+    /// Cycles between two calls.
     pub factor: u32,
-    /// What an error of the axis that it moves does.
+    /// Reaction to an error of the axis that it moves.
     pub on_axis_error: OnAxisError,
-    /// The set at the start, value by value.
+    /// Initial parameter set, value by value.
     pub values: Box<[i64]>,
-    /// Room for its mean and its cams.
+    /// Memory for its mean and its cams.
     pub room: Room,
 }
 
 impl SlotConfig {
-    /// A slot that is wired to nothing, with the defaults of its type.
+    /// Creates a slot without connections, with the defaults of its type.
     pub fn new(name: String, number: u16, kind: Kind) -> Self {
         Self {
             name,
@@ -154,43 +155,43 @@ impl SlotConfig {
         }
     }
 
-    /// Time between two calls (ns).
+    /// Returns the time between two calls (ns).
     pub fn call_ns(&self, cycle_ns: u64) -> u64 {
         cycle_ns.saturating_mul(u64::from(self.factor.max(1)))
     }
 }
 
-/// Why a slot cannot be what it says.
+/// Error of a slot.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SlotProblem {
-    /// Its number.
+    /// Invalid number.
     #[error("slot {0} stands behind a slot of the same or a higher number, or is above 255")]
     Number(u16),
-    /// A source that is missing or too much.
+    /// A source that is missing or not allowed.
     #[error("type {0} has {source} source", source = if *.1 { "a" } else { "no" })]
     Source(&'static str, bool),
-    /// A sink that is missing or too much.
+    /// A sink that is missing or not allowed.
     #[error("type {0} has {sink} sink", sink = if *.1 { "a" } else { "no" })]
     Sink(&'static str, bool),
-    /// Something that does not exist, or that it cannot use.
+    /// An object that does not exist, or that it cannot use.
     #[error("{0} is nothing that it can use")]
     Place(&'static str),
-    /// Something that another one writes.
+    /// An object that has another writer.
     #[error("{0} is written by something else, too")]
     Twice(&'static str),
-    /// A value of its set.
+    /// A value of its parameter set.
     #[error("{0} is {1}; {2} to {3} is allowed")]
     Value(&'static str, i64, i64, i64),
-    /// A speed without a revolution.
+    /// A speed as sink of a linear axis, which has no revolutions.
     #[error("its sink carries a speed in rpm, and {0} is no rotary axis")]
     Linear(String),
-    /// Cycles between two calls.
+    /// Cycles between two calls out of range.
     #[error("cycle_factor is {0}; 1 to {MAX_FACTOR} is allowed")]
     Factor(u32),
 }
 
 impl MachineConfig {
-    /// Are the slots what they say?
+    /// Checks the slots.
     pub(super) fn check_slots(&self) -> Result<(), ConfigError> {
         let mut last = None;
         for (place, slot) in self.slots.iter().enumerate() {
@@ -332,12 +333,12 @@ impl MachineConfig {
         if fits { Ok(()) } else { Err(SlotProblem::Place("sink")) }
     }
 
-    /// One revolution per minute of an axis (inc/s); none of a linear one.
+    /// Returns one revolution per minute of an axis (inc/s); `None` for a linear axis.
     fn rpm(&self, scale: Scale) -> Option<f64> {
         scale.rate(&Quantity::parse("1 rpm", &[Dimension::Angle(1)]).ok()?, 1).ok()
     }
 
-    /// What a source carries; none of a signal, whose values may be anything.
+    /// Returns the quantity of a source; `None` for a signal, whose values may have any meaning.
     pub fn carried(&self, source: &SourceConfig) -> Option<function::Quantity> {
         match source {
             SourceConfig::None | SourceConfig::Signal(_) => None,
@@ -346,12 +347,12 @@ impl MachineConfig {
         }
     }
 
-    /// The slot that writes an object, if one does.
+    /// Returns the slot that writes an object.
     pub fn writer(&self, object: Object) -> Option<u16> {
         self.slots.iter().position(|slot| slot.writes().any(|written| written == object)).map(|place| place as u16)
     }
 
-    /// What each slot is wired to, where the first signals of the slots stand at `first`.
+    /// Returns the connections of each slot; `first` are the first signals of the slots.
     pub(crate) fn wires(&self, directory: &Directory, first: &[Signal]) -> Result<Vec<Wires>, ConfigError> {
         let wire = |(slot, &first): (&SlotConfig, &Signal)| {
             let problem = |problem| ConfigError::Slot { slot: slot.name.clone(), problem };
@@ -381,7 +382,7 @@ impl MachineConfig {
             SinkConfig::Axis(axis) => {
                 let config = self.axes.get(usize::from(axis)).ok_or(SlotProblem::Place("sink"))?;
                 if slot.quantity == function::Quantity::Speed {
-                    // Of 0.0001 rpm.
+                    // Per 0.0001 rpm.
                     speed = self.rpm(config.scale).map(|rpm| rpm / 10_000.0);
                 }
                 let name = format!("{}.command.position", config.name);
@@ -449,7 +450,7 @@ impl MachineConfig {
         })
     }
 
-    /// A memory cell that a slot writes.
+    /// Returns a memory cell that a slot writes.
     fn cell(&self, place: u16, directory: &Directory) -> Option<Cell> {
         let kind = self.memory.get(usize::from(place))?.kind;
         let signal = directory.find(self.name(Object::Memory(place)))?;
@@ -462,11 +463,11 @@ impl MachineConfig {
         })
     }
 
-    /// What latches the marks that a slot measures: E1, or else its encoder itself.
+    /// Returns the source of the marks that a slot measures: E1, or its encoder.
     fn mark(&self, slot: &SlotConfig) -> Mark {
         match slot.kind {
             Kind::Imes => {}
-            // E1 is another's; the pulses of a source are its own.
+            // E1 has another purpose in these types; the pulses of a source are marks.
             Kind::Fipw | Kind::Xfipw => {
                 return match slot.source {
                     SourceConfig::Lead(Leader::Encoder(place)) => Mark::Encoder(place),
@@ -497,12 +498,12 @@ impl MachineConfig {
         self.axes.get(usize::from(axis)).is_some_and(|axis| axis.drive.is_some())
     }
 
-    /// The scale of what leads, of a sum that of all of its members; increments where it has no other.
+    /// Returns the scale of a leader; increments if it has none.
     pub fn scale_of(&self, leader: Leader) -> Scale {
         self.known_scale_of(leader).unwrap_or_else(Scale::increments)
     }
 
-    /// The turn of what leads.
+    /// Returns the turn of a leader.
     pub fn turn_of(&self, leader: Leader) -> Option<Modulo> {
         match leader {
             Leader::AxisCommand(axis) | Leader::AxisActual(axis) => self.axes.get(usize::from(axis))?.modulo,
@@ -510,12 +511,12 @@ impl MachineConfig {
         }
     }
 
-    /// The same, where it has one.
+    /// Returns the scale of a leader, for a sum the common one of all members; `None` if it has none.
     pub fn known_scale_of(&self, leader: Leader) -> Option<Scale> {
         self.scale_within(leader, MAX_MASTERS)
     }
 
-    /// The same through so many sums.
+    /// Returns the scale, through at most `depth` sums.
     fn scale_within(&self, leader: Leader, depth: usize) -> Option<Scale> {
         match leader {
             Leader::AxisCommand(axis) | Leader::AxisActual(axis) | Leader::Simulated(axis) => {
@@ -533,7 +534,7 @@ impl MachineConfig {
         }
     }
 
-    /// The signal of what leads.
+    /// Returns the signal of a leader.
     pub fn signal_of(&self, leader: Leader) -> Option<String> {
         let axis = |place: u16| self.axes.get(usize::from(place)).map(|axis| &axis.name);
         match leader {
@@ -552,13 +553,13 @@ impl MachineConfig {
     }
 }
 
-/// How many of these have to be looked at: up to the last one that is wired.
+/// Returns the number of lines up to the last one that is wired.
 fn wired<T>(lines: &[Option<T>]) -> usize {
     lines.iter().rposition(Option::is_some).map_or(0, |last| last + 1)
 }
 
 impl SlotConfig {
-    /// What it writes.
+    /// Returns the objects that it writes.
     fn writes(&self) -> impl Iterator<Item = Object> {
         let sink = match self.sink {
             SinkConfig::None => None,

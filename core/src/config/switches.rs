@@ -1,4 +1,4 @@
-//! Switches of homing that are at the drive of an axis alone.
+//! Switches of homing that are wired to the drive of an axis only.
 //!
 //! Source   CiA 402-2 (60FDh, homing methods), MACS-IO-01
 
@@ -6,8 +6,8 @@ use super::AxisConfig;
 use crate::axis::homing_methods::{SWITCHES, is_macs, squares, without_input};
 
 impl AxisConfig {
-    /// Returns a switch that its homing looks for and that has no digital input: its name and the parameter that assigns one. None if the drive
-    /// homes by itself, and of a sequence of MACS, which needs its input anyway.
+    /// Returns a switch that its homing needs and that has no digital input: its name and the parameter that assigns
+    /// one. `None` if the drive homes by itself, and for a sequence of MACS, which always needs its input.
     pub fn switch_at_drive(&self) -> Option<(&'static str, &'static str)> {
         let p = self.power_on();
         let method = p.homing.method;
@@ -17,7 +17,7 @@ impl AxisConfig {
         SWITCHES.get(without_input(method, &p.assigned)? as usize).copied()
     }
 
-    /// Whether its homing looks for the reference switch of each of two drives.
+    /// Returns true if its homing searches for the reference switch of each of two drives.
     pub fn seeks_reference_switch(&self) -> bool {
         let method = self.power_on().homing.method;
         squares(method) && !matches!(method, 35 | 37)

@@ -1,49 +1,50 @@
-//! A drive without a bus: a voltage is its reference, an output enables it, and an input tells that it is ready.
+//! Drive without a bus: a voltage is its reference, an output enables it, and an input reports that it is ready.
 //!
-//! Law      volts = 10 V * reference / full, within +-10 V, while it is enabled; 0 V in a quick stop, with which a drive that takes velocities brakes and one
-//!          that takes torques coasts. It counts as enabled `enable_ns` behind its enable output. Once ready, a drive that is not is in fault, until it is
-//!          ready again and its fault is reset
-//! Reads    what an axis asks of any drive; the input that tells that it is ready
-//! Writes   the words that a drive on a bus tells; reference (V) and enable
+//! Law      volts = 10 V * reference / full, within +-10 V, while it is enabled; 0 V in a quick stop, in which a
+//!          velocity drive brakes and a torque drive coasts. It counts as enabled `enable_ns` after its enable output.
+//!          If it was ready and then is not, it is in fault, until it is ready again and its fault is reset
+//! Reads    the outputs of an axis to any drive; the ready input
+//! Writes   the inputs that a drive on a bus reports; reference (V) and enable
 //! Source   MACS-CAN-01 (DRIVETYPE 0), MACS-REG-09, WF-CLC-04
 
 use super::{DriveInput, DriveOutput, DriveState, Mode};
 use serde::{Deserialize, Serialize};
 
-/// The full reference (V).
+/// Voltage of the full reference (V).
 pub const FULL_VOLTS: f64 = 10.0;
-/// Longest time from its enable until a drive follows (ns): less than an axis waits for it.
+/// Maximum time from the enable output until a drive follows its reference (ns): less than the enable timeout of an
+/// axis.
 pub const LONGEST_ENABLE_NS: u64 = 4_000_000_000;
-/// Generic error (603Fh): an input says no more.
+/// Generic error (603Fh): the input gives no details.
 const NOT_READY: u16 = 0x1000;
 
-/// How such a drive is wired; entries by their places in section `io`.
+/// Wiring of such a drive; entries by their indices in section `io`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AnalogWiring {
-    /// Analog output.
+    /// Analog output of the reference.
     pub reference: u16,
-    /// Digital output.
+    /// Digital output of the enable.
     pub enable: u16,
-    /// Digital input; none: it counts as always ready.
+    /// Digital input of the ready signal; `None`: always ready.
     pub ready: Option<u16>,
-    /// What 10 V are: a velocity (inc/s), or an effort in the unit of max_effort.
+    /// Value of 10 V: a velocity (inc/s), or an effort in the unit of max_effort.
     pub full: f64,
-    /// How long it takes from its enable until it follows its reference (ns).
+    /// Time from the enable output until the drive follows its reference (ns).
     pub enable_ns: u64,
 }
 
-/// What is kept of it from cycle to cycle.
+/// State of the drive between cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AnalogDrive {
     state: DriveState,
     last_control: u16,
     mode: i8,
-    /// For how long its enable output has been on (ns).
+    /// Time since its enable output was switched on (ns).
     enabled_ns: u64,
 }
 
 impl AnalogDrive {
-    /// What a drive on a bus would tell in its place.
+    /// Returns the inputs that a drive on a bus would report.
     pub fn read(&mut self, is_ready: bool) -> DriveInput {
         self.state = match self.state {
             DriveState::NotReady if is_ready => DriveState::SwitchOnDisabled,
@@ -56,7 +57,7 @@ impl AnalogDrive {
         DriveInput { status, mode: self.mode, fault, online: true, fresh: true, ..DriveInput::default() }
     }
 
-    /// Its reference (V) and its enable, behind what the axis asks for in this cycle.
+    /// Returns its reference (V) and its enable for the outputs of the axis in this cycle.
     pub fn write(&mut self, wiring: &AnalogWiring, output: &DriveOutput, cycle_ns: u64) -> (f64, bool) {
         let asked = match self.state {
             DriveState::NotReady => DriveState::NotReady,
@@ -99,7 +100,7 @@ mod tests {
         state
     }
 
-    /// One that is at operation enabled, at 1 ms.
+    /// Returns a drive in operation enabled, at 1 ms.
     fn enabled() -> AnalogDrive {
         let mut drive = AnalogDrive::default();
         let steps = [
@@ -117,7 +118,7 @@ mod tests {
         drive
     }
 
-    /// 2.5 ms are three cycles: enable in the first, operation enabled is shown behind the third of waiting.
+    /// 2.5 ms are three cycles: enable in the first, operation enabled is reported after three cycles of waiting.
     #[test]
     fn it_counts_as_enabled_behind_its_time() {
         let mut drive = enabled();
@@ -179,7 +180,8 @@ mod tests {
         assert_eq!(shown(&mut drive, true), SwitchOnDisabled);
     }
 
-    /// In a quick stop it stays enabled at 0 V: a drive of velocities brakes with that. Disabled, it is neither.
+    /// In a quick stop it stays enabled at 0 V, with which a velocity drive brakes. When disabled, it is neither
+    /// enabled nor has a reference.
     #[test]
     fn a_quick_stop_is_no_volts_and_disabling_no_enable() {
         let mut drive = enabled();

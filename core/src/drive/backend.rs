@@ -1,40 +1,41 @@
-//! Whatever drives, encoders, inputs and outputs hang on.
+//! Backends: the access to drives, encoders, inputs and outputs.
 //!
-//! Law      a backend touches its own objects and no others, so that any number share a machine; what it does not fill in is not there
-//! Refuses  nothing in a cycle: what fails is a state of its objects
+//! Law      a backend accesses only its own objects, so that any number of backends can share a machine; objects that
+//!          no backend writes count as missing
+//! Refuses  nothing in a cycle: a failure is a state of its objects
 
 use super::{Inputs, Interface, Outputs};
 use serde::{Deserialize, Serialize};
 
-/// What a backend offers for one drive.
+/// Capabilities of a drive at its backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Capabilities {
-    /// What the outputs of k ask shows in the inputs of k + 1 + delay.
+    /// Additional delay in cycles: outputs of cycle k take effect in the inputs of cycle k + 1 + delay.
     pub delay: u32,
-    /// The drive closes the position loop (mode 8).
+    /// Whether the drive closes the position loop (mode 8).
     pub position: bool,
-    /// The drive closes the velocity loop (mode 9).
+    /// Whether the drive closes the velocity loop (mode 9).
     pub velocity: bool,
-    /// The drive closes the torque loop (mode 10).
+    /// Whether the drive closes the torque loop (mode 10).
     pub torque: bool,
-    /// The drive runs at a speed (mode 2).
+    /// Whether the drive runs at a speed (mode 2).
     pub open_loop: bool,
-    /// The drive latches positions.
+    /// Whether the drive latches positions.
     pub latches: bool,
-    /// The drive homes by itself (mode 6).
+    /// Whether the drive homes by itself (mode 6).
     pub homes: bool,
-    /// The drive is a power stage that takes voltages.
+    /// Whether the drive is a power stage that accepts voltages.
     pub voltage: bool,
 }
 
 impl Capabilities {
-    /// All that there is, with that delay.
+    /// Returns all capabilities, with that delay.
     pub fn all(delay: u32) -> Self {
         let [position, velocity, torque, open_loop, latches, homes, voltage] = [true; 7];
         Self { delay, position, velocity, torque, open_loop, latches, homes, voltage }
     }
 
-    /// Can the drive be commanded so?
+    /// Returns true if the drive has that command interface.
     pub fn offers(&self, interface: Interface) -> bool {
         match interface {
             Interface::Position => self.position,
@@ -46,12 +47,12 @@ impl Capabilities {
     }
 }
 
-/// Where an object of the machine is at its backend.
+/// Address of an object of the machine at its backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terminal {
-    /// Place among its kind in [`Inputs`] or [`Outputs`].
+    /// Index among its kind in [`Inputs`] or [`Outputs`].
     pub place: usize,
-    /// Its number at the backend: `address`; on CAN `node` of a drive, 256 `node` + `address` of other things.
+    /// Number at the backend: `address`; on CAN `node` for a drive, 256 `node` + `address` for other objects.
     pub address: u16,
 }
 
@@ -68,19 +69,19 @@ pub struct Objects {
     pub analog_outputs: Vec<Terminal>,
     /// Entries of `encoders`.
     pub encoders: Vec<Terminal>,
-    /// Axes that have a drive.
+    /// Drives.
     pub drives: Vec<Terminal>,
 }
 
-/// The cyclic half of a backend, on the cycle thread: neither of its doors blocks, locks or takes memory. What takes its time (starting,
-/// configuring, health) is the other half, and runs elsewhere.
+/// The cyclic half of a backend, on the cycle thread: its methods neither block nor lock nor allocate. The other half
+/// handles slow work (start, configuration, health) on another thread.
 pub trait Backend: Send {
-    /// What it offers for a drive, by the drive's place in [`Inputs::drive`]; none for a drive of another backend.
+    /// Returns the capabilities of a drive, by its index in [`Inputs::drive`]; `None` for a drive of another backend.
     fn capabilities(&self, drive: usize) -> Option<Capabilities>;
 
-    /// Fills in what it knows of cycle `inputs.cycle`. The inputs [begin](Inputs::begin) as those of objects that are not there.
+    /// Writes its inputs of cycle `inputs.cycle`. The inputs [begin](Inputs::begin) as those of missing objects.
     fn read(&mut self, inputs: &mut Inputs);
 
-    /// Hands over what the cycle asks for.
+    /// Sends the outputs of the cycle.
     fn write(&mut self, outputs: &Outputs);
 }

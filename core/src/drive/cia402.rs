@@ -1,4 +1,4 @@
-//! What CiA 402 says of drives: states, words, modes of operation.
+//! States, control and status words, and modes of operation of CiA 402.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +25,7 @@ pub enum DriveState {
 }
 
 impl DriveState {
-    /// All, in the order of their numbers.
+    /// All states, in the order of their numbers.
     pub const ALL: [Self; 8] = [
         Self::NotReady,
         Self::SwitchOnDisabled,
@@ -37,7 +37,7 @@ impl DriveState {
         Self::Fault,
     ];
 
-    /// Its name for people (CiA 402-2).
+    /// Returns its name in messages (CiA 402-2).
     pub fn text(self) -> &'static str {
         match self {
             Self::NotReady => "not ready to switch on",
@@ -51,7 +51,7 @@ impl DriveState {
         }
     }
 
-    /// The state that a status word shows (CiA 402-2, table of the status word).
+    /// Returns the state of a status word (CiA 402-2, table of the status word).
     pub fn from_status(status: u16) -> Self {
         match (status & 0x4F, status & 0x6F) {
             (0x00, _) => Self::NotReady,
@@ -62,12 +62,12 @@ impl DriveState {
             (_, 0x07) => Self::QuickStop,
             (0x0F, _) => Self::FaultReaction,
             (0x08, _) => Self::Fault,
-            // Any other pattern is none of CiA 402: nothing may be asked of such a drive.
+            // Any other pattern is not defined by CiA 402: such a drive must not be commanded.
             _ => Self::NotReady,
         }
     }
 
-    /// The status word that shows this state, with voltage enabled (bit 4) from ready on.
+    /// Returns the status word of this state, with voltage enabled (bit 4) from ready on.
     pub fn status(self) -> u16 {
         match self {
             Self::NotReady => 0x0000,
@@ -81,8 +81,8 @@ impl DriveState {
         }
     }
 
-    /// The state of a drive in this one that is given a control word behind another one (CiA 402-2, transitions 2 to 16), one transition
-    /// at a time. Its initialization and its fault reaction take no time.
+    /// Returns the next state for a control word and the previous control word (CiA 402-2, transitions 2 to 16), one
+    /// transition at a time. Initialization and fault reaction take no time.
     #[must_use]
     pub fn next(self, control: u16, last_control: u16) -> Self {
         let rises = |bit: u16| control & bit != 0 && last_control & bit == 0;
@@ -91,9 +91,9 @@ impl DriveState {
             Self::FaultReaction => Self::Fault,
             Self::Fault if rises(control::FAULT_RESET) => Self::SwitchOnDisabled,
             Self::Fault => Self::Fault,
-            // Bit 1 off: no voltage.
+            // Bit 1 is 0: no voltage.
             _ if control & 0x02 == 0 => Self::SwitchOnDisabled,
-            // Bit 2 off: quick stop.
+            // Bit 2 is 0: quick stop.
             Self::Enabled | Self::QuickStop if control & 0x04 == 0 => Self::QuickStop,
             _ if control & 0x04 == 0 => Self::SwitchOnDisabled,
             Self::QuickStop => Self::QuickStop,
@@ -114,25 +114,25 @@ pub mod control {
     pub const QUICK_STOP: u16 = 0x02;
     /// Shutdown: to ready to switch on.
     pub const SHUTDOWN: u16 = 0x06;
-    /// To switched on.
+    /// Switch on: to switched on.
     pub const SWITCH_ON: u16 = 0x07;
-    /// To operation enabled.
+    /// Enable operation: to operation enabled.
     pub const ENABLE: u16 = 0x0F;
-    /// Its rising edge resets a fault.
+    /// Fault reset, at its rising edge.
     pub const FAULT_RESET: u16 = 0x80;
-    /// In mode homing, together with [`ENABLE`]: its rising edge starts.
+    /// Start of homing in mode homing, together with [`ENABLE`], at its rising edge.
     pub const START_HOMING: u16 = 0x10;
 }
 
-/// Status word bit 7: the drive warns.
+/// Status word bit 7: warning.
 pub const STATUS_WARNING: u16 = 0x80;
-/// Status word bit 12 in mode homing: the zero is known.
+/// Status word bit 12 in mode homing: homing attained.
 pub const STATUS_HOMING_ATTAINED: u16 = 0x1000;
-/// Status word bit 13 in mode homing: it was not found.
+/// Status word bit 13 in mode homing: homing error.
 pub const STATUS_HOMING_ERROR: u16 = 0x2000;
-/// Status word bit 10: the target is reached, and in mode homing the axis stands.
+/// Status word bit 10: target reached; in mode homing the axis is at rest.
 pub const STATUS_TARGET_REACHED: u16 = 0x0400;
-/// Mode of operation: homing by the drive.
+/// Mode of operation: homing.
 pub const MODE_HOMING: i8 = 6;
 /// Mode of operation: cyclic synchronous position.
 pub const MODE_CSP: i8 = 8;
@@ -140,7 +140,7 @@ pub const MODE_CSP: i8 = 8;
 pub const MODE_CSV: i8 = 9;
 /// Mode of operation: cyclic synchronous torque.
 pub const MODE_CST: i8 = 10;
-/// Voltage: CiA 402 has no mode for it, and leaves negative numbers to makers of drives.
+/// Mode of operation: voltage. CiA 402 has no mode for it; negative numbers are manufacturer-specific.
 pub const MODE_VOLTAGE: i8 = -1;
 /// Mode of operation: velocity mode of frequency converters and switched motors.
 pub const MODE_VELOCITY: i8 = 2;

@@ -1,26 +1,26 @@
-//! What a drive shows that was not enabled in time, as the number of an event.
+//! State of a drive that was not enabled in time, encoded as the number of an event.
 //!
-//! Law      a number that an axis has made reads back as what it was made of
-//! Refuses  numbers that nobody has made: they read as nothing
+//! Law      a number of an axis is decoded to the state from which it was encoded
+//! Refuses  invalid numbers: they are decoded to `None`
 
 use super::DriveState;
 
-/// What a drive shows once the time for enabling it is over.
+/// State of a drive after the enable timeout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotEnabled {
-    /// Its state (6041h).
+    /// State of the drive (6041h).
     pub state: DriveState,
-    /// Mode of operation display (6061h), by the number that the axis sees.
+    /// Mode of operation display (6061h).
     pub mode: i8,
 }
 
 impl NotEnabled {
-    /// As the number of an event: the state in bits 0 to 7, the mode in bits 8 to 15.
+    /// Returns the number of an event: the state in bits 0 to 7, the mode in bits 8 to 15.
     pub fn to_number(self) -> i64 {
         i64::from(self.state as u8) | i64::from(self.mode.cast_unsigned()) << 8
     }
 
-    /// What a number says.
+    /// Decodes a number; `None` if it is invalid.
     pub fn from_number(number: i64) -> Option<Self> {
         let [state, mode, 0, 0, 0, 0, 0, 0] = number.to_le_bytes() else { return None };
         let state = DriveState::ALL.into_iter().find(|known| *known as u8 == state)?;
@@ -41,7 +41,7 @@ mod tests {
                 assert_eq!(NotEnabled::from_number(shown.to_number()), Some(shown));
             }
         }
-        // Operation enabled (4), mode -1 of a maker.
+        // Operation enabled (4), manufacturer-specific mode -1.
         assert_eq!(NotEnabled { state: DriveState::Enabled, mode: -1 }.to_number(), 0xFF04);
     }
 

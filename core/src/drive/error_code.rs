@@ -1,10 +1,11 @@
-//! Error codes of emergency messages and of 603Fh in words.
+//! Texts of error codes of emergency messages and of 603Fh.
 //!
-//! Law      a code that the standards name has its own text; any other one has that of its class; one of the vendor is called so: what it
-//!          means stands in the manual of the device alone, EDS files have no place for it
+//! Law      a code of the standards has its own text; any other code has the text of its class. Manufacturer-specific codes
+//!          have only the text of their class: their meaning is in the manual of the device, and EDS files have no field
+//!          for it
 //! Source   CiA 301, table of emergency error codes; CiA 402-2, error codes
 
-/// Codes with a text of their own.
+/// Codes with their own texts.
 const CODES: [(u16, &str); 34] = [
     (0x0000, "no error"),
     (0x2310, "over-current at the output"),
@@ -42,7 +43,7 @@ const CODES: [(u16, &str); 34] = [
     (0x8700, "sync controller"),
 ];
 
-/// Classes: bits that count, their value, the text.
+/// Classes: mask, value, text.
 const CLASSES: [(u16, u16, &str); 22] = [
     (0xFF00, 0x0000, "no error"),
     (0xFF00, 0x2100, "current at the input"),
@@ -68,17 +69,17 @@ const CLASSES: [(u16, u16, &str); 22] = [
     (0xF000, 0x1000, "generic error"),
 ];
 
-/// What an error code (603Fh, emergency messages, 1003h) says; none for one of no class.
+/// Returns the text of an error code (603Fh, emergency messages, 1003h); `None` for a code of no class.
 pub fn error_text(code: u16) -> Option<&'static str> {
     let own = CODES.iter().find(|row| row.0 == code).map(|row| row.1);
     own.or_else(|| CLASSES.iter().find(|row| code & row.0 == row.1).map(|row| row.2))
 }
 
-/// Bits of the error register (1001h), from 0 on.
+/// Bits of the error register (1001h), from bit 0.
 const REGISTER: [&str; 8] =
     ["generic", "current", "voltage", "temperature", "communication", "profile", "reserved", "vendor"];
 
-/// What the error register (1001h) says; nothing where no bit is set.
+/// Returns the texts of the error register (1001h), one for each bit that is set.
 pub fn register_texts(bits: u32) -> impl Iterator<Item = &'static str> {
     REGISTER.iter().enumerate().filter(move |(bit, _)| bits >> bit & 1 == 1).map(|(_, name)| *name)
 }

@@ -1,7 +1,7 @@
-//! What a backend tells of nodes of its bus, as the number of a note (`Action::Note`).
+//! Notices about bus nodes, encoded as the number of a note (`Action::Note`).
 //!
-//! Law      a number that a backend has made reads back as what it was made of
-//! Refuses  numbers that nobody has made: they read as nothing
+//! Law      a number of a backend is decoded to the notice from which it was encoded
+//! Refuses  invalid numbers: they are decoded to `None`
 
 use super::Emergency;
 use crate::object::MAX_AXES;
@@ -10,22 +10,22 @@ use crate::object::MAX_AXES;
 const NO_AXIS: u16 = u16::MAX;
 const _: () = assert!(MAX_AXES <= NO_AXIS as usize);
 
-/// What has happened to a node of a bus (NMT and its supervision, CiA 301).
+/// Change of a bus node (NMT and its supervision, CiA 301).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeChange {
     /// Boot-up.
     Booted = 1,
     /// Neither heartbeats nor answers to guarding.
     Silent = 2,
-    /// One of them again.
+    /// Heartbeats or answers to guarding again.
     Back = 3,
     /// Configured and started.
     Ready = 4,
-    /// State stopped, unasked.
+    /// State stopped, without a command.
     Stopped = 5,
-    /// State pre-operational, unasked.
+    /// State pre-operational, without a command.
     Left = 6,
-    /// Started, and its first heartbeat does not come: nothing watches it.
+    /// Started, but without a first heartbeat: the node is not supervised.
     Unwatched = 7,
 }
 
@@ -40,30 +40,30 @@ impl NodeChange {
         (Self::Unwatched, "it sends no heartbeat (1017h), so that nothing watches it"),
     ];
 
-    /// For people.
+    /// Returns the text for messages.
     pub fn text(self) -> &'static str {
         Self::ALL.iter().find(|row| row.0 == self).map_or("", |row| row.1)
     }
 }
 
-/// That it has happened.
+/// Notice of a change of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NodeNotice {
-    /// The axis of a drive; none of another device.
+    /// Axis of the drive; `None` for another device.
     pub axis: Option<u16>,
-    /// Its node, 1 to 127.
+    /// Node number, 1 to 127.
     pub node: u8,
-    /// What has happened.
+    /// The change.
     pub change: NodeChange,
 }
 
 impl NodeNotice {
-    /// As the number of a note.
+    /// Returns the number of a note.
     pub fn to_number(self) -> i64 {
         i64::from(self.axis.unwrap_or(NO_AXIS)) | i64::from(self.node) << 16 | i64::from(self.change as u8) << 24
     }
 
-    /// What a number says.
+    /// Decodes a number; `None` if it is invalid.
     pub fn from_number(number: i64) -> Option<Self> {
         let [a, b, node, change, 0, 0, 0, 0] = number.to_le_bytes() else { return None };
         let (change, _) = *NodeChange::ALL.iter().find(|(known, _)| *known as u8 == change)?;
@@ -72,10 +72,10 @@ impl NodeNotice {
     }
 }
 
-/// An emergency message of a node that is no drive of the machine.
+/// Emergency message of a node that is no drive of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ForeignEmergency {
-    /// The node, 1 to 127.
+    /// Node number, 1 to 127.
     pub node: u8,
     /// Error code (as in 603Fh).
     pub code: u16,
@@ -84,17 +84,17 @@ pub struct ForeignEmergency {
 }
 
 impl ForeignEmergency {
-    /// The message of a node, without the bytes of its maker.
+    /// Returns the message of a node, without the manufacturer-specific data.
     pub fn new(node: u8, Emergency { code, register, .. }: Emergency) -> Self {
         Self { node, code, register }
     }
 
-    /// As the number of a note.
+    /// Returns the number of a note.
     pub fn to_number(self) -> i64 {
         i64::from(self.code) | i64::from(self.register) << 16 | i64::from(self.node) << 24
     }
 
-    /// What a number says.
+    /// Decodes a number; `None` if it is invalid.
     pub fn from_number(number: i64) -> Option<Self> {
         let [a, b, register, node, 0, 0, 0, 0] = number.to_le_bytes() else { return None };
         Some(Self { node, code: u16::from_le_bytes([a, b]), register })

@@ -1,29 +1,29 @@
-//! What an axis without a position loop switches beside its drive.
+//! Outputs of an axis without a position loop, in addition to those of its drive.
 
 use serde::{Deserialize, Serialize};
 
-/// The outputs that it is wired to, by their places in section `io`; fixed by the cell.
+/// Wiring of the outputs, by their indices in section `io`; fixed by the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SpeedOutputs {
-    /// Direction forwards (F).
+    /// Output of positive direction (F).
     pub forward: Option<u16>,
-    /// Direction backwards (B).
+    /// Output of negative direction (B).
     pub backward: Option<u16>,
     /// Axis output (Q).
     pub output: Option<u16>,
-    /// Speed as a voltage (V).
+    /// Analog output of the speed (V).
     pub dac: Option<u16>,
 }
 
-/// What they show.
+/// Values of the outputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Switching {
-    /// F: forwards.
+    /// F: positive direction.
     pub forward: bool,
-    /// B: backwards.
+    /// B: negative direction.
     pub backward: bool,
     /// Q: the axis output, on from the start until the speed is switched off.
     pub output: bool,
-    /// The speed as a voltage, signed by direction (V).
+    /// Speed as a voltage, signed by direction (V).
     pub dac: f64,
 }

@@ -1,10 +1,11 @@
-//! APSF: the user's own program in a slot.
+//! APSF: a user program in a slot.
 //!
-//! Law      one call with command 1 at START, 255 in each cycle, one with 0 at RESET. What the program leaves as it was stays as it is.
-//!          Its state outlives RESET; a program that failed begins anew with the next START
+//! Law      one call with command 1 at START, with 255 in each cycle, and with 0 at RESET. Values that the program does
+//!          not write stay unchanged. The state of the program survives RESET; a program that failed is initialized
+//!          again at the next START
 //! Reads    source, inputs, signals that the cell names, parameters, a table at START
-//! Writes   the sink, as many outputs as `out_bits` says, memory cells that the cell names
-//! Refuses  a table with more words than the image takes; in the cycle: what it cannot do, and what takes more than its fuel, ends it
+//! Writes   the sink, the number of outputs given by `out_bits`, memory cells that the cell names
+//! Refuses  a table with more words than the image holds; in the cycle, a trap or too little fuel ends the program
 //! Source   AMK-APSF-01 to -46, A-32 to -36
 
 use super::field::{Field, Words, number, place, width};
@@ -16,7 +17,7 @@ use crate::table::Form;
 use lineshaft_program::{Command, DB_WORDS, Image, Instance, Module, PARAMETERS, Trap};
 use serde::{Deserialize, Serialize};
 
-/// Its fields.
+/// Fields of the parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new("out_bits", 0, 8, "", "outputs that the program writes, A1 first", "AMK-APSF-42"),
     Field::new(
@@ -34,33 +35,33 @@ const OUT_BITS: usize = place(FIELDS, "out_bits");
 const PARAMETER: usize = place(FIELDS, "parameter");
 const _: () = assert!(PARAMETER + PARAMETERS == width(FIELDS));
 
-/// Pages that an exchange finds room for, or as many as the first program has.
+/// Memory pages that are reserved for later programs; more if the first program has more.
 const ROOM: usize = 4;
 
-/// What a program is run with; what does not change between its calls.
+/// The environment in which a program runs; constant between its calls.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Host<'a> {
     pub module: &'a Module,
-    /// Instructions of a call, at most.
+    /// Maximum instructions per call.
     pub fuel: u32,
     pub board: &'a Board,
-    /// Signals that it reads.
+    /// Signals that the program reads.
     pub reads: &'a [Word],
-    /// Memory cells that it writes.
+    /// Memory cells that the program writes.
     pub writes: &'a [Cell],
-    /// The first output that it may write, from 0.
+    /// First output that the program may write, counted from 0.
     pub first_output: u8,
 }
 
-/// The function.
+/// State of the function.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Apsf {
     instance: Instance,
-    /// Outputs that it writes, from START on.
+    /// Outputs that the program writes, fixed at START.
     outputs: u8,
-    /// It begins anew at the next START.
+    /// Whether the program failed; the next START initializes it again.
     has_failed: bool,
-    /// An exchange has begun it anew: its next call tells it so.
+    /// Whether an exchange initialized the program: the next call passes command START.
     begins: bool,
     /// Instructions of the last call.
     used: [i64; 1],
@@ -72,7 +73,7 @@ impl Apsf {
         Self { instance, outputs: 0, has_failed: false, begins: false, used: [0] }
     }
 
-    /// What the last call has left for a memory cell.
+    /// Returns the value that the last call left for a memory cell.
     pub(super) fn word(&mut self, module: &Module, place: usize) -> u64 {
         self.instance.image(module).write(place)
     }
@@ -81,9 +82,9 @@ impl Apsf {
         &self.used
     }
 
-    /// Goes on with another module; false where it cannot keep its state, or has no room.
+    /// Replaces the module. Returns false if it cannot keep the state, or lacks memory for the new module.
     pub(super) fn exchange(&mut self, (module, before): (&Module, &Module), keeps: bool) -> bool {
-        // What has failed has nothing to keep.
+        // The state of a failed program is not kept.
         let keeps = keeps && !self.has_failed;
         if !self.instance.exchange((module, before), keeps) {
             return false;
@@ -93,7 +94,7 @@ impl Apsf {
         true
     }
 
-    /// Could its state have come about by calls of that module? `runs`: it is started.
+    /// Returns true if calls of that module can lead to this state. `runs`: the function is started.
     pub(super) fn is_of(&self, module: &Module, runs: bool) -> bool {
         self.instance.has_room(module) && (self.has_failed && !runs || self.instance.is_of(module))
     }
@@ -137,18 +138,18 @@ impl Clone for Apsf {
         Self { instance: self.instance.clone(), ..*self }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
-        // Each part is named, so that none is forgotten.
+        // Lists every field, so that the compiler reports a new one.
         let Self { instance, outputs, has_failed, begins, used } = other;
         self.instance.clone_from(instance);
         (self.outputs, self.has_failed, self.begins, self.used) = (*outputs, *has_failed, *begins, *used);
     }
 }
 
-/// Whole numbers below 2^16 that a table of form words has.
+/// Sets the table of the image; a table of form words holds numbers below 2^16.
 fn set_db(image: &mut Image<'_>, words: &[i64]) {
-    // Casts keep the low 16 bits, which are all that such a table has.
+    // The casts keep the low 16 bits; a table of words has no others.
     image.set_db(words.iter().map(|word| *word as u16));
 }
 
@@ -198,13 +199,14 @@ impl Program for Apsf {
     }
 }
 
-/// Which outputs a set lets the program write: `out_bits` from the first one on (AMK-APSF-11).
+/// Returns the outputs that a parameter set lets the program write: `out_bits` of them, from the first one
+/// (AMK-APSF-11).
 fn outputs(words: Words<'_>, first: u8) -> u8 {
     let count = words.get(OUT_BITS).clamp(0, 8);
     (((1_u16 << count) - 1) << first.min(7)) as u8
 }
 
-/// What a trap is called.
+/// Returns the error code of a trap.
 fn code(trap: Trap) -> Code {
     match trap {
         Trap::OutOfFuel => Code::AMK_OUT_OF_FUEL,

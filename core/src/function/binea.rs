@@ -3,9 +3,9 @@
 //! Law      x = source + offset (ba 0); (sum of differences + offset) mod M (ba 1); time since START mod M (ba 2), M = last point;
 //!          k: point(k-1) <= x + lead < point(k); bits = a_value(k); lead = mean(dx) * dead_time / call (ba 1)
 //! Reads    the source; E1.. per track; Tab0: points + 1 in DW0, from DW4 on 4 words per point: point, A-value, A time;
-//!          the word of the offset where there is one
+//!          the word of the offset, if any
 //! Writes   A1.. of the tracks in use that are not disabled; no sink
-//! Refuses  points that do not rise, a modulo below 1, times beyond 32767, a dead time where nothing compensates it
+//! Refuses  points that do not rise, a modulo below 1, times beyond 32767, a dead time that is not compensated
 //! Source   AMK-BINEA-01 to -35, B1 to B10
 
 use super::field::{Field, Words, number, place};
@@ -38,12 +38,12 @@ const FEEDBACK_OFFSET: usize = place(FIELDS, "feedback_offset");
 const MODE: usize = place(FIELDS, "mode");
 const MEAN_FACTOR: usize = place(FIELDS, "mean_factor");
 
-/// Most points of a table.
+/// Maximum points of a table.
 const MOST_POINTS: usize = 63;
-/// Longest time in a table.
+/// Maximum time in a table, in half milliseconds.
 const LONGEST: u16 = 32_767;
 
-/// What x is.
+/// The quantity that x measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Base {
     Absolute,
@@ -61,7 +61,7 @@ impl Base {
     }
 }
 
-/// What START and VALUE_NEW have given, and where x is.
+/// Values taken at START and VALUE_NEW, and the current x.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Course {
     base: Base,
@@ -70,23 +70,23 @@ struct Course {
     offset: i64,
     tracks: [Track; LINES],
     count: u8,
-    /// Without offset, within the modulo: increments, nanoseconds in time mode; unused in absolute mode.
+    /// x without offset, within the modulo: in increments, or in nanoseconds in time mode; unused in absolute mode.
     x: i64,
-    /// The source's in the last call.
+    /// Travel of the source at the last call.
     travel: i64,
 }
 
-/// The function.
+/// State of the function.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Binea {
-    /// The cell names a word that holds the offset.
+    /// Whether the cell names a word that holds the offset.
     has_offset_word: bool,
     course: Course,
     window: Window,
 }
 
 impl Binea {
-    /// One that can average over `capacity` calls.
+    /// Creates a function that can average over `capacity` calls.
     pub(super) fn new(capacity: usize, has_offset_word: bool) -> Self {
         let course = Course {
             base: Base::Absolute,
@@ -101,12 +101,12 @@ impl Binea {
         Self { has_offset_word, course, window: Window::new(capacity) }
     }
 
-    /// Has it been made the same?
+    /// Returns true if both functions have the same capacity and use of an offset word.
     pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
         (self.has_offset_word, self.window.capacity()) == (other.has_offset_word, other.window.capacity())
     }
 
-    /// Refuses a mean over more calls than there is room for.
+    /// Returns an error for a mean over more calls than there is room for.
     fn check_mean(&self, words: Words<'_>) -> Result<(), Fault> {
         if words.get(FCT) == 0 {
             return Ok(());
@@ -114,11 +114,11 @@ impl Binea {
         time::check_mean(&self.window, words.get(MEAN_FACTOR), number(FIELDS, "mean_factor"))
     }
 
-    /// Where the table is looked up.
+    /// Returns the position at which the table is looked up.
     fn place(&self, points: Points<'_>, seen: &Seen<'_>) -> i64 {
         let offset = if self.has_offset_word { seen.words[0] } else { self.course.offset };
         match self.course.base {
-            // What saturates lies far beyond every point.
+            // A saturated sum is far beyond every point.
             Base::Absolute => seen.source.value.saturating_add(offset),
             Base::Incremental => {
                 let lead = if self.course.compensates && self.course.dead_time != 0 {
@@ -126,21 +126,21 @@ impl Binea {
                 } else {
                     0
                 };
-                // Offset and lead are far below 2^62 unless a source has jumped beyond all sense.
+                // Offset and lead are far below 2^62 unless the source has jumped unreasonably far.
                 wrapped(self.course.x.saturating_add(offset).saturating_add(lead), points.modulo())
             }
             Base::Time => self.course.x / HALF_MS,
         }
     }
 
-    /// Takes the way or the time since the last call.
+    /// Adds the travel or the time since the last call to x.
     fn advance(&mut self, points: Points<'_>, seen: &Seen<'_>) {
         match self.course.base {
             Base::Absolute => {}
             Base::Incremental => {
                 let travel = seen.source.travel;
                 let change = travel.wrapping_sub(std::mem::replace(&mut self.course.travel, travel));
-                // Both terms lie within the modulo, which is below 2^31.
+                // Both terms are within the modulo, which is below 2^31.
                 self.course.x = wrapped(self.course.x.wrapping_add(change % points.modulo()), points.modulo());
                 if self.course.compensates {
                     self.window.push(change);
@@ -155,7 +155,7 @@ impl Binea {
         }
     }
 
-    /// The outputs of a segment.
+    /// Returns the outputs of a segment.
     fn write(&mut self, seen: &Seen<'_>, output: impl Fn(&mut Track, u8, bool) -> bool) -> Outcome {
         let mut outcome = Outcome { sink: seen.sink, ..Outcome::default() };
         for (track, bit) in self.course.tracks.iter_mut().zip(0..self.course.count.min(LINES as u8)) {
@@ -178,7 +178,7 @@ impl Program for Binea {
         if words.get(FCT) != 0 && base != Base::Incremental {
             return Err(Fault::new(Code::AMK_DEAD_TIME_MODE).of(number(FIELDS, "fct")).with(words.get(BA), 1));
         }
-        // BINEA-32: a dead time that nothing would compensate is refused, at START as in VALUE_NEW.
+        // BINEA-32: START and VALUE_NEW reject a dead time that is not compensated.
         if words.get(DEAD_TIME) != 0 && words.get(FCT) == 0 {
             let fault = Fault::new(Code::AMK_DEAD_TIME_UNUSED).of(number(FIELDS, "dead_time"));
             return Err(fault.with(words.get(DEAD_TIME), 0));
@@ -227,7 +227,7 @@ impl Clone for Binea {
         Self { window: self.window.clone(), ..*self }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         (self.has_offset_word, self.course) = (other.has_offset_word, other.course);
         self.window.clone_from(&other.window);
@@ -238,12 +238,12 @@ impl Clone for Binea {
 #[derive(Clone, Copy)]
 struct Points<'a>(&'a [[i64; STRIDE]]);
 
-/// Words before the first point, and of each.
+/// Words before the first point, and words per point.
 const HEAD: usize = 4;
 const STRIDE: usize = 4;
 
 impl<'a> Points<'a> {
-    /// Those that a table has, at most as many as it says.
+    /// Returns the points of a table, at most as many as its first word says.
     fn new(table: &'a Table) -> Self {
         let count = usize::from(table.word(0)).saturating_sub(1).min(MOST_POINTS);
         let points = table.y().get(HEAD..).unwrap_or_default().as_chunks().0;
@@ -254,10 +254,10 @@ impl<'a> Points<'a> {
         track::words(seen).map(Self::new)
     }
 
-    /// Place, bits and time of a segment; beyond the last one all 0.
+    /// Returns position, bits and time of a segment; all 0 after the last one.
     fn get(self, number: usize) -> (i64, u8, u16) {
         let [low, high, bits, time] = self.0.get(number).copied().unwrap_or_default();
-        // Words are within 16 bits: the casts keep the bits that count.
+        // Words are within 16 bits: the casts keep the low bits.
         (double(low, high).into(), bits as u8, time as u16)
     }
 
@@ -265,12 +265,12 @@ impl<'a> Points<'a> {
         self.get(number).0
     }
 
-    /// The last point, where x begins anew; a table that was checked has no lower one than 1.
+    /// Returns the last point, at which x wraps to 0; at least 1 in a checked table.
     fn modulo(self) -> i64 {
         self.point(self.0.len().saturating_sub(1)).max(1)
     }
 
-    /// The segment in which x lies: beyond the last point the last one (B5).
+    /// Returns the segment that contains x; beyond the last point it is the last one (B5).
     fn find(self, x: i64) -> usize {
         let below = self.0.partition_point(|[low, high, ..]| i64::from(double(*low, *high)) <= x);
         below.min(self.0.len().saturating_sub(1))
@@ -284,7 +284,7 @@ fn check_table(table: &Table, base: Base, has_pulses: bool) -> Result<(), Fault>
     }
     track::check_length(table, HEAD + STRIDE * (count - 1))?;
     let points = Points::new(table);
-    // Places of words are below 2^16.
+    // Indices of words are below 2^16.
     let word = |number: usize, part: usize| (HEAD + STRIDE * number + part) as i64;
     if base != Base::Absolute && points.point(0) < 0 {
         return Err(Fault::new(Code::AMK_POINT_NEGATIVE).with(points.point(0), 0));

@@ -1,10 +1,11 @@
 //! Cam controller (CAM).
 //!
-//! Law      per track: x + offset + lead -> cams, one for all -> pulse -> logic with the input -> output; a track's offset is the sum
-//!          of all changes of its word, the first one from 0
-//! Reads    the source; E1.. per track; Tab0, which may be another one in each call: a cam that it changes begins anew
-//! Writes   A1.. of the tracks with cams that are not disabled; the sink: the offset of the track that the table selects
-//! Refuses  a modulo of 0 in a mode that runs round, more cams than there is room for, what [`check_table`] refuses
+//! Law      per track: x + offset + lead -> cams, combined -> pulse -> logic with the input -> output; the offset of a
+//!          track is the sum of all changes of its word, starting at 0
+//! Reads    the source; E1.. per track; Tab0, which may change between calls: a cam that changes restarts
+//! Writes   A1.. of the tracks with cams that are not disabled; the sink: the offset of the track that the table
+//!          selects
+//! Refuses  a modulo of 0 in a mode with wrap, more cams than there is room for, errors of [`check_table`]
 //! Source   AMK-CAM-01 to -48, A-54 to -61
 
 mod hysteresis;
@@ -24,9 +25,9 @@ use table::CamTable;
 
 pub(super) use table::check_table;
 
-/// Most cams of all tracks together.
+/// Maximum number of cams of all tracks together.
 pub(super) const MOST_CAMS: usize = 1024;
-/// Cams that there is room for in any case.
+/// Number of cams that there is always room for.
 const USUAL_CAMS: usize = 56;
 
 /// The parameter set.
@@ -52,18 +53,18 @@ const HYSTERESIS: usize = place(FIELDS, "hysteresis");
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Lane {
     track: Track,
-    /// How many cams it has.
+    /// Number of cams.
     count: u16,
-    /// In increments; 0: none.
+    /// Hysteresis, in increments; 0: none.
     hysteresis: i64,
-    /// Sum of the changes of its word.
+    /// Sum of the changes of the offset word, in increments.
     offset: i64,
-    /// Where it was in the last call.
+    /// Position of the track at the last call.
     x: i64,
 }
 
 impl Lane {
-    /// Is one of its cams on at x?
+    /// Returns true if one of the cams of the track is on at x.
     fn bit(
         &mut self,
         cams: impl Iterator<Item = (i32, i32)>,
@@ -76,48 +77,49 @@ impl Lane {
             return cams.fold(false, |is_on, (on, off)| is_on | is_inside(on, off, x));
         }
         let at = At { ring, x, way: ring.way(before, x), hysteresis: self.hysteresis };
-        // Each one takes the step.
+        // Every cam has to be stepped: no short circuit.
         cams.zip(overruns).fold(false, |is_on, (cam, overrun)| is_on | overrun.step(cam, at, is_first))
     }
 }
 
-/// All but the memory.
+/// The whole state without the heap memory.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Course {
     master: Master,
-    /// Words of the offsets in the last call.
+    /// Offset words at the last call.
     words: [i16; LINES],
     lanes: [Lane; LINES],
 }
 
-/// The function.
+/// State of the function.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Cam {
-    /// None before the first START.
+    /// `None` before the first START.
     course: Option<Course>,
     window: Window,
-    /// Of all cams in the order of the table; those of tracks without hysteresis lie idle.
+    /// State of all cams in the order of the table; unused for tracks without hysteresis.
     overruns: Box<[Overrun]>,
 }
 
 impl Cam {
-    /// One that can average over `capacity` calls and has room for so many cams, at least as many as the source.
+    /// Creates a function that can average over `capacity` calls and has room for `cams` cams, limited to `USUAL_CAMS`
+    /// to `MOST_CAMS`.
     pub(super) fn new(capacity: usize, cams: usize) -> Self {
         let overruns = vec![Overrun::default(); cams.clamp(USUAL_CAMS, MOST_CAMS)].into();
         Self { course: None, window: Window::new(capacity), overruns }
     }
 
-    /// Has it been made the same?
+    /// Returns true if both functions have the same capacities.
     pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
         (self.window.capacity(), self.overruns.len()) == (other.window.capacity(), other.overruns.len())
     }
 
-    /// Refuses a mean over more calls than there is room for.
+    /// Returns an error for a mean over more calls than there is room for.
     fn check_mean(&self, words: Words<'_>) -> Result<(), Fault> {
         time::check_mean(&self.window, words.get(DEAD_TIME_MEAN), number(FIELDS, "dead_time_mean"))
     }
 
-    /// All tracks at the place of this call.
+    /// Evaluates all tracks at the position of this call.
     fn evaluate(&mut self, seen: &Seen<'_>, is_first: bool) -> Outcome {
         let mut outcome = Outcome { sink: seen.sink, ..Outcome::default() };
         let (Some(course), Some(table)) = (&mut self.course, track::words(seen).map(CamTable::new)) else {
@@ -163,7 +165,7 @@ impl Cam {
     }
 }
 
-/// The hysteresis of a track in increments.
+/// Returns the hysteresis of a track, in increments.
 fn hysteresis_inc(field: i64) -> i64 {
     // At most 65535 * 100.
     field.saturating_mul(100)
@@ -179,7 +181,7 @@ impl Program for Cam {
         if words.get(BA) != 0 && words.get(MODULO) == 0 {
             return Err(Fault::new(Code::AMK_NO_MODULO).of(number(FIELDS, "modulo")).with(0, 1));
         }
-        // Eight fields of at most 1000.
+        // The sum of eight fields of at most 1000.
         let sum = (0..LINES).map(|track| words.get(CAMS + track)).sum::<i64>();
         let most = self.overruns.len() as i64;
         if sum > most {
@@ -226,7 +228,7 @@ impl Clone for Cam {
         Self { course: self.course, window: self.window.clone(), overruns: self.overruns.clone() }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         self.course = other.course;
         self.window.clone_from(&other.window);

@@ -1,22 +1,22 @@
-//! Copies of a source into a sink: DCOPY, and ECOPY with a choice by a bit.
+//! Copies of a source into a sink: DCOPY, and ECOPY with selection by a bit.
 //!
 //! Law      DCOPY mode 0: sink = source. Mode 1: acc = acc + i16(low(source(k)) - low(source(k-1))), sink = acc, which
-//!          wraps at 32 bits and begins at what the sink has.
-//!          ECOPY: E1 chooses between two values; each is the source or one that was given, as `mode` says; A1 = E1
-//! Reads    the source's value; ECOPY E1
-//! Writes   the sink: a position, or a speed (0.0001 rpm) where the cell says so; ECOPY A1
-//! Refuses  nothing beyond the ranges of the fields
+//!          wraps at 32 bits and starts at the value of the sink. ECOPY: E1 selects one of two values; each is the
+//!          source or a given value, as `mode` says; A1 = E1
+//! Reads    the value of the source; ECOPY E1
+//! Writes   the sink: a position, or a speed (0.0001 rpm) if the cell says so; ECOPY A1
+//! Refuses  only values outside the ranges of the fields
 //! Source   AMK-DCOPY-01 to -05 with A-15, AMK-ECOPY-01 to -05 with, AMK-GEN-16 to -18 with A-11
 
 use super::field::{Field, Words, place};
 use super::program::{Fault, Outcome, Program, Seen, Setting};
 use serde::{Deserialize, Serialize};
 
-/// The set of DCOPY.
+/// Parameter set of DCOPY.
 pub(super) const DCOPY_FIELDS: &[Field] =
     &[Field::new("mode", 0, 1, "", "0 copies the value, 1 adds up the changes of its low 16 bits", "AMK-DCOPY-01")];
 
-/// The set of ECOPY.
+/// Parameter set of ECOPY.
 pub(super) const ECOPY_FIELDS: &[Field] = &[
     Field::new("mode", 0, 3, "", "bit 0 (E1 = 0), bit 1 (E1 = 1): 0 copies the source, 1 the value", "AMK-ECOPY-03"),
     value_field("value_e1_0", "value while E1 = 0"),
@@ -31,7 +31,7 @@ const MODE: usize = place(ECOPY_FIELDS, "mode");
 const VALUE_E1_0: usize = place(ECOPY_FIELDS, "value_e1_0");
 const VALUE_E1_1: usize = place(ECOPY_FIELDS, "value_e1_1");
 
-/// How DCOPY copies.
+/// Mode of DCOPY.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Way {
     Absolute,
@@ -58,7 +58,7 @@ impl Program for Dcopy {
     fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
         self.way = match words.get(place(DCOPY_FIELDS, "mode")) {
             0 => Way::Absolute,
-            // Low words by intent, of the sink as of the source.
+            // The casts keep the low words of sink and source, as the mode requires.
             _ => Way::Incremental { acc: seen.sink as i32, last: seen.source.value as i16 },
         };
         self.step(seen)
@@ -81,7 +81,7 @@ impl Program for Dcopy {
 /// A copy of one of two values.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Ecopy {
-    /// What goes to the sink while E1 is 0 and while it is 1; the source where there is none.
+    /// Values for the sink while E1 is 0 and while it is 1; `None`: the source.
     chosen: [Option<i64>; 2],
 }
 
@@ -104,7 +104,7 @@ impl Program for Ecopy {
     }
 
     fn renew(&mut self, words: Words<'_>) {
-        // The mode stays as started: what copies the source goes on to do so.
+        // The mode stays as started: a value that copies the source continues to do so.
         let values = [words.get(VALUE_E1_0), words.get(VALUE_E1_1)];
         for (chosen, value) in self.chosen.iter_mut().zip(values) {
             *chosen = chosen.and(Some(value));
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn an_incremental_copy_begins_at_the_sink_and_adds_16_bit_changes() {
         assert_eq!(copied(1, 100_000, &[65_530, 2, 10, 65_535]), [100_000, 100_008, 100_016, 100_005]);
-        // The high word of the source does not count, whatever it does.
+        // The high word of the source is ignored.
         assert_eq!(copied(1, 0, &[0x7_0000, 0x1_0003, -1]), [0, 3, -1]);
     }
 
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn an_incremental_copy_wraps_at_32_bits() {
         assert_eq!(copied(1, 2_147_483_640, &[0, 10, 0]), [2_147_483_640, -2_147_483_646, 2_147_483_640]);
-        // The largest 16-bit change is the one back.
+        // The largest 16-bit change wraps to a negative one.
         assert_eq!(copied(1, 0, &[0, 32_767, 65_535]), [0, 32_767, -1]);
         assert_eq!(copied(1, 0, &[0, 32_768]), [0, -32_768]);
     }
@@ -173,7 +173,7 @@ mod tests {
         let words = set(ECOPY_FIELDS, &[("mode", 3), ("value_e1_0", 10_000), ("value_e1_1", 5_000)]);
         let mut ecopy = Ecopy::new();
         assert_eq!(ecopy.start(Words(&words), &source(77)), Outcome { sink: 10_000, writes: 1, ..Outcome::default() });
-        // E2 to E8 do not count.
+        // E2 to E8 are ignored.
         let high = ecopy.step(&Seen { inputs: 0xFF, ..source(77) });
         assert_eq!(high, Outcome { sink: 5_000, outputs: 1, writes: 1, ..Outcome::default() });
         assert_eq!(ecopy.step(&Seen { inputs: 0xFE, ..source(77) }).sink, 10_000);

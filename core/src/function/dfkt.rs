@@ -1,14 +1,17 @@
-//! A speed that follows another one through a table.
+//! Speed that follows another speed through a table.
 //!
-//! Law      n is the source, or the speed of its way per call; T = table(n), straight between points at equal distances from 0 to
-//!          in_final, n itself without a table; y = T * mult / div, with bit 2 of ba also divided by the last point over in_final;
-//!          then y lies between n * ratio_min / ratio_div and n * ratio_max / ratio_div, so that it is 0 where n is, and then between
-//!          out_min and out_max. All of it is exact and rounded towards 0 once: a table that is mirrored at 0 mirrors each unit
-//! Reads    the source; with bit 1 of ba E1 = 1 runs, a rising E2 takes the table that E3 to E5 count and the ratio that waits
-//! Writes   the sink (0.0001 rpm); with bit 1 of ba A1 = 1 while it is stopped, A2 = 1 from a strobe that was taken until E2 falls; signals of
-//!          the limits that changed the output of the last call, and of ratio and table in force, in place of the output table of the source
-//! Refuses  an eighth table, tables that are none of speeds, ratio limits without anything between them, an active table that is not
-//!          there, a ratio related to 0; new numbers for the table that runs
+//! Law      n is the source, or the speed of its travel per call; T = table(n), linear between points at equal
+//!          distances from 0 to in_final, n itself without a table; y = T * mult / div, with bit 2 of ba also divided
+//!          by the last point over in_final; then y is limited to n * ratio_min / ratio_div and n * ratio_max /
+//!          ratio_div, so that it is 0 where n is 0, and then to out_min and out_max. The calculation is exact and
+//!          rounded towards 0 once: a table that is mirrored at 0 mirrors each unit
+//! Reads    the source; with bit 1 of ba, E1 = 1 runs, and a rising E2 activates the table that E3 to E5 select and the
+//!          waiting ratio
+//! Writes   the sink (0.0001 rpm); with bit 1 of ba A1 = 1 while it is stopped, A2 = 1 from an accepted strobe until E2
+//!          falls; signals of the limits that changed the output of the last call, and of the active ratio and table,
+//!          instead of the output table of the source
+//! Refuses  an eighth table, tables that do not hold speeds, ratio limits that exclude each other, an active table that
+//!          is missing, a ratio related to 0; new numbers for the active table
 //! Source   AMK-DFKT-01 to -50 and -52 to -54 with D1 to D11
 
 mod points;
@@ -22,7 +25,7 @@ use points::{Points, check_tables};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new(
         "ba",
@@ -58,13 +61,13 @@ pub(super) const FIELDS: &[Field] = &[
         .live(),
 ];
 
-/// Largest value of a signed word, whose least one is the same below 0.
+/// Largest value of a signed word; the smallest one is its negative.
 const WORD: i64 = 32_767;
-/// One revolution per minute of source and sink.
+/// One revolution per minute, in units of source and sink.
 const RPM: i64 = 10_000;
-/// An increment per nanosecond, in turns of one increment, as a speed of source and sink.
+/// One increment per nanosecond as a speed in units of source and sink, for turns of one increment.
 const PER_NS: i64 = 60 * 1_000_000_000 * RPM;
-/// Calls are shorter (ns): cycles by far.
+/// Upper bound of the time between calls (ns), far above any cycle.
 const CALL_BOUND: i64 = 1 << 40;
 
 const BA: usize = place(FIELDS, "ba");
@@ -89,7 +92,8 @@ const STROBE: u8 = 1 << 1;
 const A1: u8 = 1 << 0;
 const A2: u8 = 1 << 1;
 
-/// Bits of the status (AMK-DFKT-52): which limits changed the output, and on which side of the table the input is.
+/// Bits of the status (AMK-DFKT-52): the limits that changed the output, and the side of the table on which the input
+/// is.
 mod status {
     pub(super) const RATIO_MAX: u8 = 1 << 0;
     pub(super) const RATIO_MIN: u8 = 1 << 1;
@@ -97,11 +101,11 @@ mod status {
     pub(super) const OUT_MIN: u8 = 1 << 3;
     pub(super) const TABLE_HIGH: u8 = 1 << 4;
     pub(super) const TABLE_LOW: u8 = 1 << 5;
-    /// How many.
+    /// Number of bits.
     pub(super) const BITS: usize = 6;
 }
 
-/// The signals, in the order of the output table; the table in force is ours.
+/// The signals, in the order of the output table; the active table is an addition of ours.
 pub(super) const SHOWS: &[Shown; status::BITS + 3] = &[
     Shown::bit("limit.ratio_max", "ratio_max limits the output"),
     Shown::bit("limit.ratio_min", "ratio_min limits the output"),
@@ -114,12 +118,12 @@ pub(super) const SHOWS: &[Shown; status::BITS + 3] = &[
     Shown::number("table", "table in force (1 to 7: Tab0 to Tab6, 0: none)"),
 ];
 
-/// What START alone takes.
+/// Values that only START takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Mode {
     by_way: bool,
     by_inputs: bool,
-    /// The ratio is that of the last point to in_final.
+    /// Whether the ratio is relative to that of the last point to in_final.
     relates: bool,
     tables: u8,
 }
@@ -131,20 +135,20 @@ impl Mode {
     }
 }
 
-/// V.
+/// The ratio V.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Ratio {
     mult: i64,
     div: i64,
 }
 
-/// What VALUE_NEW takes at once.
+/// Values that VALUE_NEW takes at once.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Live {
-    /// The speed of one increment per call, reduced.
+    /// Speed of one increment per call, as a reduced fraction.
     of_way: (i64, i64),
     in_final: i64,
-    /// Least and largest output (rpm).
+    /// Minimum and maximum output (rpm).
     outputs: (i64, i64),
     ratios: (i64, i64),
     ratio_div: i64,
@@ -167,7 +171,7 @@ impl Live {
         }
     }
 
-    /// Within these nothing that is computed of them leaves 128 bits.
+    /// Returns true if no result of these values can exceed 128 bits.
     fn is_sound(&self) -> bool {
         let is_word = |value: i64| (-WORD..=WORD).contains(&value);
         let is_divisor = |value: i64| (1..=WORD).contains(&value);
@@ -180,25 +184,25 @@ impl Live {
     }
 }
 
-/// A ratio that follows a speed.
+/// State of the function.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Dfkt {
     mode: Mode,
     live: Live,
     ratio: Ratio,
-    /// Comes into force with the next strobe.
+    /// Ratio that the next strobe activates.
     waiting: Ratio,
-    /// 1 to 7: Tab0 to Tab6; 0 none.
+    /// Active table: 1 to 7 for Tab0 to Tab6; 0: none.
     table: u8,
     /// Time between two calls (ns).
     call_ns: i64,
-    /// The way of the source at the last call.
+    /// Travel of the source at the last call.
     travel: i64,
     /// Inputs of the last call.
     before: u8,
-    /// A2.
+    /// Output A2.
     is_taken: bool,
-    /// The interval of the last call.
+    /// Interval of the table in the last call.
     near: u8,
     /// Values of [`SHOWS`].
     shown: [i64; SHOWS.len()],
@@ -239,13 +243,13 @@ impl Dfkt {
         }
     }
 
-    /// Values of [`SHOWS`].
+    /// Returns the values of [`SHOWS`].
     #[inline]
     pub(super) fn shown(&self) -> &[i64] {
         &self.shown
     }
 
-    /// Shows the status of a call, and what is in force.
+    /// Publishes the status of a call and the active ratio and table.
     #[inline]
     fn show(&mut self, status: u8) {
         let bit = |nth: u8| i64::from(status >> nth & 1);
@@ -253,24 +257,24 @@ impl Dfkt {
         self.shown = [bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), mult, div, self.table.into()];
     }
 
-    /// The speed of the source.
+    /// Returns the speed of the source.
     #[inline]
     fn input(&mut self, seen: &Seen<'_>) -> Input {
         let way = seen.source.travel.wrapping_sub(std::mem::replace(&mut self.travel, seen.source.travel));
         if !self.mode.by_way {
             return Input { n: seen.source.value.into(), unit: 1 };
         }
-        // No encoder goes further in a call.
+        // No encoder travels further in a call.
         let way = way.clamp(i32::MIN.into(), i32::MAX.into());
         let (n, unit) = self.live.of_way;
         Input { n: i128::from(way) * i128::from(n), unit: unit.into() }
     }
 
-    /// A rising E2 chooses a table, where that is there, and with it the ratio that waits.
+    /// A rising E2 activates the selected table, if it exists, and the waiting ratio.
     fn choose(&mut self, seen: &Seen<'_>) {
         let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
         if rising & STROBE != 0 {
-            // With three tables or fewer there is no E5.
+            // With three tables or fewer E5 is not used.
             let lines = if self.mode.tables <= 3 { 0b011 } else { 0b111 };
             let table = seen.inputs >> 2 & lines;
             if self.may_choose(table, seen) {
@@ -288,8 +292,9 @@ impl Dfkt {
         table <= self.mode.tables && points.is_some_and(|points| !self.mode.relates || points.last() != 0)
     }
 
-    /// The output of an input, and its status. Of a way n is below 2^31 * 2^50, of a speed below 2^63 with unit 1; unit is below 2^57. Points and
-    /// words have 15 bits, in_final 29 in units: the largest product, n * 126 * a rise * mult, stays below 2^81 * 2^7 * 2^16 * 2^15.
+    /// Returns the output for an input, and its status. n is below 2^31 * 2^50 for travel, and below 2^63 with unit 1
+    /// for a speed; unit is below 2^57. Points and words have 15 bits, in_final 29 in units: the largest product, n *
+    /// 126 * a rise * mult, stays below 2^81 * 2^7 * 2^16 * 2^15.
     #[inline]
     fn output(&mut self, input: Input, seen: &Seen<'_>) -> (i64, u8) {
         let (t, divisor, beyond) = match points(self.table, seen) {
@@ -303,13 +308,13 @@ impl Dfkt {
         };
         let Ratio { mult, div } = self.ratio;
         let y = truncated(t * i128::from(mult), divisor * i128::from(div));
-        // Rounding keeps an order: to limit what is rounded by limits that are rounded is to round once.
+        // Rounding is monotonic: limiting the rounded value by rounded limits equals a single rounding.
         let of_input =
             |ratio: i64| truncated(input.n * i128::from(ratio), input.unit * i128::from(self.live.ratio_div));
         let (a, b) = (of_input(self.live.ratios.0), of_input(self.live.ratios.1));
         let geared = y.max(a.min(b)).min(a.max(b));
         let sink = geared.max(self.live.outputs.0 * RPM).min(self.live.outputs.1 * RPM);
-        // Below an input of 0 the ratio is too large where the output is too small.
+        // For an input below 0 the ratio is too large if the output is too small.
         let is_ratio_over = if input.n < 0 { geared > y } else { geared < y };
         let by_ratio = if geared == y {
             0
@@ -326,7 +331,7 @@ impl Dfkt {
         (sink, by_ratio | by_output | beyond)
     }
 
-    /// On which side of its table an input is, however the table goes on there.
+    /// Returns the side of the table on which an input is, regardless of the continuation of the table.
     #[inline]
     fn beyond(&self, Input { n, unit }: Input) -> u8 {
         if n < 0 {
@@ -338,7 +343,7 @@ impl Dfkt {
         }
     }
 
-    /// The table at an input: T * in_final * unit, T in 0.0001 rpm.
+    /// Returns the table at an input: T * in_final * unit, T in 0.0001 rpm.
     #[inline]
     fn look_up(&mut self, Input { n, unit }: Input, points: Points<'_>) -> i128 {
         let end = i128::from(self.live.in_final * RPM) * unit;
@@ -356,12 +361,13 @@ impl Dfkt {
         if is_mirrored { -t } else { t }
     }
 
-    /// Where x lies: i, and (x - i * step) / step in parts of `end`. Beyond the end that is the last one.
+    /// Returns the interval i of x, and (x - i * step) / step in parts of `end`. Beyond the end it is the last
+    /// interval.
     #[inline]
     fn interval(&mut self, x: i128, end: i128, intervals: usize) -> (usize, i128) {
         let (scaled, near) = (x * intervals as i128, usize::from(self.near));
         let part = scaled - i128::from(self.near) * end;
-        // Most calls stay in their interval: a division takes as long as all the rest.
+        // Most calls stay in their interval: a division takes as long as the rest of the call.
         if near < intervals && (0..end).contains(&part) {
             return (near, part);
         }
@@ -370,7 +376,7 @@ impl Dfkt {
         (i as usize, scaled - i128::from(i) * end)
     }
 
-    /// The outputs that it writes, behind its sink.
+    /// Returns the outcome of a call.
     fn told(&self, sink: i64, runs: bool) -> Outcome {
         let a1 = if runs { 0 } else { A1 };
         let a2 = if self.is_taken { A2 } else { 0 };
@@ -378,13 +384,13 @@ impl Dfkt {
         Outcome { sink, outputs, writes, ..Outcome::default() }
     }
 
-    /// The table that a set is checked with: that of a function whose inputs chose it, else that of the set.
+    /// Returns the table for the check of a parameter set: the one that inputs selected, otherwise that of the set.
     fn active_table(&self, words: Words<'_>, setting: &Setting<'_>) -> i64 {
         let is_chosen = setting.runs && Mode::of(words).by_inputs;
         if is_chosen { self.table.into() } else { words.get(ACTIVE_TABLE) }
     }
 
-    /// Refuses an active table that is not there, or gives no ratio, or gets new numbers.
+    /// Returns an error if the active table is missing, gives no ratio, or gets new numbers.
     fn check_active(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let (active, mode) = (self.active_table(words, setting), Mode::of(words));
         let field = number(FIELDS, "active_table");
@@ -404,7 +410,7 @@ impl Dfkt {
         if points.last() == 0 {
             return Err(Fault::new(Code::AMK_LAST_POINT).with(place as i64, 0));
         }
-        // A set in force may have got another table from a strobe: then the product is only long.
+        // A strobe may have activated another table for a running set: the product is too large then, but harmless.
         let (mult, most) = (words.get(MULT), WORD * words.get(IN_FINAL));
         if setting.occasion == Occasion::Order && (mult * points.last()).abs() > most {
             let limit = most / points.last().abs().max(1) * mult.signum();
@@ -481,13 +487,13 @@ impl Program for Dfkt {
     }
 }
 
-/// The points of Tab0 to Tab6, counted from 1; none of table 0.
+/// Returns the points of Tab0 to Tab6, counted from 1; `None` for table 0.
 #[inline]
 fn points<'a>(table: u8, seen: &Seen<'a>) -> Option<Points<'a>> {
     seen.tables.get(usize::from(table).checked_sub(1)?).and_then(Points::of)
 }
 
-/// A quotient, rounded towards 0 and saturated; the divisor is above 0.
+/// Returns a quotient, rounded towards 0 and saturated; the divisor is above 0.
 #[inline]
 fn truncated(dividend: i128, divisor: i128) -> i64 {
     match (i64::try_from(dividend), i64::try_from(divisor)) {
@@ -500,7 +506,7 @@ fn truncated(dividend: i128, divisor: i128) -> i64 {
     }
 }
 
-/// A fraction in lowest terms; both are above 0.
+/// Returns a fraction in lowest terms; both parts are above 0.
 fn reduced(numerator: i64, denominator: i64) -> (i64, i64) {
     let (mut a, mut b) = (numerator, denominator);
     while b != 0 {

@@ -1,17 +1,17 @@
-//! A speed that bits switch on and off.
+//! Speed that binary inputs switch on and off.
 //!
-//! Law      a rising E2 while E1 = 1 and E3 = 0 makes the speed n_e; E3 = 1 or E1 = 0 makes it 0, and wins over E2; no
-//!          ramp; A1 = 1 while the speed is 0
-//! Reads    E1 enable, E2 start, E3 stop; E2 that stands at START is no edge
+//! Law      a rising E2 while E1 = 1 and E3 = 0 makes the speed n_e; E3 = 1 or E1 = 0 makes it 0, with priority over
+//!          E2; no ramp; A1 = 1 while the speed is 0
+//! Reads    E1 enable, E2 start, E3 stop; E2 = 1 at START is no edge
 //! Writes   the sink (0.0001 rpm), A1
-//! Refuses  nothing beyond the ranges of the fields
+//! Refuses  only values outside the ranges of the fields
 //! Source   AMK-DIGDREH-01 to -08 with
 
 use super::field::{Field, Words, place};
 use super::program::{Fault, Outcome, Program, Seen, Setting};
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new("speed", i32::MIN as i64, i32::MAX as i64, "0.0001 rpm", "speed n_e while it runs", "AMK-DIGDREH-03"),
     Field::new("mode", 0, 0, "", "not used", "AMK-DIGDREH-03"),
@@ -21,7 +21,7 @@ const ENABLE: u8 = 1 << 0;
 const BEGIN: u8 = 1 << 1;
 const STOP: u8 = 1 << 2;
 
-/// The switch.
+/// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Digdreh {
     speed: i64,
@@ -52,7 +52,7 @@ impl Program for Digdreh {
         let may_run = seen.inputs & (ENABLE | STOP) == ENABLE;
         self.runs = may_run && (self.runs || rising & BEGIN != 0);
         let sink = if self.runs { self.speed } else { 0 };
-        // n_e may be 0: then the speed is 0 and A1 says so (AMK-DIGDREH-02).
+        // n_e may be 0: then the speed is 0 and A1 is 1 (AMK-DIGDREH-02).
         Outcome { sink, outputs: (sink == 0).into(), writes: 1, ..Outcome::default() }
     }
 }
@@ -65,7 +65,7 @@ mod tests {
 
     const RPM: i64 = 10_000;
 
-    /// Speed and A1 of each call; the first one is START.
+    /// Returns speed and A1 of each call; the first one is START.
     fn switched(speed: i64, inputs: &[u8]) -> Vec<(i64, u8)> {
         let (words, mut digdreh) = (set(FIELDS, &[("speed", speed)]), Digdreh::new());
         let mut given = Vec::new();
@@ -86,11 +86,11 @@ mod tests {
     fn a_start_edge_runs_until_a_stop_or_the_end_of_enable() {
         let (speed, unit) = (10_000_000, FIELDS.first().map(|field| field.unit));
         assert_eq!(unit, Some("0.0001 rpm"));
-        // Enabled, start, start taken back: it runs on.
+        // Enabled, start, start released: it keeps running.
         assert_eq!(switched(speed, &[0b000, 0b001, 0b011, 0b001]), [REST, REST, RUN, RUN]);
-        // Stop, and a start that stands does not start again.
+        // Stop; a start that stays 1 does not start again.
         assert_eq!(switched(speed, &[0b001, 0b011, 0b111, 0b011, 0b001, 0b011]), [REST, RUN, REST, REST, REST, RUN]);
-        // Enable goes and comes again: a new edge is needed.
+        // Enable is switched off and on again: a new edge is needed.
         assert_eq!(switched(speed, &[0b001, 0b011, 0b010, 0b011, 0b001, 0b011]), [REST, RUN, REST, REST, REST, RUN]);
     }
 
@@ -98,7 +98,7 @@ mod tests {
     fn stop_wins_over_start_and_an_edge_without_enable_is_lost() {
         assert_eq!(switched(1, &[0b101, 0b111, 0b011]), [REST; 3]);
         assert_eq!(switched(1, &[0b000, 0b010, 0b011]), [REST; 3]);
-        // Both come in one call: the edge counts.
+        // Both are set in one call: the edge counts.
         assert_eq!(switched(1000 * RPM, &[0b000, 0b011]), [REST, RUN]);
     }
 
@@ -115,7 +115,7 @@ mod tests {
     }
 
     proptest! {
-        /// It runs where an edge with enable and without stop came, and since then neither went.
+        /// It runs if there was an edge with enable and without stop, and neither condition has changed since then.
         #[test]
         fn it_runs_where_the_last_edge_that_counts_is_younger_than_the_last_stop(
             inputs in proptest::collection::vec(0_u8..8, 1..60),

@@ -1,13 +1,17 @@
-//! Moves by so many increments, one for each edge of an input: from where it is, over multiples of a length, or from a reference.
+//! Positioning by an edge of an input: relative, to multiples of a length, or relative to a reference.
 //!
-//! Law      n_comm * override / 1024 and ramps are parts of an increment in a call, rounded down once; a call changes the velocity by at most a
-//!          ramp, and the way ends exactly at the travel (`ramp`). What a new travel, or the reference, leaves too little way for is run
-//!          through down to rest and gone back. Modulo: where the ramp down would begin, E1 = 1 puts the end off by whole lengths
-//! Reads    a rising E1 starts an order, continues it or adds to it, a rising E2 stops it and wins; the words of both overrides; the way of the
-//!          source, where that is the velocity; the zero pulse of the axis that is the sink
-//! Writes   the sink, from where it stands, from the reference on counted from there; A1 = 1 at rest, A2 = 1 at n_comm, modulo alone
-//! Refuses  substitutional and modulo at once, or substitutional without an axis; a travel of 0 for either; an end against the approach without
-//!          bit 2; no velocity; a cycle beyond 1 to 9 ms for a reference; a stop ramp below the other; an external velocity without a source or without its resolution
+//! Law      n_comm * override / 1024 and ramps are parts of an increment per call, rounded down once; a call changes
+//!          the velocity by at most a ramp, and the motion ends exactly at the travel (`ramp`). If a new travel, or the
+//!          reference, leaves too short a distance, the axis ramps down beyond the end and returns. Modulo: at the
+//!          point where the ramp down would begin, E1 = 1 moves the end by whole lengths
+//! Reads    a rising E1 starts an order, continues it or adds to it, a rising E2 stops it and has priority; the words
+//!          of both overrides; the travel of the source, if that is the velocity; the zero pulse of the axis that is
+//!          the sink
+//! Writes   the sink, starting at its present position, after the reference counted from the reference; A1 = 1 at rest,
+//!          A2 = 1 at n_comm, in modulo mode only
+//! Refuses  substitutional and modulo at once, or substitutional without an axis; a travel of 0 for either; an end
+//!          against the approach direction without bit 2; no velocity; a cycle outside 1 to 9 ms for a reference; a
+//!          stop ramp below the other ramp; an external velocity without a source or without its resolution
 //! Source   AMK-EPOS-01 to -61 with
 
 mod ramp;
@@ -19,7 +23,7 @@ use crate::code::Code;
 use ramp::{FARTHEST, FASTEST, INC, approach, approach_end, change, is_enough, length, parts, velocity};
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new(
         "ba",
@@ -71,13 +75,13 @@ pub(super) const FIELDS: &[Field] = &[
 ];
 
 const STEEPEST: i64 = 100_000_000;
-/// Least and largest cycle of a search for the reference (0.5 ms; AMK-EPOS-44, -50).
+/// Minimum and maximum cycle of a search for the reference (0.5 ms; AMK-EPOS-44, -50).
 const SEARCH_CYCLES: (i64, i64) = (2, 18);
-/// Overrides of 100 %.
+/// Override of 100 %.
 const FULL: i64 = 1024;
-/// Largest override of the velocity.
+/// Maximum override of the velocity.
 const LARGEST: i64 = 32_767;
-/// Least override of the acceleration.
+/// Minimum override of the acceleration.
 const LEAST: i64 = 102;
 
 const E1: u8 = 1 << 0;
@@ -89,16 +93,16 @@ const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
 }
 
-/// What START alone takes.
+/// Values that only START takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Mode {
-    /// The source is the velocity.
+    /// Whether the source is the velocity.
     follows: bool,
     substitutional: bool,
     turns_round: bool,
     retriggers: bool,
     modulo: bool,
-    /// Turns of the drive and of the source (inc).
+    /// Increments per turn of the drive and of the source.
     turns: (i64, i64),
 }
 
@@ -109,7 +113,7 @@ impl Mode {
             follows: has(0),
             substitutional: has(1),
             turns_round: has(2),
-            // Neither of the other two is retriggered (AMK-EPOS-18, -42).
+            // Substitutional and modulo orders are not retriggered (AMK-EPOS-18, -42).
             retriggers: has(3) && !has(1) && !has(4),
             modulo: has(4),
             turns: (words.get(at("drive_resolution")), words.get(at("master_resolution"))),
@@ -117,7 +121,7 @@ impl Mode {
     }
 }
 
-/// What VALUE_NEW takes, too.
+/// Values that VALUE_NEW takes as well.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Live {
     travel: i64,
@@ -134,36 +138,36 @@ impl Live {
     }
 }
 
-/// Where it stands.
+/// Phase of the order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
-    /// Without an order.
+    /// No order.
     #[default]
     Idle,
     Run,
-    /// On the ramp of E2.
+    /// On the stop ramp after E2.
     Stopping,
-    /// Stopped with something left.
+    /// Stopped before the end of the order.
     Halted,
 }
 
-/// How it comes to its end.
+/// The way in which the motion reaches its end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum End {
-    /// The reference has not come yet.
+    /// The reference has not been found yet.
     Unknown,
     #[default]
     Ramp,
-    /// By rest behind it, and back.
+    /// By stopping beyond the end and returning.
     Beyond,
     /// At once, without a ramp.
     Step,
 }
 
-/// The positioning.
+/// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Epos {
-    /// The slot knows words for the overrides.
+    /// Whether the slot has words for the overrides of velocity and acceleration.
     has_words: [bool; WORDS],
     mode: Mode,
     live: Live,
@@ -171,25 +175,25 @@ pub(super) struct Epos {
     call_ns: u64,
     phase: Phase,
     end: End,
-    /// The ramp down to a multiple has begun.
+    /// Whether the ramp down to a multiple has begun.
     is_settled: bool,
-    /// Velocity and travel of the order, as it was taken.
+    /// Velocity and travel of the current order.
     speed: i128,
     travel: i64,
-    /// Sense of the approach.
+    /// Whether the approach is in negative direction.
     is_back: bool,
-    /// Override of the acceleration, as it was taken.
+    /// Override of the acceleration of the current order.
     share: i64,
-    /// By how much a call changes the velocity, and on the ramp of E2.
+    /// Maximum change of velocity per call, and the same on the stop ramp of E2.
     ramps: (i128, i128),
-    /// Way of a call.
+    /// Travel per call, in parts of an increment.
     velocity: i128,
-    /// Way to the end.
+    /// Distance to the end, in parts of an increment.
     left: i128,
     position: i64,
-    /// What `position` leaves, in 0..INC.
+    /// Fraction of `position`, in 0..INC.
     rest: i128,
-    /// Way of the source at the last call.
+    /// Travel of the source at the last call.
     seen: i64,
     /// Inputs of the last call.
     before: u8,
@@ -197,23 +201,23 @@ pub(super) struct Epos {
 }
 
 impl Epos {
-    /// One that has words for its overrides, or has none.
+    /// Creates a positioning; `has_words` says which overrides have a word.
     pub(super) fn new(has_words: [bool; WORDS]) -> Self {
         Self { has_words, share: FULL, ramps: (1, 1), ..Self::default() }
     }
 
-    /// Has it been made the same?
+    /// Returns true if both functions have words for the same overrides.
     pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
         self.has_words == other.has_words
     }
 
-    /// What is left of its order.
+    /// Returns the distance to go of the order.
     #[inline]
     pub(super) fn shown(&self) -> &[i64] {
         &self.shown
     }
 
-    /// Passes to the phase that the edges ask for; true where an order begins or goes on.
+    /// Changes to the phase that the edges request. Returns true if an order begins or continues.
     fn switch(&mut self, rising: u8, share: i64) -> bool {
         let goes = rising & (E1 | E2) == E1;
         match self.phase {
@@ -233,7 +237,7 @@ impl Epos {
             }
             Phase::Halted if goes => {
                 self.take_share(share);
-                // Behind a stop E1 decides again whether the ramp down to this multiple begins (AMK-EPOS-35, A-44).
+                // After a stop E1 decides again whether the ramp down to this multiple begins (AMK-EPOS-35, A-44).
                 (self.phase, self.is_settled) = (Phase::Run, false);
                 return true;
             }
@@ -259,7 +263,7 @@ impl Epos {
         self.ramps = (ramp.max(1), of(self.live.stop_decel));
     }
 
-    /// The sense of its motion; at rest that of what comes.
+    /// Returns the direction of motion; at rest the direction of the next motion.
     fn sense(&self) -> i128 {
         match self.end {
             End::Ramp | End::Beyond if self.velocity != 0 => self.velocity.signum(),
@@ -268,14 +272,14 @@ impl Epos {
         }
     }
 
-    /// Is there way enough to come to rest by the ramp?
+    /// Returns true if the distance to go is long enough for the ramp down.
     fn reaches(&self) -> bool {
         let sense = self.sense();
         let left = self.left * sense;
         left >= 0 && is_enough(self.velocity * sense - self.ramps.0, left, self.ramps.0)
     }
 
-    /// The reference was at a place of the sink, which counts from there now.
+    /// Sets the reference, which was at `place` of the sink: the sink counts from there now.
     fn refer(&mut self, place: i64) {
         self.position = self.position.wrapping_sub(place);
         let left = i128::from(self.travel) - i128::from(self.position);
@@ -291,7 +295,7 @@ impl Epos {
         if self.is_back { -1 } else { 1 }
     }
 
-    /// At rest the way to the end is one like any other; but without bit 2 it never turns round.
+    /// At rest the distance to the end is treated like any other; but without bit 2 the direction never changes.
     fn rest_beyond(&mut self) {
         let is_ahead = self.left * self.approach_sense() >= 0;
         if self.velocity == 0 && (self.end == End::Beyond || self.end == End::Step && is_ahead) {
@@ -299,11 +303,11 @@ impl Epos {
         }
     }
 
-    /// The velocity that it is to come to in this call.
+    /// Returns the target velocity of this call.
     #[inline]
     fn wanted(&self, way: i64, percent: i64) -> i128 {
         let speed = if self.mode.follows {
-            // No encoder goes further in a call.
+            // No encoder travels further in a call.
             let way = i128::from(way.unsigned_abs()).min(i128::from(i32::MAX));
             parts(way * i128::from(self.mode.turns.0), self.mode.turns.1.into())
         } else {
@@ -315,7 +319,7 @@ impl Epos {
         (speed * i128::from(percent.clamp(0, LARGEST)) / i128::from(FULL)).min(FASTEST)
     }
 
-    /// A call of an order.
+    /// Advances an order by one call.
     #[inline]
     fn go(&mut self, wanted: i128, goes_on: bool) {
         let sense = self.sense();
@@ -337,7 +341,7 @@ impl Epos {
             self.left = (left * sense).saturating_sub(self.velocity).clamp(-FARTHEST, FARTHEST);
         }
         let sum = self.rest + self.velocity;
-        // A step is at most as long as what is left: its whole increments have 63 bits.
+        // A step is at most as long as the distance to go: its whole increments have 63 bits.
         self.position = self.position.wrapping_add((sum >> ramp::BITS) as i64);
         self.rest = sum & (INC - 1);
         if self.is_there() {
@@ -346,7 +350,8 @@ impl Epos {
         self.rest_beyond();
     }
 
-    /// The way that is left by the end that counts for this call: where the ramp down to a multiple would begin, E1 decides.
+    /// Returns the distance to the end that applies to this call: at the point where the ramp down to a multiple would
+    /// begin, E1 decides.
     #[inline]
     fn put_off(&mut self, next: i128, left: i128, goes_on: bool) -> i128 {
         if self.is_settled || is_enough(next, left, self.ramps.0) {
@@ -361,12 +366,12 @@ impl Epos {
         left.saturating_add(steps.saturating_mul(step)).min(FARTHEST)
     }
 
-    /// Has it come to its end, and by no ramp beyond it?
+    /// Returns true if the end is reached, without a return from beyond it.
     fn is_there(&self) -> bool {
         self.left == 0 && matches!(self.end, End::Ramp | End::Step)
     }
 
-    /// Passes to rest where it has come there.
+    /// Changes to a phase at rest if the motion has ended.
     fn settle(&mut self) {
         if self.is_there() {
             self.phase = Phase::Idle;
@@ -376,7 +381,7 @@ impl Epos {
     }
 }
 
-/// Increments in parts.
+/// Converts increments to parts of an increment.
 fn whole(increments: i64) -> i128 {
     i128::from(increments) * INC
 }
@@ -451,7 +456,7 @@ impl Program for Epos {
             self.refer(place);
             anew = place.wrapping_neg();
         }
-        // A goal gives the edges; the inputs keep theirs.
+        // A goal adds its edges to those of the inputs.
         let rising = match seen.asked {
             Asked::Begin => rising | E1,
             Asked::Stop => rising | E2,

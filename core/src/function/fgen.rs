@@ -1,13 +1,16 @@
-//! A master that is made of time, and what runs behind it: zeroing and monitoring of actual positions.
+//! Virtual master in time (FGEN), with zeroing and monitoring of actual positions.
 //!
-//! Law      Velocity: cycle_increments in cycle_time, or the way of the source, times override / 1024; it comes to each new value by an
-//!          acceleration, and way and velocity are exact (`pace`). Continuous: without end. Sequence: begins with its velocity and ends
-//!          exactly at cycle_increments, in either sense. A zeroed position counts from where its axis was then
-//! Reads    a rising E1 starts or continues, E1 = 0 interrupts by a ramp; E2 = 1 takes the second acceleration; the override's word, at
-//!          most 200 %; the source, where that is the velocity; actual positions of the first eight axes
-//! Writes   the sink, from where it stands; A1 = 1 at rest; A2 to A8 = 1 while the position of a chosen axis lies beyond its limit
-//! Refuses  VALUE_NEW of more than bit 1 of ba, an internal velocity without a time or of 32768 inc in a call, a second acceleration of 0,
-//!          an external velocity without a source
+//! Law      Velocity: cycle_increments in cycle_time, or the travel of the source, times override / 1024; it changes to
+//!          each new value by an acceleration, and travel and velocity are exact (`pace`). Continuous: without end.
+//!          Sequence: starts at its velocity and ends exactly at cycle_increments, in either direction. A zeroed
+//!          position counts from the position of its axis at that time
+//! Reads    a rising E1 starts or continues, E1 = 0 interrupts by a ramp; E2 = 1 selects the second acceleration; the
+//!          word of the override, at most 200 %; the source, if that is the velocity; actual positions of the first
+//!          eight axes
+//! Writes   the sink, starting at its present position; A1 = 1 at rest; A2 to A8 = 1 while the position of a selected
+//!          axis exceeds its limit
+//! Refuses  VALUE_NEW with changes of ba other than bit 1, an internal velocity without a time or of 32768 inc in a
+//!          call, a second acceleration of 0, an external velocity without a source
 //! Source   AMK-FGEN-01 to -43 with G1 to G9 and G11
 
 mod pace;
@@ -19,7 +22,7 @@ use crate::code::Code;
 use pace::{FULL, Motion, Pace, Rate};
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new(
         "fct",
@@ -58,9 +61,9 @@ pub(super) const FIELDS: &[Field] = &[
 ];
 
 const FASTEST: i64 = 500_000_000;
-/// Outputs behind A1.
+/// Number of outputs after A1.
 const LIMITS: usize = LINES - 1;
-/// Largest way of a call: consumers may count in 16 bits.
+/// Maximum travel per call: consumers may count in 16 bits.
 const LARGEST_WAY: i64 = 32_767;
 /// Override of 200 %.
 const LARGEST_OVERRIDE: i64 = 2 * FULL;
@@ -74,15 +77,15 @@ const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
 }
 
-/// What START alone takes.
+/// Values that only START takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Mode {
     generates: bool,
     zeroes: bool,
     monitors: bool,
-    /// The source is the velocity.
+    /// Whether the source is the velocity.
     follows: bool,
-    /// E2 chooses.
+    /// Whether E2 selects the acceleration.
     has_two_ramps: bool,
     mask: u8,
     cycle_increments: i64,
@@ -103,10 +106,10 @@ impl Mode {
     }
 }
 
-/// Where a movement stands.
+/// Phase of the movement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
-    /// None was begun, or a sequence is done.
+    /// Not started, or a sequence has ended.
     #[default]
     Idle,
     Run,
@@ -116,34 +119,34 @@ enum Phase {
     Halted,
 }
 
-/// The generator.
+/// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Fgen {
-    /// The slot knows a word for the override.
+    /// Whether the slot has a word for the override.
     has_word: bool,
     mode: Mode,
-    /// It ends at cycle_increments.
+    /// Whether the movement ends at cycle_increments.
     is_sequence: bool,
     limits: [i64; LIMITS],
     /// Time between two calls (ns).
     call_ns: u64,
     phase: Phase,
     motion: Motion,
-    /// X.
+    /// The position X.
     position: i64,
-    /// Increments since the start: the floor of the exact way.
+    /// Increments since the start: the floor of the exact travel.
     way: i64,
-    /// The way of the source at the last call.
+    /// Travel of the source at the last call.
     travel: i64,
     /// Inputs of the last call.
     before: u8,
-    /// Actual positions when they were zeroed.
+    /// Actual positions at the last zeroing.
     zeros: [i64; LINES],
-    /// Actual positions since then.
+    /// Actual positions relative to `zeros`.
     feedback: [i64; LINES],
 }
 
-/// What velocity a set makes of a call.
+/// Returns the velocity and ramps per call of a parameter set.
 fn pace(words: Words<'_>, call_ns: u64) -> Pace {
     let follows = words.get(at("ba")) & 1 != 0;
     let rate = (!follows).then(|| rate(words));
@@ -163,32 +166,32 @@ fn rate(words: Words<'_>) -> Rate {
 }
 
 impl Fgen {
-    /// One that has a word for its override, or has none.
+    /// Creates a generator; `has_word` says whether the override has a word.
     pub(super) fn new(has_word: bool) -> Self {
-        // VALUE_NEW may come before the first call, which folds a way by the turn.
+        // VALUE_NEW may precede the first call; it divides the travel by the cycle increments, so they must not be 0.
         Self { has_word, mode: Mode { cycle_increments: 1, ..Mode::default() }, ..Self::default() }
     }
 
-    /// Has it been made the same?
+    /// Returns true if both functions have a word for the override, or both have none.
     pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
         self.has_word == other.has_word
     }
 
-    /// Actual positions of AW1 to AW8, since they were zeroed.
+    /// Returns the actual positions of AW1 to AW8 since they were zeroed.
     #[inline]
     pub(super) fn shown(&self) -> &[i64] {
         &self.feedback
     }
 
-    /// What the velocity is a multiple of in this call.
+    /// Returns the factor of the velocity step in this call.
     #[inline]
     fn asked(&self, way: i64, seen: &Seen<'_>) -> i64 {
         let percent = if self.has_word { seen.words[0].clamp(-LARGEST_OVERRIDE, LARGEST_OVERRIDE) } else { FULL };
-        // No encoder goes further in a call.
+        // No encoder travels further in a call.
         if self.mode.follows { way.clamp(i32::MIN.into(), i32::MAX.into()).saturating_mul(percent) } else { percent }
     }
 
-    /// Passes to the phase that E1 asks for; true where that begins a movement.
+    /// Changes to the phase that E1 requests. Returns true if that begins a movement.
     fn switch(&mut self, inputs: u8, rising: u8) -> bool {
         let next = match self.phase {
             Phase::Idle if rising & E1 != 0 => Phase::Run,
@@ -199,7 +202,7 @@ impl Fgen {
         std::mem::replace(&mut self.phase, next) == Phase::Idle && next == Phase::Run
     }
 
-    /// A call of a movement.
+    /// Advances a movement by one call.
     #[inline]
     fn go(&mut self, asked: i64, inputs: u8, begins: bool) {
         let target = if self.phase == Phase::Run { self.motion.target(asked) } else { 0 };
@@ -224,18 +227,20 @@ impl Fgen {
         }
     }
 
-    /// Is the exact way as long as a sequence? Rounding down shows the last increment of a way back too early.
+    /// Returns true if the exact travel has reached the length of a sequence. Rounding down shows the last increment in
+    /// negative direction too early.
     fn is_done(&self) -> bool {
         let end = self.mode.cycle_increments;
         self.way >= end || self.way < -end || self.way == -end && !self.motion.has_rest()
     }
 
-    /// The way since the start becomes that since the last boundary of a cycle, so that a sequence ends at the next one (G9).
+    /// Counts the travel from the last boundary of a cycle instead of the start, so that a sequence ends at the next
+    /// boundary (G9).
     fn fold(&mut self) {
         let end = self.mode.cycle_increments;
         let sense = self.motion.sense();
         self.way = if sense < 0 || sense == 0 && self.way < 0 {
-            // Counted from the end of the way, which lies above its floor.
+            // Counted from the exact travel, which is above its floor.
             let more = i64::from(self.motion.has_rest());
             let behind = self.way.wrapping_add(more).wrapping_neg();
             behind.rem_euclid(end).wrapping_neg().wrapping_sub(more)
@@ -244,7 +249,7 @@ impl Fgen {
         };
     }
 
-    /// Bits of A2 to A8.
+    /// Returns the bits of A2 to A8.
     fn exceeded(&self) -> u8 {
         let (mut outputs, mut next) = (0, A1);
         let chosen = self.feedback.iter().enumerate().filter(|(axis, _)| self.mode.mask >> axis & 1 == 1);
@@ -328,7 +333,7 @@ impl Program for Fgen {
     fn step(&mut self, seen: &Seen<'_>) -> Outcome {
         let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
         let way = seen.source.travel.wrapping_sub(std::mem::replace(&mut self.travel, seen.source.travel));
-        // Without a generator nothing is ever continued (G11).
+        // Without a generator no movement is continued (G11).
         let begins = if self.mode.generates { self.switch(seen.inputs, rising) } else { rising & E1 != 0 };
         self.watch(seen.drives, begins && self.mode.zeroes);
         if matches!(self.phase, Phase::Run | Phase::Stopping) {

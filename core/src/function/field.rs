@@ -1,30 +1,31 @@
-//! Fields of a parameter set: one row each, of which the keys of cells, checks, ROS parameters and the pages are made.
+//! Fields of parameter sets. The keys of cells, the checks, the ROS parameters and the documentation are generated from
+//! their rows.
 
-/// One field of a type's parameter set.
+/// One field of the parameter set of a function type.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
-    /// Its name in the spec.
+    /// Name in the spec.
     pub name: &'static str,
-    /// How many values it has: 1, or as many as the list of the spec.
+    /// Number of values: 1, or the length of the list in the spec.
     pub count: usize,
-    /// Least value.
+    /// Minimum.
     pub min: i64,
-    /// Largest value.
+    /// Maximum.
     pub max: i64,
-    /// Where it is left out; beyond the range where it must be given before START.
+    /// Default; a default outside the range means that the value must be given before START.
     pub default: i64,
     /// Unit of the value; empty without one.
     pub unit: &'static str,
-    /// VALUE_NEW changes it; else it counts from the next START on.
+    /// Whether VALUE_NEW changes it; otherwise it takes effect at the next START.
     pub live: bool,
-    /// What it is.
+    /// Description.
     pub help: &'static str,
-    /// Requirement it stems from.
+    /// Requirement of the spec.
     pub source: &'static str,
 }
 
 impl Field {
-    /// A field of one value within a range, which counts from START on.
+    /// Returns a field of one value within a range, which takes effect at the next START.
     pub(super) const fn new(
         name: &'static str,
         min: i64,
@@ -36,23 +37,23 @@ impl Field {
         Self { name, count: 1, min, max, default: 0, unit, live: false, help, source }
     }
 
-    /// The same as a list.
+    /// Returns the field as a list of `count` values.
     pub(super) const fn list(self, count: usize) -> Self {
         Self { count, ..self }
     }
 
-    /// The same where VALUE_NEW changes it.
+    /// Returns the field as one that VALUE_NEW changes.
     pub(super) const fn live(self) -> Self {
         Self { live: true, ..self }
     }
 
-    /// The same with another default than 0.
+    /// Returns the field with another default than 0.
     pub(super) const fn or(self, default: i64) -> Self {
         Self { default, ..self }
     }
 }
 
-/// How many values a set has.
+/// Returns the number of values of a set.
 pub(super) const fn width(fields: &[Field]) -> usize {
     let (mut place, mut field) = (0, 0);
     while field < fields.len() {
@@ -62,7 +63,7 @@ pub(super) const fn width(fields: &[Field]) -> usize {
     place
 }
 
-/// Where the values of a field begin in its set; a name that no field has does not compile.
+/// Returns the index of the first value of a field in its set; an unknown name does not compile.
 pub(super) const fn place(fields: &[Field], name: &str) -> usize {
     let (mut place, mut field) = (0, 0);
     while field < fields.len() {
@@ -75,7 +76,7 @@ pub(super) const fn place(fields: &[Field], name: &str) -> usize {
     panic!("no field has that name")
 }
 
-/// Which field a name is, counted from 0; a name that no field has does not compile.
+/// Returns the number of a field, counted from 0; an unknown name does not compile.
 pub(super) const fn number(fields: &[Field], name: &str) -> u16 {
     let mut field = 0;
     while field < fields.len() {
@@ -101,7 +102,7 @@ const fn is_same(a: &str, b: &str) -> bool {
 pub(super) struct Words<'a>(pub &'a [i64]);
 
 impl Words<'_> {
-    /// A value by its place; 0 behind the end.
+    /// Returns a value by its index; 0 after the end.
     #[inline]
     pub(super) fn get(self, place: usize) -> i64 {
         self.0.get(place).copied().unwrap_or(0)

@@ -1,10 +1,10 @@
-//! Distance between pulses, or its difference from a spacing.
+//! Distance between pulses, or its deviation from a spacing.
 //!
-//! Law      L = |pulse - start value|. Absolute: output L. Difference: r = L mod S; without limitation r or r - S within
-//!          -S/2..S/2 (S/2 itself is positive), positive r, negative r - S or 0. Valid is |output| <= W (W = 0: always),
-//!          with positive limitation from L = S on; S = 0: output L, always valid
-//! Reads    the pulse of the source, unwrapped: L may be longer than the counter of the encoder
-//! Writes   the sink at a valid pulse, A1 = 1 in its call only, A2 = the last pulse that counted was valid
+//! Law      L = |pulse - start value|. Absolute: output L. Difference: r = L mod S; without limitation r or r - S
+//!          within -S/2..S/2 (S/2 itself is positive), positive r, negative r - S or 0. The output is valid if |output|
+//!          <= W (W = 0: always), with positive limitation from L = S on; S = 0: output L, always valid
+//! Reads    the pulse of the source, unwrapped: L may exceed the counter range of the encoder
+//! Writes   the sink at a valid pulse, A1 = 1 in that call only, A2 = 1 if the last evaluated pulse was valid
 //! Refuses  both limitations at once
 //! Source   AMK-IMES-01 to -26 with I1 to I10
 
@@ -14,7 +14,7 @@ use crate::code::Code;
 use crate::event::Number;
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new(
         "ba",
@@ -39,14 +39,14 @@ const SPACING: usize = place(FIELDS, "spacing");
 const WINDOW: usize = place(FIELDS, "window");
 const BLOCKED: usize = place(FIELDS, "blocked");
 
-/// What a pulse gives.
+/// Output of a pulse.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Mode {
     Absolute,
     Difference(Limitation),
 }
 
-/// Which side of the spacing is measured.
+/// Side of the spacing on which the deviation is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Limitation {
     None,
@@ -55,7 +55,7 @@ enum Limitation {
 }
 
 impl Mode {
-    /// None where both limitations are asked for.
+    /// Returns the mode; `None` if both limitations are requested.
     fn of(ba: i64) -> Option<Self> {
         let limitation = match ba >> 2 & 3 {
             0 => Limitation::None,
@@ -67,16 +67,16 @@ impl Mode {
     }
 }
 
-/// Pulses so far.
+/// Previous pulses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Pulses {
-    /// Distances count from here.
+    /// Start value of the distances.
     start: i64,
-    /// The last valid one; before there is one, the first.
+    /// The last valid pulse; before there is one, the first pulse.
     valid: i64,
 }
 
-/// The measurement.
+/// State of the function.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Imes {
     mode: Mode,
@@ -85,7 +85,7 @@ pub(super) struct Imes {
     window: i64,
     blocked: i64,
     pulses: Option<Pulses>,
-    /// A2.
+    /// Output A2.
     was_valid: bool,
 }
 
@@ -97,14 +97,14 @@ impl Imes {
         Self { mode: Mode::Absolute, sets_on: false, spacing: 0, window: 0, blocked: 0, pulses: None, was_valid: false }
     }
 
-    /// Takes a pulse and returns what goes to the sink where it is valid.
+    /// Evaluates a pulse. Returns the value of the sink if the pulse is valid.
     fn pulse(&mut self, pulse: i64) -> Option<i64> {
         let Some(pulses) = &mut self.pulses else {
-            // The first one is the start value, and pulses behind it are blocked (I2).
+            // The first pulse is the start value; the blocked range follows it (I2).
             self.pulses = Some(Pulses { start: pulse, valid: pulse });
             return None;
         };
-        // Ways of 2^63 wrap to i64::MIN, which saturates.
+        // A distance of 2^63 wraps to i64::MIN, which saturates.
         let from = |place: i64| pulse.wrapping_sub(place).saturating_abs();
         if from(pulses.valid) < self.blocked {
             return None;
@@ -118,16 +118,16 @@ impl Imes {
         if self.was_valid {
             *pulses = Pulses { start: pulse, valid: pulse };
         } else if self.sets_on {
-            // The blocked range stays with the last valid one (I9).
+            // The blocked range stays at the last valid pulse (I9).
             pulses.start = pulse;
         }
         measured
     }
 }
 
-/// How far a distance, 0 or more, is from the next spacing; none where the pulse is not valid.
+/// Returns the deviation of a distance, 0 or more, from the next spacing; `None` if the pulse is not valid.
 fn difference(limitation: Limitation, distance: i64, spacing: i64, window: i64) -> Option<i64> {
-    // Without a spacing there is nothing that it could miss.
+    // Without a spacing there is no deviation.
     let Some(rest) = distance.checked_rem_euclid(spacing) else { return Some(distance) };
     // 0 <= rest < spacing < 2^30.
     let below = rest.wrapping_sub(spacing);

@@ -1,4 +1,4 @@
-//! The types of functions: what each is called, reads, writes, and of which fields its set is made.
+//! Function types: their names, fields, inputs and outputs.
 
 use super::field::{self, Field};
 use super::program::LINES;
@@ -6,69 +6,69 @@ use super::shown::Shown;
 use super::types;
 use serde::{Deserialize, Serialize};
 
-/// A type of function.
+/// A function type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
     /// Copies its source.
     Dcopy,
-    /// Copies its source or one of two values, as E1 says.
+    /// Copies its source or one of two values, selected by E1.
     Ecopy,
-    /// Watches the following errors of drives.
+    /// Monitors the following errors of drives.
     Sidiff,
-    /// Gears its sink to its source with ratios that inputs choose.
+    /// Gears its sink to its source with ratios that inputs select.
     Varsync,
-    /// Switches a speed.
+    /// Switches a speed on and off.
     Digdreh,
-    /// Measures the distance of marks.
+    /// Measures the distance between marks.
     Imes,
     /// Switches outputs by a table of segments.
     Binea,
     /// Switches outputs by cams.
     Cam,
-    /// Runs through tables by the way of its source, or by time.
+    /// Runs through tables by the travel of its source, or by time.
     Fipw,
     /// Runs through one of several tables by time.
     Fipz,
-    /// Runs through tables and sets of them.
+    /// Runs through tables and sets of tables.
     Xfipw,
     /// Follows a speed through a table.
     Dfkt,
-    /// Makes a master of time; zeroes and monitors actual positions.
+    /// Virtual master in time; zeroes and monitors actual positions.
     Fgen,
-    /// Controls by proportion, integral and differential.
+    /// PID controller.
     Regl,
-    /// Moves by so many increments at each edge of an input.
+    /// Positions by a number of increments at each edge of an input.
     Epos,
-    /// Runs a program of the user.
+    /// Runs a user program.
     Apsf,
 }
 
-/// May a type have a source or a sink?
+/// Whether a type has a source or a sink.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
-    /// None.
+    /// Not available.
     Never,
-    /// It may be `none`.
+    /// Optional; `none` is allowed.
     May,
-    /// It must be something.
+    /// Required.
     Must,
 }
 
-/// What its sink carries.
+/// Physical quantity of the sink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quantity {
     /// A position, a copied or a measured value: RESET holds it.
     #[default]
     Position,
-    /// A speed (0.0001 rpm): RESET makes it 0, of apsf its program does.
+    /// A speed (0.0001 rpm): RESET sets it to 0; for apsf the program does.
     Speed,
 }
 
 impl Quantity {
-    /// Both, with their names in cells.
+    /// Both quantities, with their names in cells.
     pub const ALL: [(&'static str, Self); 2] = [("position", Self::Position), ("speed", Self::Speed)];
 
-    /// Its name in cells.
+    /// Returns its name in cells.
     pub fn name(self) -> &'static str {
         match self {
             Self::Position => "position",
@@ -77,46 +77,46 @@ impl Quantity {
     }
 }
 
-/// What is to be said of a type.
+/// Description of a function type.
 #[derive(Clone, Copy, Debug)]
 pub struct Description {
-    /// Which.
+    /// The type.
     pub kind: Kind,
     /// Its name in cells.
     pub name: &'static str,
-    /// What it is for.
+    /// Its purpose.
     pub help: &'static str,
-    /// Its fields.
+    /// Fields of its parameter set.
     pub fields: &'static [Field],
-    /// Its source.
+    /// Whether it has a source.
     pub source: Need,
-    /// It may be an axis, too.
+    /// Whether it has a sink, which may be an axis.
     pub sink: Need,
-    /// What its sink carries where the cell does not say it.
+    /// Quantity of the sink, unless the cell sets it.
     pub quantity: Quantity,
-    /// The cell may say what its sink carries.
+    /// Whether the cell may set the quantity of the sink.
     pub chooses_quantity: bool,
-    /// An axis may be its sink.
+    /// Whether its sink may be an axis.
     pub moves_axes: bool,
-    /// Inputs that it knows, E1 first.
+    /// Number of its inputs, E1 first.
     pub inputs: usize,
-    /// Outputs that it knows, A1 first.
+    /// Number of its outputs, A1 first.
     pub outputs: usize,
-    /// Outputs that RESET sets: what stands for at rest (A-11).
+    /// Outputs that RESET sets, because they mean "at rest" (A-11).
     pub rests: u8,
-    /// Tables that it reads.
+    /// Number of tables that it reads.
     pub tables: usize,
-    /// Its tables may get new numbers while it is started.
+    /// Whether its tables may be changed while it is started.
     pub edits_tables: bool,
-    /// Keys of the words that it reads beside its source, [`WORDS`](super::program::WORDS) at most.
+    /// Keys of the words that it reads in addition to its source, at most [`WORDS`](super::program::WORDS).
     pub words: &'static [&'static str],
-    /// What it publishes in addition to its lines, 9 values at most.
+    /// Values that it publishes in addition to its inputs and outputs, at most 9.
     pub shows: &'static [Shown],
-    /// It takes VALUE_NEW.
+    /// Whether it accepts VALUE_NEW.
     pub renews: bool,
-    /// READ_VALUE finds a value, at rest alone.
+    /// Whether it answers READ_VALUE, at rest only.
     pub reads_at_rest: bool,
-    /// Its orders end, so that goals may give them.
+    /// Whether its orders end, so that they can be goals.
     pub takes_goals: bool,
 }
 
@@ -124,7 +124,7 @@ const OF_PROGRAMS: &[Shown] = &[Shown::number("fuel", "instructions that the las
 
 const OF_MARKS: &[Shown] = &[SAK_SHARE, CORRECTION, DEVIATION];
 
-/// Of a type of which READ_VALUE finds a value: that is the last one.
+/// Values of a type that answers READ_VALUE, whose answer is the last one.
 const OF_MARKS_AND_ANSWER: &[Shown] =
     &[SAK_SHARE, CORRECTION, DEVIATION, Shown::position("output_value", "what the last READ_VALUE has found")];
 
@@ -137,7 +137,7 @@ const SAK_SHARE: Shown = Shown::position("sak_share", "what compensation of the 
 
 const OF_SAK: &[Shown] = &[SAK_SHARE];
 
-/// Of AW1 to AW8.
+/// Actual positions of AW1 to AW8.
 const OF_DRIVES: &[Shown; LINES] = &[
     Shown::position("feedback1", FEEDBACK),
     Shown::position("feedback2", FEEDBACK),
@@ -361,12 +361,12 @@ impl Description {
         }
     }
 
-    /// How many values its set has.
+    /// Returns the number of values of its parameter set.
     pub fn width(&self) -> usize {
         field::width(self.fields)
     }
 
-    /// The field of that name, and where its values begin in the set.
+    /// Returns the field of that name, and the index of its first value in the set.
     pub fn find(&self, name: &str) -> Option<(&'static Field, usize)> {
         let mut place = 0;
         for field in self.fields {
@@ -378,7 +378,7 @@ impl Description {
         None
     }
 
-    /// The field of a value of the set: its number, and which of its values it is.
+    /// Returns the field of a value of the set: its number, the field, and the index of the value in it.
     pub fn field_of(&self, mut place: usize) -> Option<(u16, &'static Field, usize)> {
         for (number, field) in (0_u16..).zip(self.fields) {
             if place < field.count {
@@ -389,25 +389,25 @@ impl Description {
         None
     }
 
-    /// The set where nothing is given.
+    /// Returns the default values of the set.
     pub fn defaults(&self) -> Box<[i64]> {
         self.fields.iter().flat_map(|field| std::iter::repeat_n(field.default, field.count)).collect()
     }
 }
 
 impl Kind {
-    /// What is to be said of it.
+    /// Returns the description of the type.
     pub fn description(self) -> &'static Description {
-        // Types stand in their order, which a test holds.
+        // The rows are in the order of the enum; a test checks that.
         TYPES.get(self as usize).unwrap_or(&TYPES[0])
     }
 
-    /// The type of that name.
+    /// Returns the type of that name.
     pub fn find(name: &str) -> Option<Self> {
         TYPES.iter().find(|row| row.name == name).map(|row| row.kind)
     }
 
-    /// The name in cells.
+    /// Returns the name in cells.
     pub fn name(self) -> &'static str {
         self.description().name
     }
@@ -435,7 +435,7 @@ mod tests {
     fn types_stand_in_their_order_and_their_defaults_in_their_ranges() {
         for (place, row) in TYPES.iter().enumerate() {
             assert_eq!((row.kind as usize, Kind::find(row.name)), (place, Some(row.kind)));
-            // Where 0 is no value the field has to be given.
+            // A field that does not allow 0 must be given, or have a default.
             let may_stand = |field: &Field| field.default == 0 || (field.min..=field.max).contains(&field.default);
             assert!(row.fields.iter().all(may_stand), "{}", row.name);
             assert_eq!(row.fields.iter().any(|field| field.live), row.renews, "{}", row.name);

@@ -1,10 +1,11 @@
-//! Function slots: small programs beside the axes, stepped in each cycle between encoders and axes, in ascending order.
+//! Function slots: small programs that run in each cycle between encoders and axes, in ascending order.
 //!
-//! Law      a slot sees this cycle's value of what stands before it (inputs, encoders, lower slots, also through memory), and the last
-//!          cycle's of what stands behind it (axes, its own sink, higher slots)
+//! Law      a slot reads values of this cycle from inputs, encoders and lower slots, also through memory, and values of
+//!          the last cycle from axes, its own sink and higher slots
 //! Reads    any signal as source, bits as E1 to E8, tables
 //! Writes   one sink, bits as A1 to A8, a lead that axes follow
-//! Refuses  sets and commands, each with the field, its value and its range; the cycle of a slot cannot fail
+//! Refuses  invalid parameter sets and commands, each with the field, its value and its range; the cycle of a slot
+//!          cannot fail
 //! Source   spec/amkasyn-a.md to -c.md: AMKASYN fast functions; contract section 10
 
 mod apsf;

@@ -1,27 +1,28 @@
-//! When a slot tells that it was started or ended, or that an output has changed.
+//! Rate limit of the events of a slot: started, ended, or an output has changed.
 //!
-//! Law      each such change is told in its cycle while they are few: [`BURST`] at once, one a second on average. What comes in between is
-//!          counted, and told with the next one, so the last event of a slot that has calmed down is how it stands
-//! Source   Lineshaft's own: a cam switch may change its outputs in every cycle, and a log is no place for that
+//! Law      each change causes an event in its cycle, up to [`BURST`] events at once and one per second on average.
+//!          Changes between them are counted, and the next event reports the count. The last event of a slot therefore
+//!          shows its present state
+//! Source   Lineshaft: a cam switch may change its outputs in every cycle, which would flood a log
 
 use serde::{Deserialize, Serialize};
 
-/// How many changes in a row are told at once.
+/// Maximum number of events in a row.
 const BURST: u64 = 8;
 
-/// What a slot has told.
+/// Events of a slot so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Notice {
-    /// How it stood in the cycle before.
+    /// State in the previous cycle.
     seen: u16,
-    /// Changes that nobody was told of yet.
+    /// Changes that have not been reported.
     untold: u32,
-    /// The cycle in which an average of one a second is kept again.
+    /// Cycle in which the average is one event per second again.
     even: u64,
 }
 
 impl Notice {
-    /// Takes how the slot stands; where that is to be told now, how many changes before it were not.
+    /// Takes the state of the slot. Returns the number of unreported changes before it if an event is due now.
     #[inline]
     pub(super) fn take(&mut self, state: u16, cycle: u64, cycle_ns: u64) -> Option<u32> {
         if state != self.seen {
@@ -31,16 +32,16 @@ impl Notice {
         if self.is_pending() { self.tell(cycle, cycle_ns) } else { None }
     }
 
-    /// Is there a change that nobody was told of yet?
+    /// Returns true if a change has not been reported.
     #[inline]
     pub(super) fn is_pending(&self) -> bool {
         self.untold > 0
     }
 
     fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<u32> {
-        // A cycle lasts a second at most.
+        // A cycle lasts at most one second.
         let second = 1_000_000_000_u64.checked_div(cycle_ns).unwrap_or(1).max(1);
-        // A state from outside may hold anything.
+        // A restored state may hold any value.
         self.even = self.even.min(cycle.saturating_add(second.saturating_mul(BURST)));
         if self.even > cycle.saturating_add(second.saturating_mul(BURST - 1)) {
             return None;
@@ -57,7 +58,7 @@ mod tests {
 
     const MS: u64 = 1_000_000;
 
-    /// The cycles of these states in which something is told, and what was left out before.
+    /// Returns the cycles with an event, and the number of changes left out before each.
     fn told(states: impl IntoIterator<Item = u16>) -> Vec<(usize, u32)> {
         let mut notice = Notice::default();
         let tell = |(cycle, state)| Some((cycle, notice.take(state, cycle as u64, MS)?));
@@ -75,7 +76,8 @@ mod tests {
         // 1, 0, 1, 0 .. for 3 s, then 1 for 6 s.
         let states = (0..3000).map(|cycle| (cycle + 1) % 2).chain(std::iter::repeat_n(1, 6000));
         let mut wanted: Vec<_> = (0..8).map(|cycle| (cycle, 0)).collect();
-        // The average of one a second is kept again from cycle 8000 on, less the burst of 7 s: 1000, 2000, 3000.
+        // After the burst, which stands for 7 s, the average is one per second again from cycle 8000 on: 1000, 2000,
+        // 3000.
         wanted.extend([(1000, 992), (2000, 999), (3000, 999)]);
         assert_eq!(told(states), wanted);
     }
@@ -85,13 +87,13 @@ mod tests {
         let again = std::iter::repeat_n(0, 10_000).chain((0..9).map(|cycle| (cycle + 1) % 2));
         let states = (0..9).map(|cycle| (cycle + 1) % 2).chain(again);
         let cycles: Vec<usize> = told(states).into_iter().map(|(cycle, _)| cycle).collect();
-        // The ninth state, 1, waited for its second; it has become 0 at once.
+        // The ninth state, 1, waited for its second; it has already changed to 0.
         assert_eq!(cycles[..8], [0, 1, 2, 3, 4, 5, 6, 7]);
         assert_eq!((cycles[8], cycles.len()), (1000, 9 + 8));
     }
 
     proptest! {
-        /// Nothing is lost but in the count, and no ten seconds tell more than 8 + 10 changes.
+        /// Events and counts add up to all changes, and ten seconds have at most 8 + 10 events.
         #[test]
         fn told_and_left_out_are_all_changes(states in proptest::collection::vec(0_u16..4, 1..4000)) {
             let calm = std::iter::repeat_n(*states.last().expect("one"), 20_000);

@@ -1,4 +1,4 @@
-//! What a type of function is to its slot: the interface that all of them share.
+//! Interface between a slot and its function, common to all types.
 
 use super::apsf::Host;
 use super::field::Words;
@@ -7,48 +7,50 @@ use crate::event::Number;
 use crate::table::Table;
 use std::sync::Arc;
 
-/// Inputs, outputs, tables and monitored drives of one function.
+/// Number of inputs, outputs, tables and monitored drives of a function.
 pub const LINES: usize = 8;
 
-/// Words that a function reads beside its source, at most.
+/// Maximum number of words that a function reads in addition to its source.
 pub const WORDS: usize = 2;
 
-/// What a function reads of its source in one call.
+/// Source of a function in one call.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Reading {
-    /// As wide as the source: 16 and 32 bits are sign-extended.
+    /// Value of the source: 16 and 32 bits are sign-extended.
     pub value: i64,
-    /// Its way since anything, unwrapped: differences count. A new coordinate of an axis or encoder is no way.
+    /// Unwrapped travel of the source; only differences count. A new coordinate of an axis or encoder does not change
+    /// it.
     pub travel: i64,
-    /// Where a mark of this call was, as `travel`, one of the axis that is the sink as that; of several the last one.
+    /// Position of a mark of this call: in `travel`, or in the position of the sink for a mark of the axis that is the
+    /// sink. The last one of several.
     pub mark: Option<i64>,
 }
 
-/// Where no drive is watched.
+/// Drives of a function that monitors none.
 pub const NO_DRIVES: &[Drive; LINES] = &[Drive { error: 0, sak_share: 0, actual: 0 }; LINES];
 
-/// What is told of a monitored drive: to sidiff what it is behind by, to fgen where it is.
+/// A monitored drive: sidiff reads its errors, fgen its position.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Drive {
     /// Position control difference (inc): command less actual position.
     pub error: i64,
-    /// What the function whose sink it is adds for the following error (inc).
+    /// Compensation of the following error (inc) by the function whose sink the drive is.
     pub sak_share: i64,
     /// Actual position (inc).
     pub actual: i64,
 }
 
-/// The tables that a function reads; those that it does not read are not looked for.
+/// The tables of a function; a table is only looked up when it is read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tables<'a> {
-    /// All of the machine.
+    /// All tables of the machine.
     pub all: &'a [Arc<Table>],
-    /// Which of them are Tab0 to Tab7.
+    /// Indices of Tab0 to Tab7 in `all`.
     pub places: &'a [Option<u16>; LINES],
 }
 
 impl<'a> Tables<'a> {
-    /// Tab0 to Tab7 by its number; none where the slot has none there.
+    /// Returns Tab0 to Tab7 by its number; `None` if the slot has no such table.
     #[inline]
     pub(super) fn get(self, number: usize) -> Option<&'a Table> {
         let place = self.places.get(number).copied().flatten()?;
@@ -56,32 +58,32 @@ impl<'a> Tables<'a> {
     }
 }
 
-/// What a goal asks of its function in a call.
+/// Request of a goal to its function in a call.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Asked {
-    /// There is none.
+    /// No goal.
     #[default]
     Nothing,
-    /// It begins: E1 rises.
+    /// The goal begins: E1 rises.
     Begin,
-    /// It goes on: E1 stands.
+    /// The goal continues: E1 is 1.
     Hold,
-    /// A controlled stop: E2 rises.
+    /// Controlled stop: E2 rises.
     Stop,
 }
 
-/// How the order of a function stands.
+/// Progress of the order of a function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Progress {
-    /// There is none, or it has come to its end.
+    /// No order, or the order has ended.
     Rests,
-    /// It is under way.
+    /// The order is running.
     Moves,
-    /// It was stopped with something left.
+    /// The order was stopped before its end.
     Stopped,
 }
 
-/// What a function sees in one call.
+/// Inputs of a function in one call.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seen<'a> {
     /// Time between two calls (ns), above 0.
@@ -89,51 +91,52 @@ pub(super) struct Seen<'a> {
     pub source: Reading,
     /// E1 in bit 0 to E8 in bit 7, after inversion.
     pub inputs: u8,
-    /// Beside its inputs.
+    /// Request of a goal, in addition to the inputs.
     pub asked: Asked,
-    /// What the sink holds: at START what its object has, then what the function gave it.
+    /// Value of the sink: at START that of its object, later that of the function.
     pub sink: i64,
-    /// What the words hold that the cell names (`word_addr`, `mw_offset_addr`..), in the order of their type; 0 without one.
+    /// Values of the words that the cell names (`word_addr`, `mw_offset_addr`..), in the order of the type; 0 without a
+    /// word.
     pub words: [i64; WORDS],
     pub tables: Tables<'a>,
     /// The first eight axes.
     pub drives: &'a [Drive; LINES],
-    /// A1 in bit 0 to A8 in bit 7, as they are before.
+    /// A1 in bit 0 to A8 in bit 7, before the call.
     pub outputs: u8,
-    /// What a program of the user runs with.
+    /// Environment of a user program.
     pub host: Option<Host<'a>>,
 }
 
-/// What a function gives in one call.
+/// Outputs of a function in one call.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Outcome {
-    /// What the sink gets; the slot cuts it to the width of the sink.
+    /// Value of the sink; the slot truncates it to the width of the sink.
     pub sink: i64,
-    /// How much of its change is a new coordinate and no way; never at START.
+    /// Part of its change that is a new coordinate and no travel; 0 at START.
     pub anew: i64,
     /// A1 in bit 0 to A8 in bit 7, before inversion.
     pub outputs: u8,
-    /// Which of them it writes; the others keep what they have.
+    /// Outputs that the function writes; the others keep their values.
     pub writes: u8,
-    /// What compensation of the following error adds (inc).
+    /// Compensation of the following error (inc).
     pub sak_share: i64,
-    /// What printing mark control adds (inc), and how far the last mark was off.
+    /// Correction of printing mark control (inc), and deviation of the last mark.
     pub correction: i64,
     pub deviation: i64,
-    /// Why it cannot go on; nothing else of it counts then.
+    /// Error that ends the function; the other fields are ignored then.
     pub failed: Option<Code>,
 }
 
-/// Why a set does not make a function.
+/// Error of a parameter set.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fault {
-    /// The code.
+    /// Error code.
     pub code: Code,
-    /// Which field, from 0; none where it is a table.
+    /// Number of the field, from 0; `None` for a table.
     pub field: Option<u16>,
-    /// What was asked.
+    /// Requested value.
     pub asked: Number,
-    /// What is allowed.
+    /// Allowed value.
     pub limit: Number,
 }
 
@@ -151,77 +154,77 @@ impl Fault {
     }
 }
 
-/// What a set is checked against.
+/// Conditions against which a parameter set is checked.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting<'a> {
     /// Time between two calls (ns), above 0.
     pub call_ns: u64,
     pub tables: [Option<&'a Table>; LINES],
-    /// The slot has a source.
+    /// Whether the slot has a source.
     pub has_source: bool,
-    /// Its source has marks.
+    /// Whether the source has marks.
     pub has_mark: bool,
-    /// The first output that is wired, from 0; 0 without one.
+    /// First output that is wired, from 0; 0 without one.
     pub first_output: u8,
     pub occasion: Occasion,
-    /// The function runs: what it has chosen since START counts, where that is its own to choose.
+    /// Whether the function runs: selections since START are used instead of those of the set.
     pub runs: bool,
 }
 
-/// Why a set is checked.
+/// Reason for the check of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Occasion {
-    /// An order brings it.
+    /// A command sets it.
     Order,
-    /// Tables are about to get other numbers: Tab0 in bit 0 to Tab7 in bit 7.
+    /// Tables are about to change: Tab0 in bit 0 to Tab7 in bit 7.
     Edit(u8),
-    /// It is in force, with a state that was read from outside.
+    /// It is active, with a restored state.
     Kept,
 }
 
-/// A type of function. Nothing in it takes memory after it was made.
+/// A function of some type. It does not allocate after its creation.
 pub(super) trait Program {
-    /// What the ranges of the fields do not say: fields against each other, and tables.
+    /// Checks the fields against each other, and the tables; ranges were checked before.
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault>;
 
-    /// The first call, with a set that was checked.
+    /// Executes the first call, with a checked set.
     fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome;
 
-    /// Takes the live fields of a set that was checked (VALUE_NEW). Types without live fields are never asked.
+    /// Applies the live fields of a checked set (VALUE_NEW). Only called for types with live fields.
     fn renew(&mut self, _words: Words<'_>) {}
 
-    /// Each further call.
+    /// Executes each further call.
     fn step(&mut self, seen: &Seen<'_>) -> Outcome;
 
-    /// A value that READ_VALUE finds for a set while the function rests, and its place in the set.
+    /// Returns the answer to READ_VALUE at rest, and the index of its value in the set.
     fn read(&self, _words: Words<'_>, _setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
         Ok(None)
     }
 
-    /// The call of RESET, where its type has one: what that gives stays.
+    /// Executes the call of RESET, if the type has one; its outputs are kept.
     fn leave(&mut self, _seen: &Seen<'_>) -> Option<Outcome> {
         None
     }
 
-    /// Its outputs after RESET; `rests` are those of its type.
+    /// Returns the outputs after RESET; `rests` are those of its type.
     fn rests(&self, rests: u8) -> u8 {
         rests
     }
 
-    /// How its order stands; asked of types that take goals.
+    /// Returns the progress of the order; only called for types with goals.
     fn progress(&self) -> Progress {
         Progress::Rests
     }
 
-    /// Drops what is left of its order, and stands.
+    /// Drops the distance to go of its order and stops.
     fn drop_order(&mut self) {}
 
-    /// Does it run by that set? Asked of one that is started.
+    /// Returns true if the function runs with that set. Only called if it is started.
     fn is_set(&self, _words: Words<'_>, _call_ns: u64) -> bool {
         true
     }
 
-    /// Could its state have come about? One that was read from outside may hold anything.
+    /// Returns true if a restored state is valid.
     fn is_sound(&self) -> bool {
         true
     }

@@ -1,6 +1,7 @@
-//! What a slot reads of the board and the leads in its call.
+//! Inputs and source of a slot, read from the board and the leads.
 //!
-//! Law      a voltage is read in mV, to the nearest; any other real is cut towards zero; 16 and 32 bits are the low ones, sign-extended
+//! Law      a voltage is read in mV, rounded to the nearest; any other real is truncated towards zero; 16 and 32 bits
+//!          are the low ones, sign-extended
 
 use super::wires::{Cell, Source, Wires, Word};
 use crate::encoder::Lead;
@@ -9,7 +10,7 @@ use crate::position::Position;
 use crate::signal::Board;
 use crate::sync::Leads;
 
-/// E1 in bit 0 to E8 in bit 7, after inversion.
+/// Returns the inputs: E1 in bit 0 to E8 in bit 7, after inversion.
 pub(super) fn read_inputs(wires: &Wires, board: &Board) -> u8 {
     let mut bits = 0;
     for (place, input) in wires.inputs.iter().take(wires.lines.0).enumerate() {
@@ -20,17 +21,17 @@ pub(super) fn read_inputs(wires: &Wires, board: &Board) -> u8 {
     bits
 }
 
-/// What a slot reads of its source.
+/// The source of a slot.
 #[derive(Clone, Copy)]
 pub(super) struct Read<'a> {
-    /// As wide as the source; 0 without one.
+    /// Value in the width of the source; 0 without one.
     pub value: i64,
-    /// None where it is no position of anything; lost where there is no such thing.
+    /// Lead of the source; `None` if it is no position. An object that does not exist has an invalid lead.
     pub lead: Option<&'a Lead>,
 }
 
 impl<'a> Read<'a> {
-    /// Reads it; `room` is for what has to be added up.
+    /// Reads the source; `room` holds a lead that has to be computed as a sum.
     #[inline]
     pub(super) fn new(wires: &Wires, board: &Board, leads: &'a Leads, room: &'a mut Option<Lead>) -> Self {
         let (value, lead) = match wires.source {
@@ -38,7 +39,7 @@ impl<'a> Read<'a> {
             Source::Signal(word) => (word.read(board), None),
             Source::Lead(leader, word) => match leads.simple(leader) {
                 Some(lead) => {
-                    // The board shows it behind the axes.
+                    // The board is updated after the axes, too late for this cycle.
                     let is_actual = matches!(leader, Leader::AxisActual(_));
                     (if is_actual { lead.position.floor() } else { word.read(board) }, Some(lead))
                 }
@@ -48,34 +49,34 @@ impl<'a> Read<'a> {
         Self { value: wires.source_width.cut(value), lead }
     }
 
-    /// Is it there?
+    /// Returns true if the source is valid.
     #[inline]
     pub(super) fn is_valid(self) -> bool {
         self.lead.is_none_or(|lead| lead.valid)
     }
 
-    /// What the floor of it leaves: the way is that of whole increments.
+    /// Returns the fraction of the position: travel counts whole increments.
     pub(super) fn fraction(self) -> Position {
         let position = self.lead.map_or(Position::ZERO, |lead| lead.position);
         position - Position::whole(position.floor())
     }
 }
 
-/// A sum, which the board shows behind the axes, too.
+/// Returns a sum of positions; the board is updated after the axes, too.
 #[cold]
 fn added<'a>(leads: &Leads, leader: Leader, room: &'a mut Option<Lead>) -> (i64, Option<&'a Lead>) {
     let lead = room.insert(leads.get(leader));
     (lead.position.floor(), Some(lead))
 }
 
-/// A voltage as a whole number.
+/// Converts a voltage to mV.
 pub(super) fn millivolts(volts: f64) -> i64 {
-    // The cast saturates, and makes 0 of NaN.
+    // The cast saturates, and converts NaN to 0.
     (volts * 1000.0 + 0.5_f64.copysign(volts)) as i64
 }
 
 impl Word {
-    /// The signal now as the image of a program has it: an i64, or of a real an f64.
+    /// Returns the signal as the image of a program holds it: an i64, or an f64 for a real.
     pub(super) fn bits(self, board: &Board) -> u64 {
         match self {
             Self::Int(signal) => board.int(signal).cast_unsigned(),
@@ -83,12 +84,12 @@ impl Word {
         }
     }
 
-    /// The signal now.
+    /// Returns the present value of the signal.
     #[inline]
     pub(super) fn read(self, board: &Board) -> i64 {
         match self {
             Self::Int(signal) => board.int(signal),
-            // The cast saturates, and makes 0 of NaN.
+            // The cast saturates, and converts NaN to 0.
             Self::Real(signal) => board.real(signal) as i64,
             Self::Volts(signal) => millivolts(board.real(signal)),
         }
@@ -96,7 +97,7 @@ impl Word {
 }
 
 impl Cell {
-    /// What it holds, as the image of a program has it.
+    /// Returns the value as the image of a program holds it.
     pub(super) fn bits(self, board: &Board) -> u64 {
         match self {
             Self::Bit(signal) | Self::Int(signal, _) => board.int(signal).cast_unsigned(),
@@ -104,12 +105,12 @@ impl Cell {
         }
     }
 
-    /// Can it hold what a program has left for it?
+    /// Returns true if it can hold the value of a program.
     pub(super) fn takes(self, word: u64) -> bool {
         !matches!(self, Self::Real(_)) || f64::from_bits(word).is_finite()
     }
 
-    /// Takes what a program has left for it.
+    /// Sets the value of a program.
     pub(super) fn set(self, board: &mut Board, word: u64) {
         match self {
             Self::Bit(signal) => board.set_int(signal, i64::from(word != 0)),

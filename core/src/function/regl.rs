@@ -1,12 +1,14 @@
-//! PID control.
+//! PID control (REGL).
 //!
-//! Law      e = w1 * [S1] - x; u = kp e + clamp(sum of ki e, +-i_max) + kd (e - e of the control cycle before), while S2 is closed, in 1/256;
-//!          y = gain_v * u, limited, + w2 * [S3]; with bit 4 of ba y = gain_v * (u + w2 * [S3]), limited. Divided by 256 once, behind the
-//!          gain, towards 0. A control cycle is a call, or a call in which the input of external synchronization rises
-//! Reads    the low 12 bits of the source as an offset binary number, or the source as 16 bits; S1 to S3 of a mask or E1 to E3; w1 and w2 of
-//!          the set or of words
-//! Writes   the sink (0.0001 rpm where it is an axis), A1 = 1 while the upper limit binds, A2 = 1 while the lower one does
-//! Refuses  a gain of 0; VALUE_NEW of more than bits 2 and 3 of ba
+//! Law      e = w1 * [S1] - x; u = kp e + clamp(sum of ki e, +-i_max) + kd (e - e of the previous control cycle), while
+//!          S2 is closed, in 1/256; y = gain_v * u, limited, + w2 * [S3]; with bit 4 of ba y = gain_v * (u + w2 *
+//!          [S3]), limited. Divided by 256 once, after the gain, towards 0. A control cycle is a call, or a call with a
+//!          rising input of external synchronization
+//! Reads    the low 12 bits of the source as an offset binary number, or the source as 16 bits; S1 to S3 of a mask or
+//!          E1 to E3; w1 and w2 of the set or of words
+//! Writes   the sink (0.0001 rpm if it is an axis), A1 = 1 while the upper limit is active, A2 = 1 while the lower
+//!          limit is active
+//! Refuses  a gain of 0; VALUE_NEW with changes of ba other than bits 2 and 3
 //! Source   AMK-REGL-01 to -41 with R1 to R9
 
 use super::field::{Field, Words, number, place};
@@ -14,7 +16,7 @@ use super::program::{Fault, Outcome, Program, Seen, Setting, WORDS};
 use crate::code::Code;
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new("fct", 0, 0, "", "0: PID control", "AMK-REGL-05"),
     Field::new(
@@ -47,9 +49,9 @@ const fn gain(name: &'static str, help: &'static str, source: &'static str) -> F
 
 const K_MAX: i64 = 16_383;
 const I_MAX: i64 = (1 << 21) - 1;
-/// Parts of one in gains and in what they give.
+/// Units per 1 in gains and their products.
 const ONE: i64 = 256;
-/// An error is smaller: w1 and x have 16 bits, negated 17.
+/// Upper bound of an error: w1 and x have 16 bits, their difference 17.
 const E_BOUND: i64 = 1 << 17;
 
 const S1: u8 = 1 << 0;
@@ -61,17 +63,17 @@ const E4: u8 = 1 << 3;
 const A1: u8 = 1 << 0;
 const A2: u8 = 1 << 1;
 
-/// What VALUE_NEW leaves alone of ba.
+/// Bits of ba that VALUE_NEW must not change.
 const KEPT: i64 = !0b1100;
 
 const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
 }
 
-/// What START alone takes.
+/// Values that only START takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Mode {
-    /// Bits of ba that count from START on.
+    /// Bits of ba that are taken at START.
     ba: i64,
     filter: i64,
     assess: i64,
@@ -93,12 +95,12 @@ impl Mode {
         self.ba & 1 != 0
     }
 
-    /// The input that makes control cycles, where there is one.
+    /// Returns the input that triggers control cycles; `None` without external synchronization.
     fn sync(&self) -> Option<u8> {
         (self.ba & 2 != 0).then_some(if self.by_inputs() { E4 } else { E1 })
     }
 
-    /// Limit and gain stand behind the sum.
+    /// Returns true if limit and gain follow the sum.
     fn sums_first(&self) -> bool {
         self.ba & 16 != 0
     }
@@ -108,14 +110,14 @@ impl Mode {
     }
 }
 
-/// What VALUE_NEW takes.
+/// Values that VALUE_NEW takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Live {
     switches: u8,
     kp: i64,
     ki: i64,
     kd: i64,
-    /// Least and largest output.
+    /// Minimum and maximum output.
     limits: (i64, i64),
     gain: i64,
     commands: [i64; WORDS],
@@ -137,37 +139,37 @@ impl Live {
     }
 }
 
-/// The regulator.
+/// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Regl {
-    /// The slot knows a word for w1, and for w2.
+    /// Whether the slot has a word for w1, and for w2.
     has_words: [bool; WORDS],
     mode: Mode,
     live: Live,
-    /// The last four values of the source, the newest first; none before the first control cycle.
+    /// The last four values of the source, the newest first; `None` before the first control cycle.
     samples: Option<[i64; 4]>,
-    /// In 1/256.
+    /// Integral, in 1/256.
     integral: i64,
-    /// Of the last control cycle with S2 closed; none where S2 was open since.
+    /// Error of the last control cycle with S2 closed; `None` if S2 has been open since.
     error: Option<i64>,
-    /// P + I + D of that, in 1/256; 0 with S2 open.
+    /// P + I + D of that control cycle, in 1/256; 0 with S2 open.
     share: i64,
     /// Inputs of the last call.
     before: u8,
 }
 
 impl Regl {
-    /// One that has words for w1 and w2, or has none.
+    /// Creates a controller; `has_words` says whether w1 and w2 have words.
     pub(super) fn new(has_words: [bool; WORDS]) -> Self {
         Self { has_words, ..Self::default() }
     }
 
-    /// Has it been made the same?
+    /// Returns true if both functions have words for the same values.
     pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
         self.has_words == other.has_words
     }
 
-    /// w1 and w2: a word of 16 bits and one of 32, or those of the set.
+    /// Returns w1 and w2: a word of 16 bits and one of 32, or the values of the set.
     #[inline]
     fn commands(&self, words: [i64; WORDS]) -> [i64; WORDS] {
         let [first, second] = self.has_words;
@@ -176,7 +178,7 @@ impl Regl {
         [if first { short(word1) } else { cmd1 }, if second { long(word2) } else { cmd2 }]
     }
 
-    /// x of a control cycle.
+    /// Returns x of a control cycle.
     #[inline]
     fn sample(&mut self, raw: i64) -> i64 {
         let x = if self.mode.assess & 2 != 0 { short(raw) } else { (raw & 0xFFF) - 0x800 };
@@ -192,7 +194,7 @@ impl Regl {
         if self.mode.assess & 1 != 0 { -x } else { x }
     }
 
-    /// P + I + D of a control cycle. Gains have 14 bits and an error 17: each part stays below 2^32.
+    /// Returns P + I + D of a control cycle. Gains have 14 bits and an error 17: each term stays below 2^32.
     #[inline]
     fn control(&mut self, error: i64) -> i64 {
         let Live { kp, ki, kd, .. } = self.live;
@@ -202,7 +204,7 @@ impl Regl {
         kp * error + self.integral + kd * change
     }
 
-    /// The output, and which limit binds. gain_v has 16 bits: all of it stays below 2^56.
+    /// Returns the output, and the active limit. gain_v has 16 bits: all terms stay below 2^56.
     #[inline]
     fn output(&self, w2: i64) -> Outcome {
         let (first, behind) = if self.mode.sums_first() { (ONE * w2, 0) } else { (0, w2) };
@@ -272,13 +274,13 @@ impl Program for Regl {
     }
 }
 
-/// 16 bits of a value, at their ends where it has more.
+/// Limits a value to 16 bits.
 #[inline]
 fn short(value: i64) -> i64 {
     value.clamp(i16::MIN.into(), i16::MAX.into())
 }
 
-/// The same of 32 bits.
+/// Limits a value to 32 bits.
 #[inline]
 fn long(value: i64) -> i64 {
     value.clamp(i32::MIN.into(), i32::MAX.into())

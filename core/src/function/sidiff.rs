@@ -1,12 +1,13 @@
-//! Supervision of the position differences of up to eight drives.
+//! Supervision of the position differences of up to eight drives (SIDIFF).
 //!
 //! Law      corr = error - trunc(sak_share * ratio_mul / ratio_div); mean = trunc of the sliding mean of corr over
-//!          `mean_n` values; the bit of a drive becomes 1 after `agreements` calls in a row with |mean| > threshold, 0 after
-//!          as many without
-//! Reads    error and share of SAK of the drives that are monitored or displayed; table 0 in the first call behind START and behind
-//!          VALUE_NEW: one that is loaded in between has no effect until then
-//! Writes   An, the bit of each monitored drive; the sink: mean of the displayed one (inc), or what it holds
-//! Refuses  a table 0 of another form than words or too short for the drives, thresholds and dividers beyond their range
+//!          `mean_n` values; the bit of a drive becomes 1 after `agreements` calls in a row with |mean| > threshold, 0
+//!          after as many without
+//! Reads    error and SAK compensation of the drives that are monitored or displayed; table 0 in the first call after
+//!          START and after VALUE_NEW: a table that is loaded between them has no effect until then
+//! Writes   An, the bit of each monitored drive; the sink: mean of the displayed drive (inc), or its previous value
+//! Refuses  a table 0 of another form than words or too short for the drives, thresholds and dividers outside their
+//!          range
 //! Source   AMK-SIDIFF-01 to -17 with
 
 use super::field::{Field, Words, place};
@@ -16,7 +17,7 @@ use crate::code::Code;
 use crate::table::{Form, Table};
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new("mode", 0, 3, "", "bit 0: of each error only its low 16 bits; bit 1 changes nothing", "AMK-SIDIFF-01"),
     Field::new("aw_mask", 0, 255, "", "bit n-1: drive n is monitored", "AMK-SIDIFF-02").live(),
@@ -31,16 +32,16 @@ const DISPLAY_AW: usize = place(FIELDS, "display_aw");
 const MEAN_N: usize = place(FIELDS, "mean_n");
 const AGREEMENTS: usize = place(FIELDS, "agreements");
 
-/// Most values that are averaged.
+/// Maximum number of values of a mean.
 const LARGEST: usize = 255;
 
-/// Words of a drive in table 0.
+/// Words per drive in table 0.
 const WORDS: usize = 6;
 
-/// Least divider of a ratio but 0.
+/// Minimum divider of a ratio, apart from 0.
 const LEAST_DIVIDER: i32 = 65_536;
 
-/// Largest threshold (inc).
+/// Maximum threshold (inc).
 const LARGEST_THRESHOLD: i32 = 32_767;
 
 /// Threshold and ratio of a drive.
@@ -52,29 +53,29 @@ struct Limit {
 }
 
 impl Limit {
-    /// Without a table.
+    /// Limits without a table.
     const DEFAULT: Self = Self { threshold: 100, divider: 1, multiplier: 1 };
 
-    /// Of the drive with this number, from 0.
+    /// Reads the limits of the drive with this number, from 0.
     fn read(table: Option<&Table>, drive: usize) -> Self {
         let Some(table) = table else { return Self::DEFAULT };
         let (threshold, divider, multiplier) = Self::raw(table, drive);
         Self {
-            // A table that took the place of the one that was checked may hold anything.
+            // The table may have been replaced after the check, so it may hold any values.
             threshold: threshold.clamp(0, LARGEST_THRESHOLD),
             divider: divider.max(1),
             multiplier: if multiplier == 0 { 1 } else { multiplier },
         }
     }
 
-    /// As its words are; the word behind the threshold is 0, so that both are one number.
+    /// Returns the raw words; the word after the threshold is 0, so that both are one number.
     fn raw(table: &Table, drive: usize) -> (i32, i32, i32) {
         let base = WORDS.saturating_mul(drive);
         let double = |offset| table.double(base.saturating_add(offset));
         (double(0), double(2), double(4))
     }
 
-    /// Increments of the function as increments of the drive.
+    /// Converts increments of the function to increments of the drive.
     #[inline]
     fn convert(self, share: i64) -> i64 {
         let (multiplier, divider) = (i64::from(self.multiplier), i64::from(self.divider));
@@ -84,20 +85,20 @@ impl Limit {
         if let Some(product) = share.checked_mul(multiplier) {
             return product.checked_div(divider).unwrap_or(0);
         }
-        // 64 and 32 bits fit 128; what leaves 64 again is no share any more.
+        // A product of 64 and 32 bits fits 128; a result beyond 64 bits is no valid compensation.
         let exact = (i128::from(share) * i128::from(multiplier)).checked_div(divider.into());
         exact.and_then(|share| i64::try_from(share).ok()).unwrap_or(0)
     }
 }
 
-/// What is known of a drive.
+/// State of a monitored drive.
 #[derive(Debug, Serialize, Deserialize)]
 struct Watch {
     limit: Limit,
     values: Window,
-    /// Its bit.
+    /// Output bit of the drive.
     is_above: bool,
-    /// So many calls in a row speak against the bit.
+    /// Number of consecutive calls that disagree with the bit.
     against: u8,
 }
 
@@ -106,21 +107,22 @@ impl Watch {
         Self { limit: Limit::DEFAULT, values: Window::new(LARGEST), is_above: false, against: 0 }
     }
 
-    /// Takes a difference and returns their mean.
+    /// Adds a difference and returns the mean.
     #[inline]
     fn push(&mut self, drive: Drive, is_short: bool) -> i64 {
-        // The low word by intent (AMK-SIDIFF-01). 64 bits are not cut to 32: what is too large would look small.
+        // The cast keeps the low word, as the mode requires (AMK-SIDIFF-01). 64 bits are not cut to 32: a value that is
+        // too large would look small.
         let error = if is_short { (drive.error as i16).into() } else { drive.error };
         self.values.push(error.saturating_sub(self.limit.convert(drive.sak_share)));
         let (sum, count) = self.values.mean();
         match (i64::try_from(sum), i64::try_from(count)) {
             (Ok(sum), Ok(count)) => sum.checked_div(count).unwrap_or(0),
-            // A mean lies between its values.
+            // A mean is between the values.
             _ => sum.checked_div(count).and_then(|mean| i64::try_from(mean).ok()).unwrap_or(0),
         }
     }
 
-    /// Takes what a mean says and returns the bit.
+    /// Evaluates a mean and returns the bit.
     #[inline]
     fn judge(&mut self, mean: i64, agreements: u8) -> bool {
         let is_above = mean.unsigned_abs() > self.limit.threshold.unsigned_abs().into();
@@ -141,14 +143,14 @@ impl Clone for Watch {
         Self { values: self.values.clone(), ..*self }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         self.values.clone_from(&other.values);
         (self.limit, self.is_above, self.against) = (other.limit, other.is_above, other.against);
     }
 }
 
-/// What VALUE_NEW changes.
+/// Values that VALUE_NEW changes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Live {
     aw_mask: u8,
@@ -170,27 +172,28 @@ impl Live {
         }
     }
 
-    /// The bit of the drive that is displayed.
+    /// Returns the bit of the displayed drive.
     fn displayed(self) -> u8 {
         let shift = u32::from(self.display_aw).checked_sub(1);
         shift.and_then(|shift| 1_u8.checked_shl(shift)).unwrap_or(0)
     }
 
-    /// Bits of the drives that are averaged: one that is displayed only has no output, and the rest of it as all others.
+    /// Returns the bits of the averaged drives: a drive that is only displayed has no output, and is otherwise handled
+    /// like the others.
     fn selected(self) -> u8 {
         self.aw_mask | self.displayed()
     }
 }
 
-/// The supervision.
+/// State of the function.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Sidiff {
     live: Live,
     is_short: bool,
     watches: [Watch; LINES],
-    /// Table 0 has to be read.
+    /// Whether table 0 has to be read.
     is_new: bool,
-    /// Bits of drives that were monitored until VALUE_NEW.
+    /// Bits of drives that VALUE_NEW removed from the monitored ones.
     left: u8,
 }
 
@@ -217,7 +220,7 @@ impl Clone for Sidiff {
         Self { watches: self.watches.clone(), ..*self }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         self.watches.clone_from(&other.watches);
         (self.live, self.is_short) = (other.live, other.is_short);
@@ -258,7 +261,7 @@ impl Program for Sidiff {
         self.step(seen)
     }
 
-    /// Bits, counts and means go on; the means begin anew where their length is another one.
+    /// Bits, counts and means continue; a mean restarts if its length changes.
     fn renew(&mut self, words: Words<'_>) {
         let (old, new) = (self.live, Live::of(words));
         for (drive, watch) in self.watches.iter_mut().enumerate() {
@@ -270,7 +273,7 @@ impl Program for Sidiff {
                 watch.release();
             }
         }
-        // Nothing may stay 1 that nobody looks at any more: it is written a last time, as 0.
+        // The output of a drive that is no longer monitored must not stay 1: it is written once more, as 0.
         self.left = (self.left | old.aw_mask) & !new.aw_mask;
         (self.live, self.is_new) = (new, true);
     }

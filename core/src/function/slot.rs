@@ -1,11 +1,14 @@
-//! A slot: the state machine around a function of any type.
+//! Function slot: the state machine around a function of any type.
 //!
-//! Law      RESET -START-> ACTIVE -RESET-> RESET; VALUE_NEW and READ_VALUE leave the state as it is. A set is taken as a whole or not
-//!          at all. The call in the cycle of START is the first one: the sink begins at what its object has, so nothing jumps
-//! Reads    its source, its inputs, its tables: this cycle's value of what stands before it, the last one's of what stands behind
-//! Writes   its sink and its outputs while it is active, and once more at RESET: a position is held, a speed becomes 0, outputs that
-//!          stand for rest become 1, all others 0. A function that was never started writes nothing
-//! Refuses  START while it is active, VALUE_NEW while it is not, a set that its type does not take, each with the field
+//! Law      RESET -START-> ACTIVE -RESET-> RESET; VALUE_NEW and READ_VALUE do not change the state. A parameter set is
+//!          accepted as a whole or not at all. The call in the cycle of START is the first one: the sink begins at the
+//!          value of its object, so there is no jump
+//! Reads    its source, its inputs, its tables: values of this cycle from objects before it in the cycle, of the last
+//!          cycle from objects after it
+//! Writes   its sink and its outputs while it is active, and once more at RESET: a position is held, a speed becomes 0,
+//!          outputs that mean "at rest" become 1, all others 0. A function that was never started writes nothing
+//! Refuses  START while it is active, VALUE_NEW while it is not, a parameter set that its type does not accept, each
+//!          with the field
 //! Source   AMK-CMD-01 to -14, AMK-BCOM-32 to -41, A-07 to -13
 
 mod bounds;
@@ -34,23 +37,23 @@ use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What is done with a function, numbered as in the source and in the interface.
+/// Command to a function, numbered as in the source and in the interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Order {
-    /// Nothing but to keep values for the next START or VALUE_NEW.
+    /// Only stores values for the next START or VALUE_NEW.
     Stage,
-    /// Back to rest.
+    /// Stops the function.
     Reset,
-    /// From rest.
+    /// Starts the function.
     Start,
-    /// Takes the live fields of the set while it runs.
+    /// Applies the live fields of the set while the function runs.
     ValueNew,
-    /// Nothing: the answer tells the set in force.
+    /// Changes nothing; the answer contains the active set.
     ReadValue,
 }
 
 impl Order {
-    /// Every order that has a name, with it and its number.
+    /// All commands with their names and numbers.
     pub const ALL: [(Order, &'static str, u8); 5] = [
         (Order::Stage, "stage", 255),
         (Order::Reset, "reset", 0),
@@ -60,43 +63,44 @@ impl Order {
     ];
 }
 
-/// States of a slot.
+/// State of a slot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     /// At rest.
     #[default]
     Reset,
-    /// RESET was given in this cycle to one that ran.
+    /// RESET was commanded in this cycle while the function ran.
     Leaving,
-    /// START was given in this cycle.
+    /// START was commanded in this cycle.
     Starting,
-    /// It runs.
+    /// The function runs.
     Active,
-    /// RESET and START were given in this cycle to one that ran and has a call of RESET.
+    /// RESET and START were commanded in this cycle, while the function ran; its type has a call of RESET.
     Restarting,
 }
 
-/// What the cycle of a slot is given.
+/// Inputs of a slot in a cycle.
 pub(crate) struct Cycle<'a> {
-    /// k
+    /// Number k of the cycle.
     pub cycle: u64,
     pub leads: &'a Leads,
     pub tables: &'a [Arc<Table>],
     pub programs: &'a [Arc<Module>],
-    /// Where the mark of this cycle was: so far before the source's present position, of an axis before its command; none without one.
+    /// Distance of the mark of this cycle, if any, behind the present position of the source; for a mark of an axis,
+    /// behind its command.
     pub mark: Option<Position>,
-    /// The first eight axes, for a function that watches them.
+    /// The first eight axes, for a function that monitors them.
     pub drives: &'a [Drive; LINES],
     pub cycle_s: f64,
 }
 
-/// What a slot has written in a cycle.
+/// Outputs of a slot in a cycle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Written {
-    /// Which of its outputs, A1 in bit 0.
+    /// Outputs that were written, A1 in bit 0.
     pub outputs: u8,
     pub sink: bool,
-    /// Why it cannot go on: it is at rest.
+    /// Error that stopped the function.
     pub failed: Option<Code>,
 }
 
@@ -109,35 +113,35 @@ pub struct Slot {
     since: u64,
     /// Values for the next START or VALUE_NEW.
     staged: Box<[i64]>,
-    /// Values in force.
+    /// Active values.
     active: Box<[i64]>,
-    /// Way of the source since START, unwrapped.
+    /// Unwrapped travel of the source since START.
     travel: Position,
-    /// Its source as it was read last.
+    /// Last value of the source.
     last: i64,
-    /// A mark that no call has seen yet, as `travel`.
+    /// A mark that no call has used yet, in `travel`.
     mark: Option<i64>,
     inputs: u8,
     outputs: u8,
-    /// Which outputs it writes.
+    /// Outputs that the function writes.
     writes: u8,
     sink: i64,
-    /// What the last call gave to show, 0 at rest; at [`ANSWER`] what the last READ_VALUE has found.
+    /// Values that the last call publishes, 0 at rest; at [`ANSWER`] the answer to the last READ_VALUE.
     shown: [i64; ANSWER + 1],
     error: Code,
     lead: Lead,
-    /// By how much the sink was set anew in this cycle: that is no motion.
+    /// Change of the coordinate of the sink in this cycle, which is no motion.
     anew: Position,
-    /// All of it is on the board, and its lead stands.
+    /// Whether the board is up to date and the lead at rest.
     is_shown: bool,
     notice: Notice,
     goal: Option<Goal>,
-    /// How a goal has ended, until that is told.
+    /// End of a goal that has not been reported yet.
     ended: Option<GoalEnd>,
 }
 
 impl Slot {
-    /// A function at rest, with these values.
+    /// Creates a function at rest with these values.
     pub(crate) fn new(wires: &Wires, values: &[i64], room: Room, module: Option<&Module>) -> Self {
         Self {
             function: Any::new(wires.kind, wires.words.map(|word| word.is_some()), room, module),
@@ -163,27 +167,27 @@ impl Slot {
         }
     }
 
-    /// Is it started?
+    /// Returns true if the function is started.
     pub fn is_active(&self) -> bool {
         matches!(self.phase, Phase::Starting | Phase::Active | Phase::Restarting)
     }
 
-    /// Values for the next START or VALUE_NEW.
+    /// Returns the values for the next START or VALUE_NEW.
     pub fn staged(&self) -> &[i64] {
         &self.staged
     }
 
-    /// Values in force; of a function at rest those of its last START.
+    /// Returns the active values; those of the last START if the function is at rest.
     pub fn active(&self) -> &[i64] {
         &self.active
     }
 
-    /// Both, for who shows them.
+    /// Returns a copy of both sets, for publishing.
     pub(crate) fn sets(&self) -> Sets {
         Sets { staged: self.staged.clone(), active: self.active.clone() }
     }
 
-    /// Brings sets of this function up to date; takes no memory.
+    /// Updates a copy of the sets; does not allocate.
     pub(crate) fn copy_sets(&self, sets: &mut Sets) {
         for (copy, values) in [(&mut sets.staged, &self.staged), (&mut sets.active, &self.active)] {
             if copy.len() == values.len() {
@@ -192,27 +196,27 @@ impl Slot {
         }
     }
 
-    /// Why its last command was refused; none where it was not.
+    /// Returns the error of the last command; `Code::NONE` if it was accepted.
     pub fn error(&self) -> Code {
         self.error
     }
 
-    /// What its sink holds.
+    /// Returns the value of the sink.
     pub fn sink(&self) -> i64 {
         self.sink
     }
 
-    /// E1 in bit 0 to E8 in bit 7, after inversion.
+    /// Returns the inputs: E1 in bit 0 to E8 in bit 7, after inversion.
     pub fn inputs(&self) -> u8 {
         self.inputs
     }
 
-    /// A1 in bit 0 to A8 in bit 7, before inversion.
+    /// Returns the outputs: A1 in bit 0 to A8 in bit 7, before inversion.
     pub fn outputs(&self) -> u8 {
         self.outputs
     }
 
-    /// What it shows.
+    /// Returns the published values.
     #[inline]
     fn shows(&self) -> &[i64] {
         match self.function.shown() {
@@ -222,36 +226,37 @@ impl Slot {
         }
     }
 
-    /// A function at rest shows nothing of its last call.
+    /// Sets the published values of the last call to 0.
     fn clear_shown(&mut self) {
         let [.., answer] = self.shown;
         self.shown = [0, 0, 0, answer];
     }
 
-    /// What compensation of the following error adds (inc).
+    /// Returns the compensation of the following error (inc).
     pub(crate) fn sak_share(&self) -> i64 {
         if self.is_active() { self.shown[0] } else { 0 }
     }
 
-    /// What it gives others to follow.
+    /// Returns the lead for followers of the sink.
     pub(crate) fn lead(&self) -> &Lead {
         &self.lead
     }
 
-    /// By how much its sink was set anew in this cycle.
+    /// Returns the change of the coordinate of the sink in this cycle.
     pub(crate) fn anew(&self) -> Position {
         self.anew
     }
 
-    /// Whether it runs (256) and its outputs, A1 in bit 0, where that is to be told in this cycle, and how many changes before were not.
+    /// Returns whether it runs (256) and its outputs, A1 in bit 0, if an event is due in this cycle, and the number of
+    /// unreported changes before.
     #[inline]
     pub(crate) fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<(u16, u32)> {
         let state = u16::from(self.is_active()) << LINES | u16::from(self.outputs);
         Some((state, self.notice.take(state, cycle, cycle_ns)?))
     }
 
-    /// Takes a command: all of it, or nothing but the error that it shows. `room` holds two of the widest sets. Returns what READ_VALUE has
-    /// found, with the number of its field.
+    /// Executes a command, completely or not at all; after an error only the published error changes. `room` holds two
+    /// of the widest sets. Returns the answer to READ_VALUE with the number of its field.
     pub(crate) fn command(
         &mut self,
         wires: &Wires,
@@ -282,7 +287,7 @@ impl Slot {
             _ => {}
         }
         let width = self.staged.len();
-        // The machine makes it large enough; nothing is taken without it.
+        // The machine allocates `room` in advance; a slot never allocates.
         let Some((tried, mixed)) = room.get_mut(..2 * width).map(|room| room.split_at_mut(width)) else {
             return Err(Fault::new(Code::BAD_REQUEST));
         };
@@ -304,7 +309,7 @@ impl Slot {
                 self.phase = if is_left { Phase::Restarting } else { Phase::Starting };
             }
             Order::ValueNew => {
-                // Fields that are not live keep what they had at START.
+                // Fields that are not live keep their values of START.
                 mix(row, mixed, &self.active, tried);
                 check_set_in_cell(wires, mixed)?;
                 self.function.check(Words(mixed), &setting)?;
@@ -335,7 +340,7 @@ impl Slot {
         self.function.check(Words(set), &self.setting(wires, found(wires, tables), Occasion::Order))
     }
 
-    /// RESET: what it writes at the end it writes in its place of this cycle.
+    /// RESET. The last outputs are written in the turn of the slot in this cycle.
     pub(crate) fn reset(&mut self) {
         self.is_shown = false;
         self.fail_goal(Code::FUNCTION_RESET);
@@ -343,7 +348,7 @@ impl Slot {
         self.phase = if has_run { Phase::Leaving } else { Phase::Reset };
     }
 
-    /// Its part of a cycle where it is at rest, which most slots of most cells are most of the time; true where that was all.
+    /// Executes the cycle of a slot at rest, the most frequent case. Returns false if the cycle needs [`Self::step`].
     pub(crate) fn rest(&mut self, wires: &Wires, board: &mut Board) -> bool {
         let rests = self.phase == Phase::Reset && self.is_shown && !self.notice.is_pending();
         if rests {
@@ -355,7 +360,7 @@ impl Slot {
         rests
     }
 
-    /// Its part of any other cycle.
+    /// Executes any other cycle.
     pub(crate) fn step(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
         let before = (self.inputs, self.outputs);
         self.inputs = read_inputs(wires, board);
@@ -413,7 +418,7 @@ impl Slot {
         written
     }
 
-    /// A cycle in which it is started or ended, and the one behind that end: what RESET leaves of its motion goes in it.
+    /// Executes a cycle with START or RESET, and the one after RESET, in which the lead comes to rest.
     #[cold]
     fn turn(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
         let rests = self.phase == Phase::Reset;
@@ -432,7 +437,7 @@ impl Slot {
         written
     }
 
-    /// The coordinate of the sink is another one from now on: that is no motion.
+    /// Changes the coordinate of the sink, without motion.
     #[cold]
     fn set_anew(&mut self, wires: &Wires, by: i64) {
         self.sink = wires.sink_width.cut(self.sink.wrapping_add(by));
@@ -440,15 +445,15 @@ impl Slot {
         self.lead.position += self.anew;
     }
 
-    /// Its first call.
+    /// Executes the first call.
     fn begin(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
         (self.phase, self.since) = (Phase::Active, cx.cycle);
         (self.travel, self.mark, self.last) = (source.fraction(), None, source.value);
         let base = self.base(wires, board);
-        // What its sink begins with is no way: a goal begins with the next call.
+        // The initial value of the sink is no travel: a goal begins with the next call.
         let seen = Seen { asked: Asked::Nothing, ..self.hosted(wires, cx, board, base) };
         let outcome = self.function.start(Words(&self.active), &seen);
-        // What has failed leaves the sink as it is.
+        // After an error the sink keeps its value.
         self.sink = if outcome.failed.is_some() { base } else { wires.sink_width.cut(outcome.sink) };
         self.anew = Position::whole(self.sink) - self.lead.position;
         self.lead.position = Position::whole(self.sink);
@@ -460,11 +465,11 @@ impl Slot {
         written
     }
 
-    /// What the sink begins with: what its object has.
+    /// Returns the initial value of the sink: that of its object.
     fn base(&self, wires: &Wires, board: &Board) -> i64 {
         let value = match wires.sink {
             Sink::None => self.sink,
-            // A position is no speed: the axis is taken as one that stands.
+            // A position is no speed: the axis is treated as at rest.
             Sink::Axis(..) if wires.quantity == Quantity::Speed => 0,
             Sink::Axis(_, command) | Sink::Memory(command, _) => board.int(command),
             Sink::Real(signal) => board.real(signal) as i64,
@@ -473,14 +478,14 @@ impl Slot {
         wires.sink_width.cut(value)
     }
 
-    /// The way of its source.
+    /// Adds the travel of the source.
     #[inline]
     fn travel_on(&mut self, wires: &Wires, source: Read<'_>) {
         if let Some(lead) = source.lead {
             let before = self.travel;
             self.travel += lead.change;
             if wires.source_width != Width::W64 {
-                // Differences are those of whole increments; the fraction stays in the sum.
+                // Differences are those of whole increments; the sum keeps the fraction.
                 let step = self.travel.floor().wrapping_sub(before.floor());
                 self.travel += Position::whole(wires.source_width.cut(step).wrapping_sub(step));
             }
@@ -506,7 +511,7 @@ impl Slot {
         }
     }
 
-    /// Writes what a call gave.
+    /// Writes the outputs of a call.
     #[inline]
     fn write(&mut self, wires: &Wires, outcome: Outcome, board: &mut Board) -> Written {
         let [.., answer] = self.shown;
@@ -517,7 +522,7 @@ impl Slot {
         Written { outputs: outcome.writes, sink: true, failed: None }
     }
 
-    /// The sink goes to a value, and its lead by the way to it.
+    /// Moves the sink to a value, and its lead by the same distance.
     #[inline]
     fn move_sink(&mut self, wires: &Wires, value: i64) {
         let before = std::mem::replace(&mut self.sink, wires.sink_width.cut(value));
@@ -535,7 +540,7 @@ impl Slot {
         }
     }
 
-    /// Would the function go on with a table that is edited?
+    /// Returns an error if the function cannot continue with an edited table.
     pub(crate) fn check_edit(
         &self,
         wires: &Wires,
@@ -552,16 +557,16 @@ impl Slot {
         self.function.check(Words(&self.active), &self.setting(wires, found, Occasion::Edit(edited)))
     }
 
-    /// What a set is checked against.
+    /// Returns the conditions for the check of a set.
     fn setting<'a>(&self, wires: &Wires, tables: [Option<&'a Table>; LINES], occasion: Occasion) -> Setting<'a> {
         let (has_source, has_mark) = (wires.source != Source::None, wires.mark != Mark::None);
-        // In the cycle of START its set has not become its state yet.
+        // In the cycle of START the set has not been applied yet.
         let runs = self.phase == Phase::Active;
         let first_output = first_output(wires);
         Setting { call_ns: wires.call_ns, tables, has_source, has_mark, first_output, occasion, runs }
     }
 
-    /// Its sink as an analog output has it (V): no further than that reaches.
+    /// Returns the sink as voltage of an analog output (V), limited to the full scale.
     pub(crate) fn volts(&self, wires: &Wires) -> f64 {
         self.sink.min(wires.full_scale).max(-wires.full_scale) as f64 / 1000.0
     }
@@ -574,7 +579,7 @@ impl Slot {
         }
     }
 
-    /// The end of a function that ran.
+    /// Ends a running function.
     fn leave(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
         let written = if wires.program.is_some() {
             self.travel_on(wires, source);
@@ -595,7 +600,7 @@ impl Slot {
         written
     }
 
-    /// What a type leaves that has no call of RESET.
+    /// Sets sink and outputs of a type without a call of RESET.
     fn rest_sink(&mut self, wires: &Wires, board: &mut Board) -> Written {
         let sink = wires.quantity == Quantity::Speed;
         if sink {
@@ -622,12 +627,12 @@ impl Slot {
         }
     }
 
-    /// Is it the same function, wherever it stands?
+    /// Returns true if both functions have the same setup, in any state.
     pub(crate) fn is_set_up_as(&self, other: &Self) -> bool {
         self.function.is_set_up_as(&other.function)
     }
 
-    /// Could its state have come about?
+    /// Returns true if a restored state is valid.
     pub(crate) fn is_sound(&self, wires: &Wires, (tables, programs): (&[Arc<Table>], &[Arc<Module>])) -> bool {
         let row = wires.kind.description();
         let fits = |values: &[i64]| {
@@ -657,9 +662,9 @@ impl Clone for Slot {
         Self { function: self.function.clone(), staged: self.staged.clone(), active: self.active.clone(), ..*self }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both slots belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
-        // Each part is named, so that none is forgotten.
+        // Lists every field, so that the compiler reports a new one.
         let Self {
             function,
             phase,
@@ -692,7 +697,7 @@ impl Clone for Slot {
     }
 }
 
-/// Outputs that are memory cells.
+/// Writes the outputs that are memory cells.
 fn write_memory(wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
     for (place, output) in wires.outputs.iter().take(wires.lines.1).enumerate() {
         if let Some(output) = output
@@ -704,12 +709,12 @@ fn write_memory(wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
     }
 }
 
-/// How many signals a slot has that shows so many values.
+/// Returns the number of signals of a slot that publishes `shows` values.
 fn signals(shows: usize) -> usize {
     3 + 2 * LINES + shows
 }
 
-/// Is a value of the set within the range of its field?
+/// Returns an error if a value of the set is outside the range of its field.
 fn check_range(row: &Description, place: u16, value: i64) -> Result<(), Fault> {
     match row.field_of(place.into()) {
         Some((_, field, _)) if (field.min..=field.max).contains(&value) => Ok(()),
@@ -718,7 +723,7 @@ fn check_range(row: &Description, place: u16, value: i64) -> Result<(), Fault> {
     }
 }
 
-/// Are all values within the ranges of their fields?
+/// Returns an error if a value is outside the range of its field.
 fn check_ranges(row: &Description, values: &[i64]) -> Result<(), Fault> {
     let mut values = values.iter();
     for (number, field) in (0_u16..).zip(row.fields) {
@@ -731,13 +736,13 @@ fn check_ranges(row: &Description, values: &[i64]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Are all values within the ranges of their fields, and does the cell have what they name?
+/// Returns an error if a value is outside its range or names an object that the cell lacks.
 fn check_set(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
     check_ranges(wires.kind.description(), values)?;
     check_set_in_cell(wires, values)
 }
 
-/// The live fields of `new` in a set that runs with `active`.
+/// Copies the live fields of `new` into a set that runs with `active`.
 fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
     let live = row.fields.iter().flat_map(|field| std::iter::repeat_n(field.live, field.count));
     for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {

@@ -1,7 +1,8 @@
-//! Times of the sources, in half milliseconds, counted in calls.
+//! Times in half milliseconds, as in the sources, converted to calls.
 //!
-//! Law      calls = ceil(time * 0.5 ms / call), lead = mean way per call * time * 0.5 ms / call, both exact
-//! Refuses  a cycle time that is not the one of the slot, a cycle beyond the bounds of a mode, a mean over more calls than there is room for
+//! Law      calls = ceil(time * 0.5 ms / call), lead = mean travel per call * time * 0.5 ms / call, both exact
+//! Refuses  a cycle time that differs from that of the slot, a cycle outside the limits of a mode, a mean over more
+//!          calls than there is room for
 //! Source   AMK-BINEA-29, AMK-BINEA-31, AMK-CAM-10, AMK-EPOS-50, AMK-CTX-03, C8
 
 use super::program::{Fault, Setting};
@@ -9,10 +10,10 @@ use super::window::Window;
 use crate::code::Code;
 use crate::event::Number;
 
-/// Unit of the sources' times (ns).
+/// Unit of the times (ns).
 pub(super) const HALF_MS: i64 = 500_000;
 
-/// Refuses a cycle time that is neither 0, the slot's own, nor the time between two calls.
+/// Returns an error for a cycle time that is neither 0 (that of the slot) nor the time between two calls.
 pub(super) fn check_cycle(half_ms: i64, field: u16, setting: &Setting<'_>) -> Result<(), Fault> {
     // The range of the field is small: nothing saturates, and a call of 292 years matches no cycle time.
     let (asked, call) = (half_ms.saturating_mul(HALF_MS), i64::try_from(setting.call_ns).unwrap_or(i64::MAX));
@@ -23,8 +24,9 @@ pub(super) fn check_cycle(half_ms: i64, field: u16, setting: &Setting<'_>) -> Re
     Err(Fault { asked: Number::Count(half_ms), limit: Number::Time(call), ..fault })
 }
 
-/// Refuses a cycle beyond the bounds of a mode (0.5 ms). If the set names it, it is at fault, else the field that chooses the mode: no named
-/// cycle would be the slot's own and within the bounds.
+/// Returns an error for a cycle outside the limits of a mode (0.5 ms). The error names the field of the cycle if the
+/// set gives it, otherwise the field that selects the mode: no value of the cycle could match both the slot and the
+/// limits.
 pub(super) fn check_cycle_bounds(
     half_ms: i64,
     (low, high): (i64, i64),
@@ -44,26 +46,26 @@ pub(super) fn check_cycle_bounds(
     Err(Fault { asked: number(asked), limit, ..Fault::new(Code::AMK_BEYOND).of(field) })
 }
 
-/// How many calls a time lasts.
+/// Returns the number of calls in a time.
 pub(super) fn calls(time: u16, call_ns: u64) -> u64 {
     (u64::from(time) * HALF_MS.unsigned_abs()).div_ceil(call_ns.max(1))
 }
 
-/// How far a mean way per call leads in a dead time, rounded down.
+/// Returns the lead of a mean travel per call in a dead time, rounded down.
 pub(super) fn lead(mean: (i128, i128), dead_time: i64, call_ns: u64) -> i64 {
     let (sum, count) = mean;
-    // What saturates is no velocity of anything. A count is below 2^33: its product fits.
+    // Only an impossible velocity saturates. A count is below 2^33: its product fits.
     floor_ratio(sum.saturating_mul(i128::from(dead_time) * i128::from(HALF_MS)), count * i128::from(call_ns))
 }
 
-/// Calls of a mean where the set names none.
+/// Calls of a mean if the set gives none.
 const MEAN: i64 = 20;
 
 fn mean_calls(asked: i64) -> i64 {
     if asked == 0 { MEAN } else { asked }
 }
 
-/// Refuses a mean over more calls than the window has room for; 0 asks for 20.
+/// Returns an error for a mean over more calls than the window has room for; 0 means 20.
 pub(super) fn check_mean(window: &Window, asked: i64, field: u16) -> Result<(), Fault> {
     // It holds fewer than 2^32 values.
     let limit = window.capacity() as i64;
@@ -73,12 +75,12 @@ pub(super) fn check_mean(window: &Window, asked: i64, field: u16) -> Result<(), 
     Ok(())
 }
 
-/// Begins a mean over so many calls; 0 asks for 20.
+/// Starts a mean over that number of calls; 0 means 20.
 pub(super) fn restart(window: &mut Window, asked: i64) {
     window.restart(usize::try_from(mean_calls(asked)).unwrap_or(1));
 }
 
-/// A quotient, rounded down and saturated; the divisor is above 0.
+/// Returns a quotient, rounded down and saturated; the divisor is above 0.
 pub(super) fn floor_ratio(dividend: i128, divisor: i128) -> i64 {
     match (i64::try_from(dividend), i64::try_from(divisor)) {
         // A division of 64 bits takes a fraction of the time.
@@ -90,7 +92,7 @@ pub(super) fn floor_ratio(dividend: i128, divisor: i128) -> i64 {
     }
 }
 
-/// A place within a turn; `turn` is above 0.
+/// Returns a position within a turn; `turn` is above 0.
 #[inline]
 pub(super) fn wrapped(x: i64, turn: i64) -> i64 {
     if (0..turn).contains(&x) { x } else { x.rem_euclid(turn.max(1)) }
@@ -144,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_lead_is_exact_and_rounded_down() {
-        // 100 inc per 0.75 ms over 2 ms: 266.67 inc; backwards 267 further down.
+        // 100 inc per 0.75 ms over 2 ms: 266.67 inc; in negative direction -267.
         assert_eq!(lead((100, 1), 4, 750_000), 266);
         assert_eq!(lead((-100, 1), 4, 750_000), -267);
         assert_eq!(lead((-300, 4), 2, 500_000), -150);

@@ -1,7 +1,7 @@
-//! Tracks of the cam controllers: what BINEA and CAM make of the bit that their table gives for a track.
+//! Tracks of the cam controllers: the processing of a track bit from the table to the output, for BINEA and CAM.
 //!
-//! Law      t = bit, or a pulse from each 0 -> 1 of it on (retriggered by the next one); g = t, t AND e or t OR e;
-//!          A = g xor inversion; e is the input, inverted or not
+//! Law      t = bit, or a pulse from each 0 -> 1 of it on (retriggered by the next one); g = t, t AND e or t OR e; A =
+//!          g xor inversion; e is the input, inverted or not
 //! Refuses  both codes of logic at once; no table, a table of another form
 //! Source   AMK-BINEA-17 to -22, -29, AMK-CAM-13, -14, B3, B4, B10, A-54, A-60, A-61
 
@@ -25,34 +25,34 @@ pub(super) struct Track {
     mode: u8,
     /// Bit of the table in the last call.
     bit: bool,
-    /// Calls that its pulse lasts on.
+    /// Remaining calls of the pulse.
     left: u64,
 }
 
 impl Track {
-    /// A track of a mode word that was checked.
+    /// Creates a track of a checked mode word.
     pub(super) fn new(mode: i64) -> Self {
         Self { mode: mode as u8, ..Self::default() }
     }
 
-    /// Does the function write its output?
+    /// Returns true if the function writes its output.
     pub(super) fn is_written(self) -> bool {
         self.mode & DISABLED == 0
     }
 
-    /// Has its bit a pulse?
+    /// Returns true if its bit triggers a pulse.
     pub(super) fn has_pulse(self) -> bool {
         self.mode & PULSE != 0
     }
 
-    /// The output in the first call: a bit that stands is no edge.
+    /// Returns the output in the first call: a bit that is 1 is no edge.
     pub(super) fn start(&mut self, bit: bool, input: bool) -> bool {
         (self.bit, self.left) = (bit, 0);
         self.output(bit && !self.has_pulse(), input)
     }
 
-    /// The output in each further call; a pulse that begins lasts `time` half milliseconds. An edge sets the timer whatever it holds:
-    /// a time of 0 ends a pulse.
+    /// Returns the output in each further call; a pulse lasts `time` half milliseconds. An edge always restarts the
+    /// timer: a time of 0 ends a pulse.
     pub(super) fn step(&mut self, bit: bool, time: u16, input: bool, call_ns: u64) -> bool {
         let was = std::mem::replace(&mut self.bit, bit);
         if !self.has_pulse() {
@@ -80,7 +80,7 @@ impl Track {
     }
 }
 
-/// Refuses a mode word with the logic that is none.
+/// Returns an error for a mode word with both codes of logic.
 pub(super) fn check_mode(mode: i64, field: u16) -> Result<(), Fault> {
     let both = i64::from(AND | OR);
     if mode & both == both {
@@ -89,14 +89,14 @@ pub(super) fn check_mode(mode: i64, field: u16) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The data block in Tab0.
+/// Returns the data block in Tab0.
 pub(super) fn check_words<'a>(setting: &Setting<'a>) -> Result<&'a Table, Fault> {
     let [table, ..] = setting.tables;
     let table = table.ok_or(Fault::new(Code::AMK_TABLE_MISSING))?;
     if table.form() == Form::Words { Ok(table) } else { Err(Fault::new(Code::AMK_TABLE_FORM)) }
 }
 
-/// Refuses a table without all words that are read of it.
+/// Returns an error for a table that is shorter than the words that are read.
 pub(super) fn check_length(table: &Table, needed: usize) -> Result<(), Fault> {
     if table.len() < needed {
         // A table has at most `table::MOST` words: both fit.
@@ -105,7 +105,7 @@ pub(super) fn check_length(table: &Table, needed: usize) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The data block in Tab0 in a call; none where the slot has lost it.
+/// Returns the data block in Tab0 during a call; `None` if the slot has none.
 pub(super) fn words<'a>(seen: &Seen<'a>) -> Option<&'a Table> {
     seen.tables.get(0)
 }
@@ -114,7 +114,7 @@ pub(super) fn words<'a>(seen: &Seen<'a>) -> Option<&'a Table> {
 mod tests {
     use super::*;
 
-    /// A track after its first call with 0, then the outputs for bits and inputs.
+    /// Returns the outputs for bits and inputs, after a first call with 0.
     fn run(mode: i64, time: u16, calls: &[(bool, bool)]) -> Vec<bool> {
         let mut track = Track::new(mode);
         track.start(false, false);
@@ -145,7 +145,7 @@ mod tests {
     fn a_pulse_runs_its_time_and_begins_anew_with_each_edge() {
         let bits = |row: &str| row.chars().map(|bit| (bit == '1', false)).collect::<Vec<_>>();
         let shown = |outs: Vec<bool>| outs.into_iter().map(|out| if out { '1' } else { '0' }).collect::<String>();
-        // 1 ms per call, 5 half milliseconds: 3 calls; the bit may fall or stand, which changes nothing (B10, A-60).
+        // 1 ms per call, 5 half milliseconds: 3 calls; the bit may fall or stay 1, which has no effect (B10, A-60).
         assert_eq!(shown(run(16, 5, &bits("0100000"))), "0111000");
         assert_eq!(shown(run(16, 5, &bits("0111110"))), "0111000");
         // A second edge two calls later: five in a row (B4).

@@ -1,4 +1,4 @@
-//! What tests of a type need: a set by the names of its fields, and a call in which nothing happens.
+//! Helpers for tests of function types: a set by the names of its fields, and a call without any change.
 
 use super::field::Field;
 use super::program::{Asked, LINES, NO_DRIVES, Occasion, Reading, Seen, Setting, Tables, WORDS};
@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Time between two calls (ns).
 pub(super) const CALL_NS: u64 = 1_000_000;
 
-/// A set of these values; the others have their defaults.
+/// Returns a set of these values; the others have their defaults.
 pub(super) fn set(fields: &[Field], values: &[(&str, i64)]) -> Vec<i64> {
     for (name, _) in values {
         assert!(fields.iter().any(|field| field.name == *name), "no field {name}");
@@ -18,7 +18,7 @@ pub(super) fn set(fields: &[Field], values: &[(&str, i64)]) -> Vec<i64> {
     fields.iter().flat_map(|field| vec![value(field); field.count]).collect()
 }
 
-/// What a set of START is checked against, with a source that has marks.
+/// Returns the conditions for the check of a set at START, with a source that has marks.
 pub(super) fn setting(call_ns: u64, tables: [Option<&Table>; LINES]) -> Setting<'_> {
     Setting {
         call_ns,
@@ -34,18 +34,18 @@ pub(super) fn setting(call_ns: u64, tables: [Option<&Table>; LINES]) -> Setting<
 /// No tables.
 pub(super) const NO_TABLES: Tables<'static> = Tables { all: &[], places: &[None; LINES] };
 
-/// Tables as Tab0 and up.
+/// Returns tables as Tab0 and up.
 pub(super) fn tabs(tables: &[Arc<Table>]) -> Tables<'_> {
     const ALL: &[Option<u16>; LINES] = &[Some(0), Some(1), Some(2), Some(3), Some(4), Some(5), Some(6), Some(7)];
     Tables { all: tables, places: ALL }
 }
 
-/// A table as Tab0.
+/// Returns a table as Tab0.
 pub(super) fn tab0(table: &Arc<Table>) -> Tables<'_> {
     tabs(std::slice::from_ref(table))
 }
 
-/// A call with source, inputs and sink at 0.
+/// Returns a call with source, inputs and sink at 0.
 pub(super) fn at_rest<'a>() -> Seen<'a> {
     Seen {
         call_ns: CALL_NS,

@@ -1,4 +1,4 @@
-//! All types behind one: what a slot holds.
+//! Common wrapper of all function types.
 
 use super::apsf::{self, Apsf};
 use super::binea::{self, Binea};
@@ -41,7 +41,7 @@ pub(super) const REGL: &[Field] = regl::FIELDS;
 pub(super) const EPOS: &[Field] = epos::FIELDS;
 pub(super) const APSF: &[Field] = apsf::FIELDS;
 
-/// Numbers of the modes of a type, ascending; none where the range of its field says them.
+/// Returns the modes of a type in ascending order; none if the range of its field defines them.
 pub(crate) fn modes(kind: Kind) -> Vec<i64> {
     match kind {
         Kind::Fipw => interpolator::modes(false),
@@ -71,7 +71,7 @@ pub(super) enum Any {
     Apsf(Box<Apsf>),
 }
 
-/// Does the same with a function of any type.
+/// Applies the same expression to a function of any type.
 macro_rules! each {
     ($any:expr, $function:ident => $do:expr) => {
         match $any {
@@ -96,7 +96,7 @@ macro_rules! each {
 }
 
 impl Any {
-    /// One at rest, with all memory that it will need.
+    /// Creates a function at rest, with all memory that it will need.
     pub(super) fn new(kind: Kind, has_words: [bool; WORDS], room: Room, module: Option<&Module>) -> Self {
         let [has_word, _] = has_words;
         match kind {
@@ -173,7 +173,7 @@ impl Any {
         each!(self, function => function.rests(rests))
     }
 
-    /// Is it the same function, wherever it stands?
+    /// Returns true if both functions have the same setup, in any state.
     pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Varsync(mine), Self::Varsync(other)) => mine.is_set_up_as(other),
@@ -191,7 +191,7 @@ impl Any {
         each!(self, function => function.is_set(words, call_ns))
     }
 
-    /// What it keeps to show; none where each call gives it.
+    /// Returns the published values that it stores; `None` if each call returns them.
     #[inline]
     pub(super) fn shown(&self) -> Option<&[i64]> {
         match self {
@@ -207,12 +207,12 @@ impl Any {
         each!(self, function => function.leave(seen))
     }
 
-    /// Has it a call of RESET?
+    /// Returns true if the type has a call of RESET.
     pub(super) fn has_leave(&self) -> bool {
         matches!(self, Self::Apsf(_))
     }
 
-    /// What it has left for a memory cell.
+    /// Returns the value that the last call left for a memory cell.
     pub(super) fn word(&mut self, module: &Module, place: usize) -> u64 {
         match self {
             Self::Apsf(function) => function.word(module, place),
@@ -220,7 +220,7 @@ impl Any {
         }
     }
 
-    /// Goes on with another program; false where it cannot keep its state, or has no room.
+    /// Replaces the program. Returns false if it cannot keep the state, or lacks memory for the new one.
     pub(super) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
         match self {
             Self::Apsf(function) => function.exchange(modules, keeps),
@@ -228,7 +228,7 @@ impl Any {
         }
     }
 
-    /// Pages of memory that it has for its program.
+    /// Returns the reserved pages of memory for its program.
     pub(super) fn room(&self) -> usize {
         match self {
             Self::Apsf(function) => function.room(),
@@ -236,7 +236,7 @@ impl Any {
         }
     }
 
-    /// Is its state one of that program?
+    /// Returns true if its state belongs to that program.
     pub(super) fn is_of(&self, module: &Module, runs: bool) -> bool {
         match self {
             Self::Apsf(function) => function.is_of(module, runs),
@@ -271,7 +271,7 @@ impl Clone for Any {
         }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         match (self, other) {
             (Self::Dcopy(mine), Self::Dcopy(other)) => mine.clone_from(other),

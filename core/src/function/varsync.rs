@@ -1,12 +1,12 @@
-//! A synchronous ratio that bits or a word switch.
+//! Synchronous ratio that inputs or a word select (VARSYNC).
 //!
-//! Law      acc = acc + m * dXm; Xs = base + floor(acc / 10000), base = what the sink has at START; out = Xs + SAK.
-//!          The remainder passes on from ratio to ratio: a change of it alters the slope and loses nothing.
-//!          Mode 0: E1 chooses m1, m2. Mode 1: a rising E1 takes m(1 + E2 + 2*E3 + 4*E4). Mode 2: (E2,E1) = 00 m1, 01
-//!          m2, 10 m3, 11 keeps it. Mode 3: a word is the ratio, each call
-//! Reads    the master's way, E1 to E4, in mode 3 the word; inputs of a call count for its change already
-//! Writes   the sink, A1 (mode 0: E1; mode 1: a ratio was taken; else 0), the share of SAK
-//! Refuses  mode 3 without a word, or with another cycle than the slot's
+//! Law      acc = acc + m * dXm; Xs = base + floor(acc / 10000), base = value of the sink at START; out = Xs + SAK. The
+//!          remainder is kept when the ratio changes: a change alters the slope and loses nothing. Mode 0: E1 selects
+//!          m1 or m2. Mode 1: a rising E1 selects m(1 + E2 + 2*E3 + 4*E4). Mode 2: (E2,E1) = 00 m1, 01 m2, 10 m3, 11
+//!          keeps the ratio. Mode 3: a word is the ratio, in each call
+//! Reads    the travel of the master, E1 to E4, in mode 3 the word; inputs of a call apply to its travel
+//! Writes   the sink, A1 (mode 0: E1; mode 1: a ratio was selected; otherwise 0), the compensation of SAK
+//! Refuses  mode 3 without a word, or with a cycle that differs from that of the slot
 //! Source   AMK-VARSYNC-01 to -16 with A-38 to -40, AMK-SAK-05
 
 use super::field::{Field, Words, number, place};
@@ -16,7 +16,7 @@ use super::time::check_cycle;
 use crate::code::Code;
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new(
         "mode",
@@ -50,7 +50,7 @@ const M1: usize = place(FIELDS, "m1");
 /// Ratio 1.
 const ONE: i64 = 10_000;
 
-/// What chooses the ratio.
+/// Selection of the ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Mode {
     Level,
@@ -70,30 +70,30 @@ impl Mode {
     }
 }
 
-/// The synchronous ratio.
+/// State of the function.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Varsync {
-    /// The slot knows a word for mode 3.
+    /// Whether the slot has a word for mode 3.
     has_word: bool,
     mode: Mode,
     ratios: [i16; LINES],
-    /// The ratio that counts.
+    /// Active ratio.
     ratio: i16,
-    /// Mode 1: a ratio was taken since E1 rose.
+    /// Mode 1: whether a ratio was selected since E1 rose.
     taken: bool,
     /// Inputs of the last call.
     before: u8,
-    /// The master's way at the last call.
+    /// Travel of the master at the last call.
     master: i64,
-    /// Xs.
+    /// Slave position Xs.
     slave: i64,
-    /// What Xs is behind the exact way, in 0..ONE.
+    /// Fraction of Xs, in 0..ONE.
     remainder: i64,
     sak: Sak,
 }
 
 impl Varsync {
-    /// One that has a word for mode 3, or has none.
+    /// Creates a function; `has_word` says whether there is a word for mode 3.
     pub(super) fn new(has_word: bool) -> Self {
         Self {
             has_word,
@@ -109,18 +109,18 @@ impl Varsync {
         }
     }
 
-    /// Has it been made the same?
+    /// Returns true if both functions have a word for mode 3, or both have none.
     pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
         self.has_word == other.has_word
     }
 
-    /// The ratio of a selection, counted from 0; as it is where that is none of them.
+    /// Activates the ratio of a selection, counted from 0; a selection that does not exist keeps the ratio.
     #[inline]
     fn take(&mut self, selection: u8) {
         self.ratio = self.ratios.get(usize::from(selection)).copied().unwrap_or(self.ratio);
     }
 
-    /// Chooses the ratio and returns A1.
+    /// Selects the ratio and returns A1.
     #[inline]
     fn select(&mut self, seen: &Seen<'_>) -> bool {
         let e1 = seen.inputs & 1;
@@ -152,11 +152,12 @@ impl Varsync {
         }
     }
 
-    /// Advances Xs by the ratio times the master's change; the 2^64 positions of both wrap.
+    /// Advances Xs by the ratio times the change of the master; positions of 64 bits wrap.
     #[inline]
     fn advance(&mut self, change: i64) {
         let ratio = i64::from(self.ratio);
-        // m * change = m * (whole * 10000 + part): the whole parts need no division, the rest is below 2^15 * 10000 + 10000.
+        // m * change = m * (whole * 10000 + part): the whole parts need no division, the rest is below 2^15 * 10000 +
+        // 10000.
         let (whole, part) = (change / ONE, change % ONE);
         let rest = ratio.wrapping_mul(part).wrapping_add(self.remainder);
         let way = rest.div_euclid(ONE);
@@ -168,7 +169,7 @@ impl Varsync {
 impl Program for Varsync {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         if Mode::of(words.get(MODE)) != Mode::Word {
-            // What no mode but the third uses is not compared.
+            // Values that only mode 3 uses are not checked in other modes.
             return Ok(());
         }
         if !self.has_word {

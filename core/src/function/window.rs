@@ -1,42 +1,42 @@
-//! A sliding mean over the last values, at most as many as were asked for.
+//! Sliding mean over the last values.
 //!
 //! Law      mean(k) = (v(k) + .. + v(k-n+1)) / n, n = min(length, values since the start)
 //! Source   A-18, AMK-BINEA-16 with B8, AMK-CAM-11 with A-59
 
 use serde::{Deserialize, Serialize};
 
-/// The last values of a row. Its memory is taken once, as large as it may ever get.
+/// The last values of a series. Its memory is allocated once, for the maximum length.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Window {
     ring: Box<[i64]>,
-    /// Over so many values it slides.
+    /// Length of the mean.
     length: u32,
-    /// So many it has.
+    /// Number of values in the mean.
     count: u32,
-    /// Where the next one goes.
+    /// Index of the next value.
     next: u32,
     sum: i128,
 }
 
 impl Window {
-    /// One that can hold so many, at least one.
+    /// Creates a window for up to `capacity` values, at least one.
     pub(super) fn new(capacity: usize) -> Self {
         let ring = vec![0; capacity.max(1)].into();
         Self { ring, length: 1, count: 0, next: 0, sum: 0 }
     }
 
-    /// The most values over which it can slide.
+    /// Returns the maximum length.
     pub(super) fn capacity(&self) -> usize {
         self.ring.len()
     }
 
-    /// Begins anew over `length` values, or as many as it can hold.
+    /// Restarts with `length` values, limited to the capacity.
     pub(super) fn restart(&mut self, length: usize) {
         self.length = length.clamp(1, self.ring.len()) as u32;
         (self.count, self.next, self.sum) = (0, 0, 0);
     }
 
-    /// Takes a value.
+    /// Adds a value.
     pub(super) fn push(&mut self, value: i64) {
         let is_full = self.count == self.length;
         if let Some(place) = self.ring.get_mut(self.next as usize) {
@@ -48,12 +48,12 @@ impl Window {
         self.next = if self.next + 1 < self.length { self.next + 1 } else { 0 };
     }
 
-    /// Sum and number of its values; the number is at least 1.
+    /// Returns sum and number of the values; the number is at least 1.
     pub(super) fn mean(&self) -> (i128, i128) {
         (self.sum, self.count.max(1).into())
     }
 
-    /// Could it have come about?
+    /// Returns true if a restored state is valid.
     pub(super) fn is_sound(&self) -> bool {
         let fits = |number: u32| number as usize <= self.ring.len();
         let values = self.ring.iter().take(self.count as usize).map(|value| i128::from(*value));
@@ -70,7 +70,7 @@ impl Clone for Window {
         Self { ring: self.ring.clone(), ..*self }
     }
 
-    /// Takes no memory where both are of one machine.
+    /// Does not allocate if both belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         self.ring.clone_from(&other.ring);
         (self.length, self.count, self.next, self.sum) = (other.length, other.count, other.next, other.sum);

@@ -1,4 +1,4 @@
-//! What a slot is wired to: handles that stay the same as long as the cell does.
+//! Connections of a slot: handles that are fixed by the cell.
 
 use super::kind::{Kind, Quantity};
 use super::program::{LINES, WORDS};
@@ -6,20 +6,20 @@ use crate::object::Leader;
 use crate::signal::{Signal, Type};
 use serde::{Deserialize, Serialize};
 
-/// How wide a source or a sink is.
+/// Width of a source or a sink.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Width {
     /// 16 bits.
     W16,
     /// 32 bits.
     W32,
-    /// 64 bits, which never wraps here.
+    /// 64 bits; positions never wrap in this width.
     #[default]
     W64,
 }
 
 impl Width {
-    /// By so many bits; none for another number.
+    /// Returns the width of that number of bits; `None` for other numbers.
     pub fn of(bits: u32) -> Option<Self> {
         match bits {
             16 => Some(Self::W16),
@@ -29,7 +29,7 @@ impl Width {
         }
     }
 
-    /// How many bits.
+    /// Returns the number of bits.
     pub fn bits(self) -> u32 {
         match self {
             Self::W16 => 16,
@@ -38,10 +38,10 @@ impl Width {
         }
     }
 
-    /// The low bits of a value, sign-extended (AMK, A-07).
+    /// Returns the low bits of a value, sign-extended (AMK, A-07).
     #[inline]
     pub fn cut(self, value: i64) -> i64 {
-        // Casts keep the low bits: that is the rule.
+        // The casts keep the low bits, as the rule requires.
         match self {
             Self::W16 => i64::from(value as i16),
             Self::W32 => i64::from(value as i32),
@@ -53,28 +53,28 @@ impl Width {
 /// A source.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Source {
-    /// Nothing: it reads 0.
+    /// No source: reads 0.
     #[default]
     None,
-    /// A position of an axis or encoder, or a sink, and its signal: a new coordinate is no way.
+    /// A position of an axis or encoder, or a sink, and its signal: a new coordinate does not count as travel.
     Lead(Leader, Word),
     /// Any other signal.
     Signal(Word),
 }
 
-/// A signal as a whole number.
+/// Conversion of a signal to a whole number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Word {
-    /// As it is.
+    /// A whole number, unchanged.
     Int(Signal),
-    /// Cut towards zero.
+    /// A real, truncated towards zero.
     Real(Signal),
-    /// In mV, to the nearest.
+    /// A voltage in mV, rounded to the nearest.
     Volts(Signal),
 }
 
 impl Word {
-    /// How a signal of that type is read.
+    /// Returns the conversion of a signal of that type.
     pub(crate) fn of(signal: Signal, kind: Type, is_voltage: bool) -> Self {
         match kind {
             Type::Real if is_voltage => Self::Volts(signal),
@@ -87,23 +87,23 @@ impl Word {
 /// A sink.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Sink {
-    /// Only other functions and followers read it.
+    /// No object: only other functions and followers read it.
     #[default]
     None,
-    /// An axis, by its place, and the signal of its command position.
+    /// An axis, by its index, and the signal of its command position.
     Axis(u16, Signal),
-    /// A memory cell of whole numbers and its width.
+    /// A memory cell of whole numbers, and its width.
     Memory(Signal, Width),
     /// A memory cell of reals.
     Real(Signal),
-    /// An analog output, by its place among them, and its signal; the value is in mV.
+    /// An analog output, by its index, and its signal; the value is in mV.
     Analog(usize, Signal),
 }
 
 /// A memory cell that a program writes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// A bit: whatever is not 0 sets it.
+    /// A bit: any value except 0 sets it.
     Bit(Signal),
     /// A whole number.
     Int(Signal, Width),
@@ -114,39 +114,39 @@ pub enum Cell {
 /// A binary input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Input {
-    /// The bit.
+    /// Signal of the bit.
     pub signal: Signal,
-    /// It counts when it is 0.
+    /// Whether the input is active at 0.
     pub inverted: bool,
 }
 
 /// A binary output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
-    /// Where it goes.
+    /// Destination of the bit.
     pub to: Bit,
-    /// It is 0 while it counts.
+    /// Whether the output is 0 while it is active.
     pub inverted: bool,
 }
 
-/// What holds a bit.
+/// Destination of an output bit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bit {
-    /// A digital output, by its place among them.
+    /// A digital output, by its index.
     Digital(usize),
     /// A memory cell.
     Memory(Signal),
 }
 
-/// What latches the marks that a function measures.
+/// Source of the marks that a function measures.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Mark {
-    /// Nothing.
+    /// None.
     #[default]
     None,
     /// A rising edge of E1, at the instant of the cycle.
     Edge,
-    /// Latches of an entry of `io`, rising.
+    /// Rising latches of an entry of `io`.
     Latch(u16),
     /// Latches and index pulses of an encoder.
     Encoder(u16),
@@ -154,74 +154,74 @@ pub enum Mark {
     Axis(u16),
 }
 
-/// What happens to a function when the axis that it moves has an error.
+/// Reaction of a function to an error of the axis that it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum OnAxisError {
-    /// Nothing (AMK-GEN-11).
+    /// No reaction (AMK-GEN-11).
     #[default]
     Run,
     /// RESET.
     Reset,
 }
 
-/// How much a function may ever need, as its memory is taken once.
+/// Maximum memory that a function may need; it is allocated once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Room {
-    /// Values of its mean.
+    /// Maximum values of its mean.
     pub mean: usize,
-    /// Cams of all tracks.
+    /// Maximum cams of all tracks.
     pub cams: usize,
 }
 
-/// What a slot is wired to.
+/// Connections of a slot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wires {
-    /// Its type.
+    /// Function type.
     pub kind: Kind,
-    /// First of its signals.
+    /// First signal of the slot.
     pub first: Signal,
-    /// What it reads.
+    /// The source.
     pub source: Source,
-    /// How wide that is.
+    /// Width of the source.
     pub source_width: Width,
-    /// What it writes.
+    /// The sink.
     pub sink: Sink,
-    /// How wide that is.
+    /// Width of the sink.
     pub sink_width: Width,
-    /// (inc/s) of one of a sink that carries the speed of an axis.
+    /// Velocity (inc/s) of 1 of the sink, if the sink is the speed of an axis.
     pub speed: Option<f64>,
-    /// Range of a sink that is an analog output, to either side (mV); 0 of any other.
+    /// Range of an analog output as sink, in both directions (mV); 0 for other sinks.
     pub full_scale: i64,
-    /// How many axes the cell has.
+    /// Number of axes of the cell.
     pub axes: usize,
     /// E1 to E8.
     pub inputs: [Option<Input>; LINES],
     /// A1 to A8.
     pub outputs: [Option<Output>; LINES],
-    /// How many of both are looked at.
+    /// Number of inputs and outputs to process.
     pub lines: (usize, usize),
-    /// Places of its tables.
+    /// Indices of its tables.
     pub tables: [Option<u16>; LINES],
-    /// So many values it publishes beside its lines.
+    /// Number of values that it publishes in addition to its inputs and outputs.
     pub shows: usize,
-    /// The words that it reads beside its source.
+    /// The words that it reads in addition to its source.
     pub words: [Option<Word>; WORDS],
-    /// Its program, its place among them; type apsf has one.
+    /// Index of its program; only for type apsf.
     pub program: Option<u16>,
-    /// Instructions of a call of it, at most.
+    /// Maximum instructions per call of the program.
     pub fuel: u32,
-    /// Signals that it reads.
+    /// Signals that the program reads.
     pub reads: Box<[Word]>,
-    /// Memory cells that it writes.
+    /// Memory cells that the program writes.
     pub writes: Box<[Cell]>,
-    /// What its sink carries.
+    /// Quantity of the sink.
     pub quantity: Quantity,
-    /// What latches its marks.
+    /// Source of its marks.
     pub mark: Mark,
-    /// It is called in each n-th cycle.
+    /// Cycles between two calls.
     pub factor: u32,
     /// Time between two calls (ns).
     pub call_ns: u64,
-    /// What an error of its axis does.
+    /// Reaction to an error of its axis.
     pub on_axis_error: OnAxisError,
 }

@@ -1,4 +1,4 @@
-//! Parameters of the loops below the position loop: what MACS gives its power stage, and what is native beside that.
+//! Parameters of the loops below the position loop: those of the power stage of MACS, and additional ones.
 
 use crate::code::Code;
 use crate::regulator::{EstimatorError, I2tSettings, MotionModel, VelocityEstimator, VelocityGains, VelocityMethod};
@@ -9,18 +9,18 @@ mod encoder;
 
 pub use encoder::VelocityEncoder;
 
-/// How the velocity of the velocity loop is found.
+/// Methods of finding the velocity for the velocity loop.
 pub const ESTIMATORS: &[&str] = &["difference", "filtered", "alpha_beta", "kalman"];
 
-/// AMPMAXCUR when none is given (mA).
+/// Default of AMPMAXCUR (mA).
 pub(in crate::parameter) const MAX_CURRENT: i64 = 2000;
 
-/// The parameters of one axis.
+/// Parameters of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Amplifier {
-    /// Effort of the full output (in the drive's unit).
+    /// Effort of the full output, in the unit of the drive.
     pub max_effort: Option<f64>,
-    /// Effort for each ampere (in the drive's unit); 0: currents are not known.
+    /// Effort per ampere, in the unit of the drive; 0: currents are unknown.
     pub torque_constant: f64,
     /// AMPMODE
     pub mode: i64,
@@ -32,11 +32,11 @@ pub struct Amplifier {
     pub integral: i64,
     /// VELKILIM
     pub limit: i64,
-    /// Place in [`ESTIMATORS`].
+    /// Index in [`ESTIMATORS`].
     pub estimator: i64,
-    /// Of the filter or the observer (Hz).
+    /// Bandwidth of the filter or the observer (Hz).
     pub bandwidth: f64,
-    /// Standard deviation of the acceleration that the Kalman filter expects (inc/s^2).
+    /// Standard deviation of the acceleration for the Kalman filter (inc/s^2).
     pub acceleration: f64,
     /// I2TFTIME (ms)
     pub heat_time: i64,
@@ -44,12 +44,12 @@ pub struct Amplifier {
     pub heat_limit: i64,
     /// CURFTIME (ms)
     pub current_time: i64,
-    /// Of the velocity loop alone.
+    /// Separate encoder of the velocity loop.
     pub encoder: VelocityEncoder,
 }
 
 impl Amplifier {
-    /// Gains of the velocity loop, a sample in each cycle.
+    /// Returns the gains of the velocity loop, with one sample per cycle.
     pub fn velocity_gains(&self, cycle_ns: u64) -> VelocityGains {
         VelocityGains {
             proportional: whole(self.proportional),
@@ -59,7 +59,7 @@ impl Amplifier {
         }
     }
 
-    /// What watches the current.
+    /// Returns the settings of the I2t monitoring of the current.
     pub fn heat(&self, cycle_ns: u64) -> I2tSettings {
         I2tSettings {
             time: whole(self.heat_time),
@@ -69,17 +69,17 @@ impl Amplifier {
         }
     }
 
-    /// Has the axis a velocity loop here?
+    /// Returns true if the axis has a velocity loop in this program.
     pub fn has_velocity_loop(&self) -> bool {
         matches!(self.mode, 0 | 1)
     }
 
-    /// Has it a current loop, here or in a drive that closes it?
+    /// Returns true if the axis has a current loop, in this program or in its drive.
     pub fn has_current_loop(&self) -> bool {
         matches!(self.mode, 0 | 2)
     }
 
-    /// How it finds the velocity.
+    /// Returns the method of finding the velocity.
     pub fn method(&self) -> VelocityMethod {
         match self.estimator {
             1 => VelocityMethod::Filtered { time: 1.0 / (TAU * self.bandwidth) },
@@ -89,18 +89,18 @@ impl Amplifier {
         }
     }
 
-    /// What finds the velocity, at rest.
+    /// Creates the velocity estimator, at rest.
     ///
     /// # Errors
-    /// A setting that the cycle is too long or too short for.
+    /// A setting that does not fit the cycle time.
     pub fn estimator(&self, cycle_ns: u64) -> Result<VelocityEstimator, EstimatorError> {
         VelocityEstimator::new(self.method(), cycle_ns as f64 / 1e9)
     }
 
-    /// Can the loops run with these, above a drive that closes the current loop?
+    /// Checks that the loops can run with these parameters on a drive that closes the current loop.
     ///
     /// # Errors
-    /// The key that cannot be, and why.
+    /// The key of the invalid parameter, and the reason.
     pub fn check(&self, cycle_ns: u64) -> Result<(), (&'static str, Code)> {
         if !self.has_current_loop() {
             return Err(("ampmode", Code::NO_POWER_STAGE));
@@ -108,10 +108,10 @@ impl Amplifier {
         self.check_loops(cycle_ns)
     }
 
-    /// The same above any drive.
+    /// Checks that the loops can run with these parameters on any drive.
     ///
     /// # Errors
-    /// The key that cannot be, and why.
+    /// The key of the invalid parameter, and the reason.
     pub fn check_loops(&self, cycle_ns: u64) -> Result<(), (&'static str, Code)> {
         if self.max_effort.is_none() {
             return Err(("max_effort", Code::EFFORT_MISSING));
@@ -129,7 +129,7 @@ impl Amplifier {
         asked.map_or(Ok(()), |(key, ..)| Err((key, Code::CURRENT_UNKNOWN)))
     }
 
-    /// The largest output, 0 to 1: AMPMAXCUR, where currents are known.
+    /// Returns the maximum output, 0 to 1: AMPMAXCUR, if currents are known.
     pub fn most(&self) -> f64 {
         let full = self.max_effort.unwrap_or_default();
         if self.torque_constant == 0.0 || full == 0.0 {
@@ -139,7 +139,7 @@ impl Amplifier {
     }
 }
 
-/// Rows keep it within 32 bits.
+/// The rows limit the value to 32 bits.
 fn whole(value: i64) -> i32 {
     value.clamp(i32::MIN.into(), i32::MAX.into()) as i32
 }

@@ -1,4 +1,4 @@
-//! The parameters of one axis, and what follows from them.
+//! Parameters of one axis, and values derived from them.
 
 use super::rows::{BY_AXIS, FULL_CYCLES, ROWS};
 use super::vocabularies::{self, Vocabularies};
@@ -12,46 +12,47 @@ use crate::profile::{Jerks, Limits, Shape};
 use crate::regulator::PidGains;
 use serde::{Deserialize, Serialize};
 
-/// Largest velocity, acceleration and jerk (inc/s, ..).
+/// Maximum velocity, acceleration and jerk (inc/s, ..).
 const MOST: f64 = 1e15;
 
 /// Values of the rows that an axis changes by itself ([`Row::by_axis`]).
 pub(crate) type ValuesByAxis = [Value; BY_AXIS.len()];
 
-/// The parameters of one axis, in the core's units.
+/// Parameters of one axis, in units of the core.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisParameters {
-    /// Software limit (inc).
+    /// Lower software limit (inc).
     pub min_position: Option<i64>,
-    /// Software limit (inc).
+    /// Upper software limit (inc).
     pub max_position: Option<i64>,
-    /// (inc/s)
+    /// Maximum velocity (inc/s).
     pub max_velocity: f64,
-    /// (inc/s^2)
+    /// Maximum acceleration (inc/s^2).
     pub max_acceleration: f64,
-    /// (inc/s^2); left out: as `max_acceleration`.
+    /// Maximum deceleration (inc/s^2); `None`: as `max_acceleration`.
     pub max_deceleration: Option<f64>,
-    /// (inc/s^3); left out: no limit.
+    /// Maximum jerk (inc/s^3); `None`: no limit.
     pub max_jerk: Option<f64>,
-    /// JERKMIN2 to 4: from the maximum acceleration to 0, from 0 to the maximum deceleration, and back (ns); 0: as `max_jerk`.
+    /// JERKMIN2 to 4: times from the maximum acceleration to 0, from 0 to the maximum deceleration, and back (ns); 0:
+    /// as `max_jerk`.
     pub jerk_times: [i64; 3],
-    /// 0 to 100: what a goal may use of `max_velocity` (%).
+    /// Part of `max_velocity` that goals may use, 0 to 100 (%).
     pub velocity_override: f64,
-    /// (inc/s); left out: half of `max_velocity`.
+    /// Default velocity (inc/s); `None`: half of `max_velocity`.
     pub default_velocity: Option<f64>,
-    /// (inc/s^2); left out: half of `max_acceleration`.
+    /// Default acceleration (inc/s^2); `None`: half of `max_acceleration`.
     pub default_acceleration: Option<f64>,
-    /// Place in [`PROFILES`](super::PROFILES).
+    /// Index in [`PROFILES`](super::PROFILES).
     pub profile: i64,
-    /// (inc)
+    /// Maximum following error (inc).
     pub max_following_error: i64,
-    /// (ns)
+    /// Time for which the following error may exceed its maximum (ns).
     pub following_error_time: i64,
-    /// (inc)
+    /// In-position window (inc).
     pub in_position_window: i64,
-    /// (ns)
+    /// In-position time (ns).
     pub in_position_time: i64,
-    /// ERRCOND 0 to 5.
+    /// Reaction to errors, ERRCOND 0 to 5.
     pub error_reaction: i64,
     /// Gear factor, master side.
     pub sync_master: i64,
@@ -59,44 +60,44 @@ pub struct AxisParameters {
     pub sync_slave: i64,
     /// Accuracy window of the coupling (inc); negative: the error is shown with its sign.
     pub sync_accuracy: i64,
-    /// What it does with its master.
+    /// Synchronization with the master.
     pub sync: Synchronization,
-    /// Marks of it and its master.
+    /// Marks of the axis and its master.
     pub marks: Marks,
-    /// How long a streamed setpoint holds (ns).
+    /// Maximum age of a streamed setpoint (ns).
     pub setpoint_timeout: i64,
-    /// Place in [`PROBE_INPUTS`](super::PROBE_INPUTS).
+    /// Index in [`PROBE_INPUTS`](super::PROBE_INPUTS).
     pub probe_active_input: i64,
-    /// How the axis gets its zero.
+    /// Homing.
     pub homing: Homing,
-    /// Where positions come from.
+    /// Sources of positions.
     pub encoder: Encoders,
-    /// Inputs that are assigned to its switches.
+    /// Inputs assigned to its switches.
     pub assigned: Assigned,
-    /// How it is watched.
+    /// Supervision.
     pub supervision: Supervision,
-    /// Outputs that are assigned to it.
+    /// Outputs assigned to the axis.
     pub outputs: AssignedOutputs,
-    /// How its two drives are held together, where it has two.
+    /// Gantry, for an axis with two drives.
     pub gantry: GantryParameters,
-    /// What its drive is asked for beyond its command.
+    /// Compensation that is added to the command of the drive.
     pub compensation: Compensation,
-    /// What MACS gives relative to others.
+    /// Values that MACS gives relative to others.
     pub macs: Macs,
-    /// The position loop that is closed here.
+    /// Position loop, if it is closed in this program.
     pub position_loop: PositionLoop,
-    /// The gains of that loop where it is a PID.
+    /// Gains of a position loop with PID.
     pub pid: PidGains,
-    /// The loops below it, where the drive takes efforts.
+    /// Loops below the position loop, for drives that take efforts.
     pub amplifier: Amplifier,
-    /// The current loop below those, where the drive takes voltages.
+    /// Current loop below those, for drives that take voltages.
     pub power_stage: PowerStage,
-    /// Of the vocabularies.
+    /// Parameters of the vocabularies.
     pub vocabularies: Vocabularies,
 }
 
 impl AxisParameters {
-    /// Defaults of all rows; the required ones have to follow.
+    /// Returns the defaults of all rows; the required rows are arguments.
     pub fn new(max_velocity: f64, max_acceleration: f64) -> Self {
         let mut parameters = Self {
             min_position: None,
@@ -147,39 +148,40 @@ impl AxisParameters {
         BY_AXIS.map(|row| row.value(self))
     }
 
-    /// Whether a function that they switch on needs every cycle of the axis in full ([`Row::full_cycles`]).
+    /// Whether a function that they switch on needs full cycles of the axis ([`Row::full_cycles`]).
     pub(crate) fn needs_full_cycles(&self) -> bool {
         FULL_CYCLES.iter().any(|row| row.full_cycles.is_some_and(|needs| needs(self)))
     }
 
-    /// (inc/s^2)
+    /// Returns the maximum deceleration (inc/s^2).
     pub fn deceleration_limit(&self) -> f64 {
         self.max_deceleration.unwrap_or(self.max_acceleration)
     }
 
-    /// Velocity of a goal that gives none (inc/s).
+    /// Returns the default velocity of a goal (inc/s).
     pub fn usual_velocity(&self) -> f64 {
         self.default_velocity.unwrap_or(self.max_velocity / 2.0)
     }
 
-    /// Acceleration of a goal that gives none (inc/s^2).
+    /// Returns the default acceleration of a goal (inc/s^2).
     pub fn usual_acceleration(&self) -> f64 {
         self.default_acceleration.unwrap_or(self.max_acceleration / 2.0)
     }
 
-    /// Deceleration of a goal that gives none: the same share of its maximum as the acceleration (MACS-PROF-06 gives
-    /// both in parts of the maximum) (inc/s^2).
+    /// Returns the default deceleration of a goal (inc/s^2): the same fraction of its maximum as the acceleration, as
+    /// MACS-PROF-06 gives both as fractions of the maximum.
     pub fn usual_deceleration(&self) -> f64 {
         self.deceleration_limit() * (self.usual_acceleration() / self.max_acceleration)
     }
 
-    /// Shape of the ramps with a highest jerk (inc/s^3) (MACS-PROF-07). The four jerks keep their ratios (MACS-PROF-11).
+    /// Returns the shape of ramps with a maximum jerk (inc/s^3) (MACS-PROF-07). The four jerks keep their ratios
+    /// (MACS-PROF-11).
     pub fn shape(&self, jerk: f64) -> Shape {
         match self.profile {
             1 => Shape::SRamp,
             2 => {
                 let share = self.max_jerk.map_or(1.0, |most| jerk / most);
-                // JERKMIN2 to 4 are times from 0 to the maximum acceleration; 0 takes the value of JERKMIN.
+                // JERKMIN2 to 4 are times from 0 to the maximum acceleration; 0 means the value of JERKMIN.
                 let of = |time: i64| if time == 0 { jerk } else { self.max_acceleration / (time as f64 / 1e9) * share };
                 let [fall, brake_rise, brake_fall] = self.jerk_times.map(of);
                 Shape::Jerk(Jerks { rise: jerk, fall, brake_rise, brake_fall })
@@ -188,12 +190,12 @@ impl AxisParameters {
         }
     }
 
-    /// Shape with the largest jerk; without one the jerk is free: a trapezoid.
+    /// Returns the shape with the maximum jerk; without a limit of the jerk it is a trapezoid.
     fn largest_shape(&self) -> Shape {
         self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk))
     }
 
-    /// Shape of a goal that gives no jerk: half of the largest one, as for its other rates.
+    /// Returns the default shape of a goal: half of the maximum jerk, as for the other rates.
     pub fn usual_shape(&self) -> Shape {
         self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk / 2.0))
     }
@@ -202,7 +204,7 @@ impl AxisParameters {
         if self.profile == 1 { Shape::SRamp } else { Shape::Trapezoid }
     }
 
-    /// Limits of a goal that gives none.
+    /// Returns the default limits of a goal.
     pub fn usual_limits(&self) -> Limits {
         Limits {
             velocity: self.usual_velocity(),
@@ -212,7 +214,7 @@ impl AxisParameters {
         }
     }
 
-    /// Limits at their maxima: stops of limits and errors use them (MACS-PROF-13).
+    /// Returns the limits at their maxima, which stops at limits and after errors use (MACS-PROF-13).
     pub fn largest_limits(&self) -> Limits {
         Limits {
             velocity: self.max_velocity,
@@ -222,7 +224,7 @@ impl AxisParameters {
         }
     }
 
-    /// Is every value one that its row takes, and do they agree?
+    /// Returns true if every value is within the range of its row, and the values are consistent.
     pub fn is_sound(&self) -> bool {
         let is_good = |row: &Row| row.check(row.value(self)).is_ok();
         let macs = &self.macs;
@@ -237,7 +239,7 @@ impl AxisParameters {
             ("home_ramp", self.homing.parts.acceleration.map(Value::Int)),
             (vocabularies::SERVO_GAIN, self.position_loop.given.map(Value::Real)),
         ];
-        // A new coordinate may have taken them beyond the numbers of MACS.
+        // A new coordinate may have shifted the limits beyond the range of MACS.
         let is_place = |limit: i64| Position::whole(limit).is_legal();
         let takes = |key, value| Row::find(key).is_some_and(|(_, row)| row.check(value).is_ok());
         ROWS.iter().filter(|row| row.is_stored()).all(is_good)
@@ -248,12 +250,12 @@ impl AxisParameters {
             && self.check().is_ok()
     }
 
-    /// Do the values agree?
+    /// Checks that the values are consistent.
     ///
     /// # Errors
     /// The first contradiction.
     pub fn check(&self) -> Result<(), Contradiction> {
-        // A value that follows from others may leave its range.
+        // A derived value may leave its range.
         for (key, value) in [
             ("max_velocity", Some(self.max_velocity)),
             ("max_acceleration", Some(self.max_acceleration)),
@@ -286,7 +288,7 @@ impl AxisParameters {
         {
             return Err(Contradiction::Above("min_position", "max_position"));
         }
-        // Parts of VELRES, named as they were given.
+        // Fractions of VELRES, reported by the names by which they were given.
         let parts = self.homing.parts;
         for (key, part) in [
             ("dfltvel", self.macs.dfltvel),
@@ -317,13 +319,13 @@ impl AxisParameters {
     }
 }
 
-/// Parameters of an axis that cannot stand together.
+/// Contradiction between parameters of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Contradiction {
-    /// The first key's value is above that of the second, which it must not be.
+    /// The value of the first key exceeds that of the second.
     Above(&'static str, &'static str),
-    /// The value of this key, which follows from others, lies outside its range.
+    /// The derived value of this key is outside its range.
     OutOfRange(&'static str),
-    /// The value of this key asks for something that does not exist yet; the code says what.
+    /// The value of this key requires a feature that does not exist yet; the code names it.
     NotBuilt(&'static str, Code),
 }

@@ -1,13 +1,14 @@
-//! Values of the core as bare numbers, for a border that knows types but no units: `convert` the other way round.
+//! Conversion of core values to numbers without units, for interfaces that have types but no units: the inverse of
+//! `convert`.
 //!
-//! Law      what is shown converts back into the value, wherever a number of 64 bits can do that; of several the one with
-//!          the fewest digits is shown, so that what was set reads as it was written
-//! Source   contract section 2: the unit of a bare number is the row's
+//! Law      a shown number converts back to the same value, if a number of 64 bits can do that; the number with the
+//!          fewest digits is used, so that a value reads as it was written
+//! Source   contract section 2: the unit of a number without a unit is that of the row
 
 use super::{Bare, Measure, ParameterInput, Range, Refused, Row, Value, convert};
 use crate::unit::Scale;
 
-/// The type that a parameter has at such a border.
+/// Type of a parameter at such an interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BorderType {
     /// Off or on.
@@ -16,14 +17,14 @@ pub enum BorderType {
     Integer,
     /// A number.
     Real,
-    /// One of some names.
+    /// One of a list of names.
     Name,
 }
 
-/// A value at such a border, in the unit of the row's bare numbers.
+/// Value at such an interface, in the unit of the row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BorderValue {
-    /// Left out.
+    /// Not set.
     Unset,
     /// Off or on.
     Switch(bool),
@@ -35,26 +36,26 @@ pub enum BorderValue {
     Name(&'static str),
 }
 
-/// The permitted values, in the unit of the row's bare numbers. Both ends are taken, but for a low end that the range of the
-/// row leaves out ([`Range::PositiveUpTo`]).
+/// Permitted values, in the unit of the row. Both ends are included, except a low end that the range of the row
+/// excludes ([`Range::PositiveUpTo`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BorderRange {
-    /// Of whole numbers.
+    /// Range of whole numbers.
     Integer {
-        /// Lowest.
+        /// Minimum.
         low: i64,
-        /// Highest.
+        /// Maximum.
         high: i64,
-        /// Between two values.
+        /// Step between two values.
         step: u64,
     },
-    /// Of numbers.
+    /// Range of numbers.
     Real {
-        /// Lowest.
+        /// Minimum.
         low: f64,
-        /// Highest.
+        /// Maximum.
         high: f64,
-        /// Between two values; 0 for any.
+        /// Step between two values; 0: any value.
         step: f64,
     },
 }
@@ -72,7 +73,7 @@ impl From<BorderValue> for ParameterInput {
 }
 
 impl Row {
-    /// The type of its bare values.
+    /// Returns the type of its values.
     pub fn border_type(&self) -> BorderType {
         match self.measure {
             Measure::Choice(["false", "true"]) => BorderType::Switch,
@@ -82,7 +83,7 @@ impl Row {
         }
     }
 
-    /// The unit of its bare numbers on an axis of that scale; empty for none.
+    /// Returns the unit of its values on an axis of that scale; empty for none.
     pub fn border_unit(&self, scale: &Scale) -> String {
         let order = match self.measure {
             Measure::Position | Measure::Distance => 0,
@@ -101,7 +102,7 @@ impl Row {
         }
     }
 
-    /// A value of this row on an axis of that scale.
+    /// Converts a value of this row on an axis of that scale.
     pub fn shown(&self, scale: &Scale, value: Value) -> BorderValue {
         match (value, self.measure) {
             (Value::Unset, _) => BorderValue::Unset,
@@ -118,14 +119,14 @@ impl Row {
         }
     }
 
-    /// The permitted values on an axis of that scale; none for names and switches.
+    /// Returns the permitted values on an axis of that scale; `None` for names and switches.
     pub fn shown_range(&self, scale: &Scale) -> Option<BorderRange> {
         if matches!(self.measure, Measure::Choice(_)) {
             return None;
         }
         let (low, high) = match self.range {
             Range::Int(low, high) => (Value::Int(low), Value::Int(high)),
-            // The gaps are told in words.
+            // Gaps in the range are only described in text.
             Range::Among(ranges) => (Value::Int(ranges.first()?.0), Value::Int(ranges.last()?.1)),
             Range::PositiveUpTo(high) => (Value::Real(0.0), Value::Real(high)),
             Range::Real(low, high) => (Value::Real(low), Value::Real(high)),
@@ -143,7 +144,7 @@ impl Row {
         })
     }
 
-    /// The number that stands for a value, with as few digits as it needs.
+    /// Returns the number of a value with as few digits as it needs.
     fn number(&self, scale: &Scale, value: Value) -> f64 {
         let plain = self.plain_number(scale, value);
         let converts_back = |number: &f64| convert(self, scale, &ParameterInput::Number(*number)) == Ok(value);
@@ -178,13 +179,13 @@ impl Row {
         }
     }
 
-    /// The end of a range, moved inwards where its last digit lies outside.
+    /// Returns the end of a range, rounded inwards if its last digit is outside.
     fn inside(&self, scale: &Scale, end: f64, inwards: fn(f64) -> f64) -> f64 {
         let is_taken = |number: &f64| {
             let value = convert(self, scale, &ParameterInput::Number(*number));
             value.is_ok_and(|value| self.check(value) != Err(Refused::OutOfRange))
         };
-        // 0 is no value of a range above it, but its end.
+        // 0 is not in a range above 0, but it is the end of the range.
         if end == 0.0 {
             return end;
         }

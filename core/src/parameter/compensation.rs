@@ -1,18 +1,18 @@
-//! What an axis asks of its drive beyond its command, for the screw between motor and load.
+//! Compensation of errors of the screw between motor and load, added to the command of the drive.
 
 use serde::{Deserialize, Serialize};
 
-/// Its parameters; what the pitch error is stands in a table of the cell.
+/// Parameters of the compensation; the pitch error is in a table of the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Compensation {
-    /// How far the motor turns before the load follows it back (inc); 0: none.
+    /// Backlash: travel of the motor before the load follows after a reversal (inc); 0: none.
     pub backlash: i64,
-    /// How fast it is taken up (inc/s); left out: a tenth of `max_velocity`.
+    /// Velocity of the backlash compensation (inc/s); `None`: a tenth of `max_velocity`.
     pub velocity: Option<f64>,
 }
 
 impl Compensation {
-    /// How fast it is taken up on an axis with that highest velocity (inc/s).
+    /// Returns the velocity of the backlash compensation for an axis with that maximum velocity (inc/s).
     pub fn usual_velocity(&self, max_velocity: f64) -> f64 {
         self.velocity.unwrap_or(max_velocity / 10.0)
     }

@@ -1,4 +1,4 @@
-//! Values from outside, with units and names, to values of the core.
+//! Conversion of inputs, with units and names, to values of the core.
 
 use super::{Bare, Measure, Row, Value};
 use crate::unit::{Dimension, Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
@@ -7,29 +7,30 @@ use num_traits::{CheckedDiv, ToPrimitive};
 /// A value as it was given.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ParameterInput {
-    /// A number: SI, or whole for whole parameters.
+    /// A number: in SI units, or plain for whole-number parameters.
     Number(f64),
-    /// A whole number: SI, or itself for whole parameters.
+    /// A whole number: in SI units, or plain for whole-number parameters.
     Integer(i64),
-    /// With its unit.
+    /// A number with its unit.
     Quantity(Quantity),
     /// A name.
     Text(String),
-    /// Left out: back to what the row's default means, where it has one without a value.
+    /// Not set: resets to the default of the row, if that is no value.
     Unset,
 }
 
-/// Why a value is none for a row; its range is checked by the row.
+/// Error of a conversion; the row checks its range separately.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConvertError {
-    /// Unit, dimension or size.
+    /// Invalid unit, dimension or size.
     Unit(UnitError),
-    /// Not of the row's type: the value as text.
+    /// Wrong type for the row: the value as text.
     Type(String),
 }
 
 impl Measure {
-    /// Of which derivative of a position it is a rate: 1 for a velocity, 2 for an acceleration, 3 for a jerk; none for what is no rate.
+    /// Returns the order of the time derivative: 1 for a velocity, 2 for an acceleration, 3 for a jerk; `None` if it is
+    /// no rate.
     pub fn order(self) -> Option<u8> {
         match self {
             Measure::Velocity => Some(1),
@@ -39,7 +40,7 @@ impl Measure {
         }
     }
 
-    /// Dimensions that a quantity of this measure may have on an axis; none for plain numbers and names.
+    /// Returns the dimensions of a quantity of this measure on an axis; `None` for plain numbers and names.
     pub fn dimensions(self, scale: &Scale) -> Option<[Dimension; 2]> {
         match self {
             Measure::Position | Measure::Distance => Some(scale.dimensions(0)),
@@ -51,7 +52,7 @@ impl Measure {
         }
     }
 
-    /// What a value may be, in words.
+    /// Returns the expected values as text.
     pub fn expected(self) -> String {
         match self {
             Measure::Position | Measure::Distance => "a position such as 10 mm".to_owned(),
@@ -67,20 +68,21 @@ impl Measure {
 }
 
 impl Row {
-    /// The unit that a plain number of this row may be written with; none where it has none, or one that no file knows.
+    /// Returns the unit in which a plain number of this row may be written; `None` if it has none, or one that files do
+    /// not support.
     pub fn own_unit(&self) -> Option<Unit> {
         let is_plain = matches!(self.measure, Measure::Integer | Measure::Number);
         is_plain.then(|| Unit::parse(self.unit)).flatten()
     }
 
-    /// What a value may be, in words.
+    /// Returns the expected values as text.
     pub fn expected(&self) -> String {
         let what = self.measure.expected();
         self.own_unit().map_or_else(|| what.clone(), |unit| format!("{what} in {unit}"))
     }
 }
 
-/// The value of a row on an axis of that scale.
+/// Converts an input to a value of a row on an axis of that scale.
 ///
 /// # Errors
 /// A value of another type, unit or size.
@@ -96,7 +98,7 @@ pub fn convert(row: &Row, scale: &Scale, input: &ParameterInput) -> Result<Value
         (Measure::Choice(names), ParameterInput::Text(name)) => {
             names.iter().position(|known| known == name).map_or_else(mismatch, |place| Ok(Value::Int(place as i64)))
         }
-        // There is one zero.
+        // Removes the sign of -0.
         (Measure::Number, ParameterInput::Number(number)) if number.is_finite() => Ok(Value::Real(*number + 0.0)),
         (Measure::Number, ParameterInput::Integer(number)) => Ok(Value::Real(*number as f64)),
         (Measure::Integer | Measure::Number, ParameterInput::Quantity(quantity)) => match row.own_unit() {
@@ -110,12 +112,12 @@ pub fn convert(row: &Row, scale: &Scale, input: &ParameterInput) -> Result<Value
     }
 }
 
-/// Below it a double tells whole numbers apart.
+/// Below this limit a double distinguishes whole numbers.
 const EXACT: f64 = (1_u64 << 52) as f64;
 
 fn of_number(row: &Row, scale: &Scale, number: f64) -> Result<Value, ConvertError> {
     if row.measure == Measure::Time {
-        // A computed number is seldom whole: as with increments, the nearest counts.
+        // A computed number is rarely whole: it is rounded to the nearest, as for increments.
         let nanoseconds = (number * if row.bare == Bare::Milliseconds { 1e6 } else { 1e9 }).round();
         if nanoseconds.abs() < EXACT {
             return Ok(Value::Int(nanoseconds as i64));
@@ -149,7 +151,7 @@ fn of_quantity(measure: Measure, scale: &Scale, quantity: &Quantity) -> Result<V
     value.map_err(ConvertError::Unit)
 }
 
-/// How many of its own unit a quantity is.
+/// Returns a quantity in the unit of the row.
 fn of_own_unit(measure: Measure, unit: Unit, quantity: &Quantity) -> Result<Value, ConvertError> {
     let expected = unit.dimension();
     if quantity.unit().dimension() != expected {

@@ -1,23 +1,23 @@
-//! The sense in which an axis counts, and whether it may reverse, as its parameters say.
+//! Direction of counting of an axis, and its permission to reverse.
 //!
 //! Source   MACS-DIR-01, MACS-DIR-05 to MACS-DIR-10, A-07, A-08
 
 use super::AxisParameters;
 use crate::position::Position;
 
-/// What POSDRCT says (MACS-DIR-01): each true where it is inverted.
+/// Values of POSDRCT (MACS-DIR-01): each is true if it is inverted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Sense {
-    /// The user's units count against the encoder.
+    /// Whether the units of the user count against the encoder.
     pub units: bool,
-    /// A positive reference of the position loop moves the encoder negative.
+    /// Whether a positive reference of the position loop moves the encoder in negative direction.
     pub position: bool,
-    /// The same of the velocity loop.
+    /// Whether a positive reference of the velocity loop moves the encoder in negative direction.
     pub velocity: bool,
 }
 
 impl Sense {
-    /// Decodes POSDRCT; none for a value that it does not have.
+    /// Decodes POSDRCT; `None` for an invalid value.
     pub fn decode(posdrct: i64) -> Option<Self> {
         let digits = posdrct.unsigned_abs();
         let (tens, ones) = if digits < 10 { (digits, digits) } else { (digits / 10, digits % 10) };
@@ -29,62 +29,63 @@ impl Sense {
         Some(Self { units: posdrct < 0, position: inverted(ones)?, velocity: inverted(tens)? })
     }
 
-    /// Counts as the user counts them, and the other way round (inc).
+    /// Converts between encoder counts and counts of the user, in either direction (inc).
     #[inline]
     pub(crate) fn turn(self, counts: i64) -> i64 {
         if self.units { counts.wrapping_neg() } else { counts }
     }
 
-    /// The same of a position.
+    /// Converts a position in the same way.
     #[inline]
     pub(crate) fn turn_position(self, position: Position) -> Position {
         if self.units { -position } else { position }
     }
 
-    /// The same of a velocity, an acceleration or an effort. Never -0: a mirror of nothing is nothing.
+    /// Converts a velocity, an acceleration or an effort in the same way. Never returns -0.
     #[inline]
     pub(crate) fn turn_real(self, value: f64) -> f64 {
         if self.units { 0.0 - value } else { value }
     }
 }
 
-/// When an axis may move backwards (MACS-DIR-06).
+/// Condition for backward motion of an axis (MACS-DIR-06).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// Always.
+    /// Always allowed.
     #[default]
     Always,
-    /// While the master that it is coupled to does: geared, with the sign of the ratio. Without a coupling never.
+    /// Allowed while the master of its coupling moves backward, including the sign of the ratio; never without a
+    /// coupling.
     WithMaster,
-    /// Never.
+    /// Never allowed.
     Never,
 }
 
-/// What REVERS makes of the sign of the reference.
+/// Output of the sign of the reference, as set by REVERS.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Polarity {
-    /// It has one (MACS-DIR-08, output 0).
+    /// The reference itself has a sign (MACS-DIR-08, output 0).
     #[default]
     Bipolar,
-    /// This output shows it (MACS-DIR-08).
+    /// This output shows the sign (MACS-DIR-08).
     Direction(u8),
-    /// This output enables one sense, the next one the other (MACS-DIR-09).
+    /// This output enables one direction, the next output the other (MACS-DIR-09).
     Enables(u8),
 }
 
-/// What REVERS says (MACS-DIR-05, -09).
+/// Values of REVERS (MACS-DIR-05, -09).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reversing {
-    /// When it may.
+    /// Condition for backward motion.
     pub rule: Rule,
-    /// How the drive is told the sign.
+    /// Output of the sign to the drive.
     pub polarity: Polarity,
-    /// Bus ID of the drive; 0 for none (MACS-DIR-10).
+    /// Bus ID of the drive; 0: none (MACS-DIR-10).
     pub node: u8,
 }
 
 impl Reversing {
-    /// Decodes REVERS: rule + 10 output + 100 node, or -10 to -90; none for a value that it does not have.
+    /// Decodes REVERS: rule + 10 output + 100 node, or -10 to -90; `None` for an invalid value.
     pub fn decode(revers: i64) -> Option<Self> {
         if revers < 0 {
             let output = u8::try_from(revers.unsigned_abs() / 10).ok().filter(|output| (1..=9).contains(output))?;
@@ -104,12 +105,12 @@ impl Reversing {
         Some(Self { rule, polarity, node })
     }
 
-    /// Is all of it built: rule and outputs?
+    /// Returns true if all of it is implemented: rule and outputs.
     pub fn is_built(self) -> bool {
         self.node == 0
     }
 
-    /// The highest number of an output that it names; 0 for none.
+    /// Returns the highest number of an output that it names; 0 for none.
     pub fn last_output(self) -> i64 {
         match self.polarity {
             Polarity::Bipolar => 0,
@@ -120,13 +121,13 @@ impl Reversing {
 }
 
 impl AxisParameters {
-    /// What POSDRCT says.
+    /// Returns the values of POSDRCT.
     pub fn sense(&self) -> Sense {
-        // The row lets nothing else pass.
+        // The row accepts no other values.
         Sense::decode(self.macs.posdrct).unwrap_or_default()
     }
 
-    /// What REVERS says.
+    /// Returns the values of REVERS.
     pub fn reversing(&self) -> Reversing {
         Reversing::decode(self.macs.revers).unwrap_or_default()
     }
@@ -140,7 +141,7 @@ mod tests {
         Some(Sense { units, position, velocity })
     }
 
-    /// The table of the source; 11 is 1, and every other value is none.
+    /// The table of the source; 11 means 1, and every other value is invalid.
     ///
     /// Proves: MACS-DIR-01
     #[test]
@@ -168,7 +169,7 @@ mod tests {
         }
     }
 
-    /// The row takes what decodes, and nothing else.
+    /// The row accepts exactly the values that can be decoded.
     ///
     /// Proves: MACS-DIR-01, MACS-DIR-05
     #[test]
@@ -195,7 +196,7 @@ mod tests {
             (2, of(Rule::Never, Polarity::Bipolar, 0)),
             (3, None),
             (12, of(Rule::Never, Polarity::Direction(1), 0)),
-            // The sample that the printed range leaves out.
+            // The example that the printed range omits.
             (20, of(Rule::Always, Polarity::Direction(2), 0)),
             (300, of(Rule::Always, Polarity::Bipolar, 3)),
             (12_702, of(Rule::Never, Polarity::Bipolar, 127)),

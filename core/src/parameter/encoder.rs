@@ -5,10 +5,10 @@ use crate::code::Code;
 use crate::encoder::{Absolute, Parity, WordCode, source};
 use serde::{Deserialize, Serialize};
 
-/// Where positions come from, and how their sources are read.
+/// Sources of positions, and their settings.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Encoders {
-    /// Most that the encoder moves in a cycle (inc); left out: not supervised.
+    /// Maximum change of the encoder per cycle (inc); `None`: not monitored.
     pub max_jump: Option<i64>,
     /// ENCODERTYPE
     pub encodertype: i64,
@@ -18,28 +18,28 @@ pub struct Encoders {
     pub master_velocity: f64,
     /// ENCCONTROL: bit 0 soft change, bit 1 soft zero.
     pub enccontrol: i64,
-    /// MENCCONTROL: the same of the master.
+    /// MENCCONTROL: the same for the master.
     pub menccontrol: i64,
     /// ENCODERFREQ: clock rate (Hz), or with type 9 the distance of simulated marks (inc).
     pub encoderfreq: i64,
-    /// That of the drive is 0 incremental, 1 absolute.
+    /// Type of the encoder of the drive: 0 incremental, 1 absolute.
     pub kind: i64,
-    /// Steps of a turn times turns of an absolute encoder.
+    /// Steps per turn times turns of an absolute encoder.
     pub steps: i64,
     /// Incremental: side of the cam on which reference travel ends; absolute: value of the first word.
     pub side_or_omitted: i64,
-    /// Incremental: position of the reference point (inc); absolute: parity of its word, 0 none, 1 even, 2 odd.
+    /// Incremental: position of the reference point (inc); absolute: parity of the word, 0 none, 1 even, 2 odd.
     pub reference_or_parity: i64,
-    /// Incremental: pulses of a revolution; absolute: largest step of a cycle (inc); 0: not supervised.
+    /// Incremental: pulses per revolution; absolute: maximum change per cycle (inc); 0: not monitored.
     pub pulses_or_step: i64,
-    /// Encoder monitoring is on.
+    /// Whether the encoder is monitored.
     pub monitored: i64,
-    /// What the cell has for ENCODERTYPE to choose from.
+    /// Absolute encoders of the cell that ENCODERTYPE can select.
     pub absolute: source::AbsoluteSources,
 }
 
 impl Default for Encoders {
-    /// As the rows have it.
+    /// Returns the defaults of the rows.
     fn default() -> Self {
         Self {
             max_jump: None,
@@ -64,7 +64,7 @@ impl Default for Encoders {
 const RATES: std::ops::RangeInclusive<i64> = 39_000..=5_000_000;
 
 impl Encoders {
-    /// The absolute encoder of a positioning module: Gray code only (WF-ABS-01), with its parity (WF-MD-09).
+    /// Returns the absolute encoder of a positioning module: Gray code only (WF-ABS-01), with its parity (WF-MD-09).
     pub fn module(&self) -> Absolute {
         let parity = match self.reference_or_parity {
             1 => Some(Parity::Even),
@@ -77,15 +77,15 @@ impl Encoders {
         Absolute { code: WordCode::Gray, parity, omitted, max_step, ..Absolute::single_turn(steps) }
     }
 
-    /// Is what the axis reads an absolute encoder?
+    /// Returns true if the axis reads an absolute encoder.
     pub fn is_absolute(&self) -> bool {
         self.kind == 1 || self.absolute.chosen_by(self.encodertype)
     }
 
-    /// Are the numbers ones that there are?
+    /// Checks that the numbers are valid.
     ///
     /// # Errors
-    /// The key of one that is not, and why.
+    /// The key of an invalid number, and the reason.
     pub fn check(&self) -> Result<(), (&'static str, Code)> {
         match source::Feedback::decode(self.encodertype) {
             None => return Err(("encodertype", Code::ENCODER_UNKNOWN_TYPE)),

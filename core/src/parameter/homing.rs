@@ -3,38 +3,40 @@
 use super::AxisParameters;
 use serde::{Deserialize, Serialize};
 
-/// How an axis gets its zero.
+/// Homing of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Homing {
-    /// 0 none; a method of CiA 402; -1 - HOME_TYPE of MACS.
+    /// Homing method: 0 none; a method of CiA 402; -1 - HOME_TYPE of MACS.
     pub method: i64,
-    /// The drive does it by itself.
+    /// Whether the drive homes by itself.
     pub in_drive: bool,
-    /// No motion without it.
+    /// Whether motion requires homing.
     pub required: bool,
-    /// That was given as HOME_FORCE 255, compulsory and done: it is shown so, and acts as 1.
+    /// Whether that was given as HOME_FORCE 255, required and done: it is shown as such, and acts like 1.
     pub told_done: bool,
-    /// To the switch (inc/s); the sign is the direction of the MACS sequences. Left out: a tenth of `max_velocity`.
+    /// Velocity to the switch (inc/s); its sign is the direction of the MACS sequences. `None`: a tenth of
+    /// `max_velocity`.
     pub velocity: Option<f64>,
-    /// For the last approach and to the index (inc/s), no more than `velocity`. Left out: a tenth of `max_velocity`.
+    /// Velocity of the last approach and to the index (inc/s), at most `velocity`. `None`: a tenth of `max_velocity`.
     pub index_velocity: Option<f64>,
-    /// (inc/s^2), no more than the default acceleration. Left out: a tenth of `max_acceleration`.
+    /// Acceleration (inc/s^2), at most the default acceleration. `None`: a tenth of `max_acceleration`.
     pub acceleration: Option<f64>,
-    /// Where the zero lies, counted from the switch or the index (inc).
+    /// Position of the zero, relative to the switch or the index (inc).
     pub offset: i64,
-    /// Source of the deceleration cam of reference travel: 0 its vocabulary, 1 the reference switch.
+    /// Source of the deceleration cam of reference travel: 0 the vocabulary, 1 the reference switch.
     pub cam_source: i64,
-    /// Longest way to an index pulse (inc); left out: a revolution of the encoder.
+    /// Maximum distance to an index pulse (inc); `None`: one revolution of the encoder.
     pub index_distance: Option<i64>,
-    /// Longest way of each search for a switch (inc); left out: twice the way between the software limits, else twice a modulo.
+    /// Maximum distance of each search for a switch (inc); `None`: twice the distance between the software limits, or
+    /// twice the modulo.
     pub max_distance: Option<i64>,
-    /// Longest time of homing, from its start to the zero (ns); 0: no limit.
+    /// Maximum time of homing, from its start to the zero (ns); 0: no limit.
     pub max_time: i64,
-    /// What MACS gives in parts of others.
+    /// Values that MACS gives as fractions of others.
     pub parts: HomingParts,
 }
 
-/// HOME_VEL, HOMEZEROVEL and HOME_RAMP as given (1/VELRES); none where the native value is.
+/// HOME_VEL, HOMEZEROVEL and HOME_RAMP as given (1/VELRES); `None` if the native value was given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HomingParts {
     /// HOME_VEL
@@ -45,30 +47,30 @@ pub struct HomingParts {
     pub acceleration: Option<i64>,
 }
 
-/// HOME_FORCE of a controller on which homing is compulsory, and was done.
+/// HOME_FORCE of a controller on which homing is required and was done.
 const TOLD_DONE: i64 = 255;
-/// Two names of one rate may differ so much in their last digits, as a part of it.
+/// Relative difference up to which two values of one rate, given by different names, are equal.
 const SAME: f64 = 1e-12;
-/// Share of the maxima that homing takes where nothing is given (HOME_VEL, HOMEZEROVEL and HOME_RAMP begin with 10 of 100).
+/// Fraction of the maxima for homing without given values (defaults of HOME_VEL, HOMEZEROVEL and HOME_RAMP: 10 of 100).
 const USUAL_SHARE: f64 = 0.1;
 
 impl AxisParameters {
-    /// Velocity to the switch, with its sign (inc/s) (MACS-HOME-01).
+    /// Returns the velocity to the switch, signed (inc/s) (MACS-HOME-01).
     pub fn homing_velocity(&self) -> f64 {
         self.homing.velocity.unwrap_or(self.max_velocity * USUAL_SHARE)
     }
 
-    /// Velocity of the last approach and to the index (inc/s).
+    /// Returns the velocity of the last approach and to the index (inc/s).
     pub fn homing_index_velocity(&self) -> f64 {
         self.homing_slow().min(self.homing_velocity().abs())
     }
 
-    /// The same, before it is bounded.
+    /// Returns the velocity to the index before it is limited.
     fn homing_slow(&self) -> f64 {
         self.homing.index_velocity.unwrap_or(self.max_velocity * USUAL_SHARE)
     }
 
-    /// Acceleration of homing (inc/s^2) (MACS-HOME-02).
+    /// Returns the acceleration of homing (inc/s^2) (MACS-HOME-02).
     pub fn homing_acceleration(&self) -> f64 {
         self.homing_ramp().min(self.usual_acceleration())
     }
@@ -77,18 +79,19 @@ impl AxisParameters {
         self.homing.acceleration.unwrap_or(self.max_acceleration * USUAL_SHARE)
     }
 
-    /// Longest way to an index pulse (inc) (MACS-HOME-05).
+    /// Returns the maximum distance to an index pulse (inc) (MACS-HOME-05).
     pub fn homing_index_distance(&self) -> i64 {
         self.homing.index_distance.unwrap_or_else(|| self.revolution())
     }
 
-    /// Longest way of each search for a switch, as given or from the software limits (inc); none without them.
+    /// Returns the maximum distance of each search for a switch, as given or from the software limits (inc); `None`
+    /// without them.
     pub fn homing_max_distance(&self) -> Option<i64> {
         let between = || Some(self.max_position?.saturating_sub(self.min_position?).saturating_mul(2));
         self.homing.max_distance.or_else(between)
     }
 
-    /// Computes what follows from the parts that MACS gives.
+    /// Computes the values that derive from fractions of MACS.
     pub(super) fn derive_homing(&mut self) {
         let velres = self.macs.velres as f64;
         let share = |part: i64| part as f64 / velres;
@@ -96,7 +99,7 @@ impl AxisParameters {
         if let Some(part) = parts.velocity {
             self.homing.velocity = Some(share(part) * self.max_velocity);
         }
-        // HOMEZEROVEL is taken up to HOME_VEL, which lies within VELMAX.
+        // HOMEZEROVEL is limited to HOME_VEL, which is within VELMAX.
         if let Some(part) = parts.index_velocity {
             self.homing.index_velocity = Some(share(part).min(1.0) * self.max_velocity);
         }
@@ -105,17 +108,17 @@ impl AxisParameters {
         }
     }
 
-    /// HOME_VEL (1/VELRES), nearest.
+    /// Returns HOME_VEL (1/VELRES), rounded to the nearest.
     pub fn home_vel(&self) -> i64 {
         self.homing.parts.velocity.unwrap_or_else(|| self.part(self.homing_velocity() / self.max_velocity))
     }
 
-    /// HOMEZEROVEL (1/VELRES), nearest.
+    /// Returns HOMEZEROVEL (1/VELRES), rounded to the nearest.
     pub fn homezerovel(&self) -> i64 {
         self.homing.parts.index_velocity.unwrap_or_else(|| self.part(self.homing_slow() / self.max_velocity))
     }
 
-    /// HOME_RAMP (1/VELRES), nearest.
+    /// Returns HOME_RAMP (1/VELRES), rounded to the nearest.
     pub fn home_ramp(&self) -> i64 {
         self.homing.parts.acceleration.unwrap_or_else(|| self.part(self.homing_ramp() / self.max_acceleration))
     }
@@ -124,7 +127,7 @@ impl AxisParameters {
         (share * self.macs.velres as f64).round() as i64
     }
 
-    /// HOME_FORCE as it was given.
+    /// Returns HOME_FORCE as it was given.
     pub fn home_force(&self) -> i64 {
         if self.homing.told_done { TOLD_DONE } else { self.homing.required.into() }
     }
@@ -133,7 +136,8 @@ impl AxisParameters {
         (self.homing.required, self.homing.told_done) = (force != 0, force == TOLD_DONE);
     }
 
-    /// HOME_OFFSET counts in the sense of the counts, `homing.offset` in that of the axis.
+    /// Returns HOME_OFFSET, which is in the direction of the counts, while `homing.offset` is in that of the
+    /// axis.
     pub fn home_offset(&self) -> i64 {
         if self.macs.posdrct < 0 { self.homing.offset.saturating_neg() } else { self.homing.offset }
     }
@@ -142,10 +146,10 @@ impl AxisParameters {
         self.homing.offset = if self.macs.posdrct < 0 { offset.saturating_neg() } else { offset };
     }
 
-    /// Was something changed that a zero found before does not outlive: encoder, its type, sense of rotation, homing? A soft
-    /// change of the type keeps the position, and so the zero (MACS-ENC-11).
+    /// Returns true if a change invalidates the present zero: encoder, its type, direction of rotation, homing.
+    /// A soft change of the type keeps the position, and so the zero (MACS-ENC-11).
     pub fn loses_zero_to(&self, new: &Self) -> bool {
-        // A rate that is given by another name may be the same.
+        // A rate that is given by another name may be equal.
         let rest = |p: &Self| Homing {
             velocity: None,
             index_velocity: None,

@@ -1,56 +1,56 @@
-//! The layers of a parameter (MACS-STO-02).
+//! Layers of a parameter (MACS-STO-02).
 //!
-//! Law      effective = Program where it was set, else User where it was saved, else Init
+//! Law      effective = Program if it was set, else User if it was saved, else Init
 //!
-//! Init is the row's default overlaid by the cell; it is what the machine was delivered with. User is what was saved; it is in
-//! force from the start. Program is what was set since the start, and is lost with the power.
+//! Init is the default of the row, overridden by the cell: the values at delivery. User is the saved value, which is
+//! active from the start. Program is the value set since the start, which is lost at power-off.
 
 use super::{AxisParameters, MachineParameters, ROWS, Storage};
 use crate::table::Table;
 use std::sync::Arc;
 
-/// A layer that can be brought back into force.
+/// A layer that can be activated again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Layer {
-    /// What was saved: drops what was set since the start.
+    /// The saved values: drops values set since the start.
     User,
-    /// What the cell says: drops what was saved, too, but keeps it stored.
+    /// The values of the cell: drops saved values, too, but keeps them in the storage.
     Init,
 }
 
 impl Layer {
-    /// Both, by the numbers of the interface.
+    /// Both layers, by the numbers of the interface.
     pub const NAMES: &[(&str, Layer)] = &[("user", Layer::User), ("init", Layer::Init)];
 }
 
-/// All parameters of a machine at the end of a cycle, for who shows and stores them.
+/// All parameters of a machine at the end of a cycle, for display and storage.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ParameterImage {
-    /// Grows with every change of anything in it.
+    /// Version, which increases with every change.
     pub version: u64,
-    /// In force, by axis.
+    /// Active parameters, by axis.
     pub effective: Vec<AxisParameters>,
     /// Layer User, by axis.
     pub user: Vec<AxisParameters>,
-    /// Of the machine: in force, and layer User.
+    /// Parameters of the machine: active ones, and layer User.
     pub machine: [MachineParameters; 2],
-    /// By function, in the order of the slots.
+    /// Parameter sets by function, in the order of the slots.
     pub functions: Vec<Sets>,
-    /// In file order.
+    /// Tables, in file order.
     pub tables: Vec<Arc<Table>>,
 }
 
-/// The sets of a function.
+/// Parameter sets of a function.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sets {
-    /// For the next START or VALUE_NEW.
+    /// Values for the next START or VALUE_NEW.
     pub staged: Box<[i64]>,
-    /// In force; of a function at rest those of its last START.
+    /// Active values; those of the last START if the function is at rest.
     pub active: Box<[i64]>,
 }
 
 impl AxisParameters {
-    /// What saving keeps of these: volatile values are those of `init`.
+    /// Returns the values to save: volatile values are those of `init`.
     pub fn saved(&self, init: &Self) -> Self {
         let mut saved = *self;
         for row in ROWS.iter().filter(|row| row.is_stored() && row.storage != Storage::User) {

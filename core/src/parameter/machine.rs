@@ -1,10 +1,10 @@
-//! The parameters of the machine (GL), and what they say of one number.
+//! Parameters of the machine (GL), and the meaning of single numbers.
 
 use super::rows::ROWS;
 use super::{Applies, Row, Storage, Value};
 use serde::{Deserialize, Serialize};
 
-/// The parameters of the machine. Inputs and outputs by number: n, -n inverted, 0 none.
+/// Parameters of the machine. Inputs and outputs by number: n, -n inverted, 0 none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MachineParameters {
     /// I_BREAK
@@ -15,7 +15,7 @@ pub struct MachineParameters {
     pub i_errclr: i64,
     /// O_ERROR
     pub o_error: i64,
-    /// AINFTIME: readings of 1 ms; 0 not.
+    /// AINFTIME: number of readings at 1 ms; 0: no filter.
     pub ainftime: i64,
     /// VMENCTYP
     pub vmenctyp: i64,
@@ -25,7 +25,7 @@ pub struct MachineParameters {
     pub vmencmtyp: i64,
     /// PULSVEL (inc/s)
     pub pulsvel: i64,
-    /// PULSACC (inc/s^2); 0: there is no virtual master, -1: `setsys_15` is its velocity.
+    /// PULSACC (inc/s^2); 0: no virtual master, -1: `setsys_15` is its velocity.
     pub pulsacc: i64,
     /// SETSYS 15 (inc/s)
     pub setsys_15: i64,
@@ -54,7 +54,7 @@ impl Default for MachineParameters {
 }
 
 impl MachineParameters {
-    /// What saving keeps of these: volatile values are those of `init`.
+    /// Returns the values to save: volatile values are those of `init`.
     pub fn saved(&self, init: &Self) -> Self {
         let mut saved = *self;
         for row in ROWS.iter().filter(|row| row.is_kept_by_machine() && row.storage != Storage::User) {
@@ -63,19 +63,19 @@ impl MachineParameters {
         saved
     }
 
-    /// Is every value one that its row takes?
+    /// Returns true if every value is within the range of its row.
     pub fn is_sound(&self) -> bool {
         ROWS.iter().filter(|row| row.is_kept_by_machine()).all(|row| row.check(row.machine_value(self)).is_ok())
     }
 }
 
 impl Row {
-    /// Has the machine a value of it that may be set?
+    /// Returns true if the machine has a value of the row that can be set.
     pub fn is_kept_by_machine(&self) -> bool {
         self.applies == Applies::Machine && self.missing.is_empty() && !self.is_read_only()
     }
 
-    /// Its value of the machine.
+    /// Returns the value of the machine.
     pub fn machine_value(&self, parameters: &MachineParameters) -> Value {
         if self.is_kept_by_machine() { (self.get_machine)(parameters) } else { self.default }
     }
@@ -83,7 +83,7 @@ impl Row {
     /// Checks a value of the machine and sets it.
     ///
     /// # Errors
-    /// What is wrong with the value; nothing is changed then.
+    /// The reason; nothing is changed then.
     pub fn assign_to_machine(&self, parameters: &mut MachineParameters, value: Value) -> Result<(), super::Refused> {
         self.check(value)?;
         if self.is_kept_by_machine() {
@@ -98,7 +98,7 @@ mod tests {
     use super::*;
     use crate::parameter::Range;
 
-    /// Every row of the machine that works keeps its value, and by itself alone.
+    /// Every implemented row of the machine has a value of its own.
     #[test]
     fn each_row_of_the_machine_has_a_value_of_its_own() {
         let rows: Vec<_> = ROWS.iter().filter(|row| row.is_kept_by_machine()).collect();
@@ -106,7 +106,7 @@ mod tests {
         for row in &rows {
             let mut parameters = MachineParameters::default();
             assert_eq!(row.machine_value(&parameters), row.default, "{}", row.key);
-            // The last one of its range.
+            // The last value of its range.
             let value = match row.range {
                 Range::Int(_, high) => Value::Int(high),
                 Range::Among(ranges) => Value::Int(ranges.last().unwrap().1),

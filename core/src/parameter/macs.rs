@@ -1,6 +1,7 @@
-//! Values that MACS gives relative to others: a velocity in RPM at the encoder, accelerations and jerks as times, defaults
-//! as parts of VELRES. Given so they stay so: a new VELMAX keeps RAMPMIN a time, and the acceleration follows. Given by the
-//! native name the value is absolute, and stays that. So no order of sets matters.
+//! Values that MACS gives relative to others: a velocity in RPM at the encoder, accelerations and jerks as times,
+//! defaults as fractions of VELRES. A relative value stays relative: after a new VELMAX, RAMPMIN is the same time, and
+//! the acceleration changes. A value that is given by its native name is absolute, and stays absolute. The result
+//! therefore does not depend on the order of sets.
 
 use super::{AxisParameters, Row, Value};
 use crate::encoder::source::AbsoluteSources;
@@ -8,13 +9,13 @@ use crate::position::Position;
 use crate::unit::{MLONG, MacsFactors};
 use serde::{Deserialize, Serialize};
 
-/// The largest position (inc).
+/// Largest position (inc).
 const LARGEST: i64 = Position::LIMIT - 1;
 
-/// What MACS has beside the native values.
+/// Values of MACS in addition to the native values.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Macs {
-    /// VELMAX as given (rpm); none where max_velocity is.
+    /// VELMAX as given (rpm); `None` if max_velocity was given.
     pub velmax: Option<f64>,
     /// RAMPMIN as given (ns).
     pub rampmin: Option<i64>,
@@ -24,9 +25,9 @@ pub struct Macs {
     pub dfltvel: Option<i64>,
     /// DFLTACC as given (1/VELRES).
     pub dfltacc: Option<i64>,
-    /// NEGLIMIT (inc), kept while it is off.
+    /// NEGLIMIT (inc), kept while the limit is off.
     pub neglimit: i64,
-    /// POSLIMIT (inc), kept while it is off.
+    /// POSLIMIT (inc), kept while the limit is off.
     pub poslimit: i64,
     /// ENCODER (counts/rev).
     pub encoder: i64,
@@ -34,18 +35,18 @@ pub struct Macs {
     pub velres: i64,
     /// PROFTIME (ms)
     pub proftime: i64,
-    /// POSDRCT: sense of rotation.
+    /// POSDRCT: direction of rotation.
     pub posdrct: i64,
-    /// REVERS: rule of reversing.
+    /// REVERS: condition for backward motion.
     pub revers: i64,
-    /// MENCODER (counts/rev); negative: what is shown of the master is scaled.
+    /// MENCODER (counts/rev); negative: signals of the master are scaled.
     pub mencoder: i64,
-    /// The scale as a cell gives it, or as a ratio; none where its numbers are too large for that.
+    /// Scale as given by the cell, or as a ratio; `None` if its numbers are too large for that.
     pub scale: Option<MacsFactors>,
 }
 
 impl Default for Macs {
-    /// As MACS begins.
+    /// Returns the defaults of MACS.
     fn default() -> Self {
         Self {
             velmax: None,
@@ -67,13 +68,13 @@ impl Default for Macs {
 }
 
 impl AxisParameters {
-    /// A revolution of the encoder (inc): counts of all edges of its lines, values of an absolute one 1:1
+    /// Returns a revolution of the encoder (inc): four counts per line, or values of an absolute encoder 1:1
     /// (MACS-ENC-01).
     pub fn revolution(&self) -> i64 {
         if self.encoder.is_absolute() { self.macs.encoder } else { self.macs.encoder.saturating_mul(4) }
     }
 
-    /// The same in a cell whose sources are these.
+    /// Returns the parameters for a cell with these sources.
     #[must_use]
     pub fn reading(mut self, sources: AbsoluteSources) -> Self {
         self.encoder.absolute = sources;
@@ -81,7 +82,7 @@ impl AxisParameters {
         self
     }
 
-    /// Computes what follows from the values that MACS gives.
+    /// Computes the values that derive from those of MACS.
     pub(super) fn derive(&mut self) {
         let revolution = self.revolution() as f64;
         let macs = &self.macs;
@@ -105,40 +106,41 @@ impl AxisParameters {
         self.position_loop.derive();
     }
 
-    /// VELMAX (rpm) (MACS-PROF-01).
+    /// Returns VELMAX (rpm) (MACS-PROF-01).
     pub fn velmax(&self) -> f64 {
         self.macs.velmax.unwrap_or(self.max_velocity * 60.0 / self.revolution() as f64)
     }
 
-    /// RAMPMIN (ns), nearest (MACS-PROF-03).
+    /// Returns RAMPMIN (ns), rounded to the nearest (MACS-PROF-03).
     pub fn rampmin(&self) -> i64 {
         self.macs.rampmin.unwrap_or_else(|| nanoseconds(self.max_velocity / self.max_acceleration))
     }
 
-    /// JERKMIN (ns), nearest; 0 without a limit (MACS-PROF-10).
+    /// Returns JERKMIN (ns), rounded to the nearest; 0 without a limit (MACS-PROF-10).
     pub fn jerkmin(&self) -> i64 {
         let of_jerk = || self.max_jerk.map_or(0, |jerk| nanoseconds(self.max_acceleration / jerk));
         self.macs.jerkmin.unwrap_or_else(of_jerk)
     }
 
-    /// DFLTVEL (1/VELRES), nearest (MACS-PROF-04, MACS-PROF-06).
+    /// Returns DFLTVEL (1/VELRES), rounded to the nearest (MACS-PROF-04, MACS-PROF-06).
     pub fn dfltvel(&self) -> i64 {
         let share = || self.usual_velocity() / self.max_velocity;
         self.macs.dfltvel.unwrap_or_else(|| (share() * self.macs.velres as f64).round() as i64)
     }
 
-    /// DFLTACC (1/VELRES), nearest (MACS-PROF-04, MACS-PROF-06).
+    /// Returns DFLTACC (1/VELRES), rounded to the nearest (MACS-PROF-04, MACS-PROF-06).
     pub fn dfltacc(&self) -> i64 {
         let share = || self.usual_acceleration() / self.max_acceleration;
         self.macs.dfltacc.unwrap_or_else(|| (share() * self.macs.velres as f64).round() as i64)
     }
 
-    /// NEGLIMIT in force (inc): the bound of falling counts, which is the upper one in inverted units.
+    /// Returns the active NEGLIMIT (inc): the limit of decreasing counts, which is the upper one in inverted units
+    ///
     pub fn falling(&self) -> Option<i64> {
         if self.is_inverted() { self.max_position.map(i64::saturating_neg) } else { self.min_position }
     }
 
-    /// POSLIMIT in force (inc): the bound of rising counts.
+    /// Returns the active POSLIMIT (inc): the limit of increasing counts.
     pub fn rising(&self) -> Option<i64> {
         if self.is_inverted() { self.min_position.map(i64::saturating_neg) } else { self.max_position }
     }
@@ -163,22 +165,22 @@ impl AxisParameters {
         self.keep_limits();
     }
 
-    /// The limits go on guarding the same places of a coordinate whose places are all `by` (inc) more (MACS-LIM-01).
+    /// Shifts the limits by `by` (inc), so that they keep their physical places after a shift of the coordinate
+    /// (MACS-LIM-01).
     pub fn shift_limits(&mut self, by: i64) {
         let moved = |limit: Option<i64>| limit.map(|limit| limit.saturating_add(by));
         (self.min_position, self.max_position) = (moved(self.min_position), moved(self.max_position));
-        // Those that are switched off move, too; none is cut at the largest number that MACS has, which would move its
-        // place.
+        // Limits that are off are shifted, too; none is limited to the range of MACS, which would move its place.
         let by = if self.is_inverted() { by.saturating_neg() } else { by };
         self.macs.neglimit = self.macs.neglimit.saturating_add(by).clamp(-LARGEST, LARGEST);
         self.macs.poslimit = self.macs.poslimit.saturating_add(by).clamp(-LARGEST, LARGEST);
         self.keep_limits();
     }
 
-    /// What NEGLIMIT and POSLIMIT are when they are switched off: the nearest number that MACS has for those in force.
+    /// Sets NEGLIMIT and POSLIMIT for the time when they are off: the nearest number of MACS to the active limits.
     pub(super) fn keep_limits(&mut self) {
         let of_macs = |limit: Option<i64>, kept: i64| match limit {
-            // A new coordinate has taken it there.
+            // A new coordinate has shifted the limit.
             Some(limit) if limit != kept => limit.clamp(-MLONG, MLONG),
             _ => kept,
         };
@@ -186,7 +188,7 @@ impl AxisParameters {
         self.macs.poslimit = of_macs(self.rising(), self.macs.poslimit);
     }
 
-    /// Another POSDRCT: where its sign changes, the limits go on guarding the same places.
+    /// Changes POSDRCT: if its sign changes, the limits keep their physical places.
     pub(super) fn turn_over(&mut self, posdrct: i64) {
         let was_inverted = self.is_inverted();
         self.macs.posdrct = posdrct;
@@ -198,7 +200,8 @@ impl AxisParameters {
         self.keep_limits();
     }
 
-    /// The same in the sense of rotation of another one: what changes of the other rows begin from (the first row comes first).
+    /// Returns the parameters in the direction of rotation of other ones: the base for changes of further rows (the row
+    /// of the direction is applied first).
     pub fn in_sense_of(mut self, other: &Self) -> Self {
         self.turn_over(other.macs.posdrct);
         self
@@ -208,21 +211,22 @@ impl AxisParameters {
         self.macs.posdrct < 0
     }
 
-    /// VELMAXQC (inc/ms/65536), cut (MACS-PROF-02).
+    /// Returns VELMAXQC (inc/ms/65536), truncated (MACS-PROF-02).
     pub fn velmaxqc(&self) -> i64 {
         (self.max_velocity / 1000.0 * 65536.0) as i64
     }
 
-    /// ACCMAXQC (inc/ms^2/65536), cut (MACS-PROF-03).
+    /// Returns ACCMAXQC (inc/ms^2/65536), truncated (MACS-PROF-03).
     pub fn accmaxqc(&self) -> i64 {
         (self.max_acceleration / 1e6 * 65536.0) as i64
     }
 
-    /// Is the row the one by which its value was given? Writing these rows alone, and reading them, gives the same parameters.
+    /// Returns true if the value was given by this row. Writing only these rows, and reading them, gives the same
+    /// parameters.
     pub fn gives(&self, row: &Row) -> bool {
         let by_view = self.is_by_view(row.root()).unwrap_or(false);
         match row.key {
-            // What a switched-off limit was; in force it is the native value.
+            // The value of a limit that is off; an active limit is the native value.
             "neglimit" => self.falling().is_none(),
             "poslimit" => self.rising().is_none(),
             _ if row.is_view() => by_view,
@@ -230,7 +234,7 @@ impl AxisParameters {
         }
     }
 
-    /// Was the value of this root given by its view; none where that makes no difference.
+    /// Returns true if the value of this root was given by its view; `None` if that makes no difference.
     fn is_by_view(&self, root: &str) -> Option<bool> {
         let macs = &self.macs;
         match root {
@@ -243,18 +247,18 @@ impl AxisParameters {
             "homing.index_velocity" => Some(self.homing.parts.index_velocity.is_some()),
             "homing.acceleration" => Some(self.homing.parts.acceleration.is_some()),
             "position_loop.kv" => Some(self.position_loop.given.is_some()),
-            // 0 and 1 are the same by either name.
+            // 0 and 1 are the same by both names.
             "homing.required" => self.homing.told_done.then_some(true),
             _ => None,
         }
     }
 
-    /// Has the row this value, as if nothing else had been set after it?
+    /// Returns true if the row has this value, as if nothing else had been set after it.
     pub fn holds(&self, row: &Row, value: Value) -> bool {
         row.value(self) == value && self.is_by_view(row.root()).is_none_or(|by_view| by_view == row.is_view())
     }
 
-    /// Are the values that follow from others what they must be?
+    /// Returns true if all derived values are consistent.
     pub(super) fn is_derived(&self) -> bool {
         let mut copy = *self;
         copy.derive();
@@ -266,7 +270,7 @@ fn seconds(nanoseconds: i64) -> f64 {
     nanoseconds as f64 / 1e9
 }
 
-/// Saturates.
+/// Converts seconds to nanoseconds; the cast saturates.
 fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }

@@ -1,4 +1,4 @@
-//! Marks of master and slave, as parameters say.
+//! Parameters of the marks of master and slave.
 //!
 //! Source   MACS-SYNC-03, MACS-MARK-02 to -09, -14, -18 to -21, A-35, A-37, A-42
 
@@ -7,7 +7,7 @@ use crate::code::Code;
 use crate::unit::MLONG;
 use serde::{Deserialize, Serialize};
 
-/// Values of marker synchronization in the group AXS.
+/// Parameters of marker synchronization in the group AXS.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Marks {
     /// SYNCMARKM.
@@ -40,20 +40,21 @@ pub struct Marks {
     pub fault: i64,
 }
 
-/// What gives the marks of one side (SYNCMTYPM, SYNCMTYPS).
+/// Source of the marks of one side (SYNCMTYPM, SYNCMTYPS).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MarkSignal {
-    /// A digital input by its number from 1; 0: that of the encoder. None: the index pulse.
+    /// Digital input by its number from 1; 0: that of the encoder. `None`: the index pulse.
     pub input: Option<u16>,
-    /// Its rising edge.
+    /// Whether the edge is rising.
     pub rising: bool,
-    /// Marks count while that input, by its number, is high, or low.
+    /// Input, by its number, that enables the marks, and its required level.
     pub condition: Option<(u16, bool)>,
 }
 
 impl MarkSignal {
-    /// Decodes a number: the ones digit is 0 index rising, 1 index falling, 2 external rising, 3 external falling, the tens digit an input, the
-    /// hundreds digit one that has to be high, or low where the number is negative (MACS-MARK-05).
+    /// Decodes a number: the ones digit is 0 index rising, 1 index falling, 2 external rising, 3 external falling, the
+    /// tens digit an input, the hundreds digit an input that has to be high, or low if the number is negative
+    /// (MACS-MARK-05).
     pub fn decode(number: i64) -> Self {
         let [ones, tens, hundreds] = [1, 10, 100].map(|place| number.unsigned_abs() / place % 10);
         Self {
@@ -65,17 +66,17 @@ impl MarkSignal {
 }
 
 impl AxisParameters {
-    /// The largest distance of the master's marks for a coupling by marks, with that gear factor of the slave, where so many marks may lie between
-    /// master and slave (inc of the master).
+    /// Returns the maximum distance of the marks of the master for a coupling by marks, for that gear factor of the
+    /// slave and that number of marks between master and slave (inc of the master).
     pub fn largest_mark_distance(&self, slave_factor: i64, between: i64) -> i64 {
         let factors = [self.marks.per_master, slave_factor.saturating_abs(), between];
         factors.iter().fold(2 * MLONG, |most, factor| most / (*factor).max(1))
     }
 
-    /// What of the marks cannot be had together.
+    /// Checks the marks against each other.
     ///
     /// # Errors
-    /// The key, and why.
+    /// The key, and the reason.
     pub(super) fn check_marks(&self) -> Result<(), (&'static str, Code)> {
         let marks = &self.marks;
         let is_beyond = |window: i64, distance: i64| distance > 0 && window > distance;
@@ -127,7 +128,7 @@ mod tests {
         assert_eq!([238_609_294, 238_609_295].map(takes), [true, false]);
     }
 
-    /// A window is no larger than its distance.
+    /// A window must not exceed its distance.
     /// Proves: MACS-MARK-07
     #[test]
     fn windows_fit() {

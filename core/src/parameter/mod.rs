@@ -1,8 +1,8 @@
-//! The catalogue: every parameter once, as a row.
+//! Catalogue of parameters: one row for each.
 //!
-//! What a cell may say, what is checked, what ROS declares, what is stored and what the documentation lists derives from the
-//! rows. Values are kept in increments; units exist only at the border. A row whose function does not exist yet is there,
-//! with what is missing, and takes its default only.
+//! The keys of cells, the checks, the ROS parameters, the storage and the documentation are derived from the rows.
+//! Values are in increments; units exist only at the interfaces. A row whose function is not implemented yet says what
+//! is missing, and accepts only its default.
 
 pub mod amc;
 mod amplifier;
@@ -57,38 +57,38 @@ pub use words::{Here, Word};
 use crate::event::Number;
 use crate::object::Object;
 
-/// Which profile an axis uses.
+/// Profiles of an axis.
 pub const PROFILES: &[&str] = &["trapezoid", "s_ramp", "jerk"];
 
-/// What a probe does whose input has the level of its edge already.
+/// Behaviour of a probe whose input already has the level of its edge.
 pub const PROBE_INPUTS: &[&str] = &["refuse", "allow"];
 
-/// In [`Change::axis`]: the machine.
+/// Value of [`Change::axis`] for the machine.
 pub const MACHINE: u16 = u16::MAX;
 
-/// A value for one parameter of one axis, or of the machine.
+/// New value of a parameter of an axis, or of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
-    /// The axis; [`MACHINE`] for a parameter of the machine.
+    /// Index of the axis; [`MACHINE`] for a parameter of the machine.
     pub axis: u16,
-    /// Place in [`ROWS`].
+    /// Index in [`ROWS`].
     pub row: u16,
     /// The new value.
     pub value: Value,
 }
 
 impl Change {
-    /// Whose parameter it is.
+    /// Returns the object of the parameter.
     pub fn object(&self) -> Object {
         if self.axis == MACHINE { Object::Machine } else { Object::Axis(self.axis) }
     }
 
-    /// The row.
+    /// Returns the row.
     pub fn row(&self) -> Option<&'static Row> {
         ROWS.get(usize::from(self.row))
     }
 
-    /// The value with its meaning, for an event.
+    /// Returns the value with its meaning, for an event.
     pub fn number(&self) -> Number {
         let measure = self.row().map(|row| row.measure);
         match (self.value, measure) {
@@ -104,7 +104,7 @@ impl Change {
     }
 }
 
-/// The changes of a set in the order in which they apply: what the meaning of others depends on first.
+/// Returns the changes of a set in the order in which they apply: a parameter on which others depend comes first.
 pub fn in_order(changes: &[Change]) -> impl Iterator<Item = &Change> {
     let is_first = |change: &&Change| change.row == rows::SENSE_ROW;
     changes.iter().filter(is_first).chain(changes.iter().filter(move |change| !is_first(change)))

@@ -1,17 +1,17 @@
-//! Parameters of a power stage that takes voltages: the current loop that is closed here, and what its motor is.
+//! Parameters of a power stage that takes voltages: the current loop in this program, and the motor.
 
 use super::Amplifier;
 use crate::code::Code;
 use crate::regulator::CurrentGains;
 use serde::{Deserialize, Serialize};
 
-/// Counts of the full current: its measurement has 15 bits and a sign, as KU has 2^-15.
+/// Counts of the full current: its measurement has 15 bits and a sign, like KU with 2^-15.
 const FULL_COUNTS: f64 = 32_768.0;
 
-/// The parameters of one axis.
+/// Parameters of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PowerStage {
-    /// Current at the output 1 of the loop above the current loop (A).
+    /// Current for output 1 of the loop above the current loop (A).
     pub full_current: Option<f64>,
     /// CURKPROP
     pub proportional: i64,
@@ -24,7 +24,8 @@ pub struct PowerStage {
 }
 
 impl PowerStage {
-    /// Gains of the current loop, a sample in each cycle; its voltage in parts of that of max_effort.
+    /// Returns the gains of the current loop, with one sample per cycle; its voltage is a fraction of that of
+    /// max_effort.
     pub fn gains(&self) -> CurrentGains {
         CurrentGains {
             proportional: self.proportional as f64,
@@ -35,17 +36,18 @@ impl PowerStage {
         }
     }
 
-    /// Setpoint of the current for an output of the loop above, -1 to 1 (A), within AMPMAXCUR.
+    /// Returns the setpoint of the current for an output of the loop above, -1 to 1 (A), limited to AMPMAXCUR.
     pub fn setpoint(&self, output: f64, amplifier: &Amplifier) -> f64 {
         crate::regulator::capped(output * self.full_current.unwrap_or_default(), self.most_current(amplifier))
     }
 
-    /// The largest setpoint of the current (A).
+    /// Returns the maximum setpoint of the current (A).
     pub fn most_current(&self, amplifier: &Amplifier) -> f64 {
         self.full_current.unwrap_or_default().min(amplifier.max_current as f64 / 1000.0)
     }
 
-    /// The largest output of the loop above, 0 to 1: AMPMAXCUR where there is a current loop; a voltage has no cap.
+    /// Returns the maximum output of the loop above, 0 to 1: AMPMAXCUR if there is a current loop; a voltage has no
+    /// limit.
     pub fn most(&self, amplifier: &Amplifier) -> f64 {
         match self.full_current {
             Some(full) if amplifier.has_current_loop() => (self.most_current(amplifier) / full).clamp(0.0, 1.0),
@@ -53,10 +55,10 @@ impl PowerStage {
         }
     }
 
-    /// Can the loops of an axis with interface voltage run with these?
+    /// Checks that the loops of an axis with interface voltage can run with these parameters.
     ///
     /// # Errors
-    /// The key that cannot be, and why.
+    /// The key of the invalid parameter, and the reason.
     pub fn check(&self, amplifier: &Amplifier, cycle_ns: u64) -> Result<(), (&'static str, Code)> {
         if !matches!(self.commutation, 0 | 1) {
             return Err(("ampcommtype", Code::COMMUTATION));
@@ -81,7 +83,8 @@ mod tests {
         PowerStage { full_current: Some(8.0), proportional: 512, integral: 256, limit: 100, commutation: 1 }
     }
 
-    /// 8 A are 32768 counts: 4096 for one A. 512/4096 of the voltage for the full current, and 256/1024 for each sample of it.
+    /// 8 A are 32768 counts: 4096 per A. 512/4096 of the voltage for the full current, and 256/1024 for each sample of
+    /// it.
     ///
     /// Proves: MACS-AMP-07
     #[test]

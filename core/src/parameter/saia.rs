@@ -2,14 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a command error does (SAIA-ERR-04).
+/// Reaction to a command error (SAIA-ERR-04).
 pub const COMMAND_ERRORS: &[&str] = &["refuse", "log_only", "motor_off"];
-/// Place of `refuse` in [`COMMAND_ERRORS`].
+/// Index of `refuse` in [`COMMAND_ERRORS`].
 pub(crate) const REFUSE: i64 = 0;
-/// Place of `motor_off` in [`COMMAND_ERRORS`].
+/// Index of `motor_off` in [`COMMAND_ERRORS`].
 pub(crate) const MOTOR_OFF: i64 = 2;
 
-/// Parameters of one axis: its input registers (SAIA-REG-00..12) and the options of this implementation.
+/// Parameters of one axis: the input registers (SAIA-REG-00..12) and the options of this implementation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Proportional factor.
@@ -24,7 +24,7 @@ pub struct Parameters {
     pub sampi: i32,
     /// Counts per unit.
     pub mcfac: f64,
-    /// Largest position error (counts).
+    /// Maximum position error (counts).
     pub poser: i32,
     /// Destination (units).
     pub destp: i32,
@@ -32,28 +32,28 @@ pub struct Parameters {
     pub brkp: i32,
     /// Velocity (units/s).
     pub veloc: i32,
-    /// Acceleration (units/s^2); left out: the usual one of the axis, within what a start may take.
+    /// Acceleration (units/s^2); `None`: the default of the axis, limited to the allowed value of a start.
     pub accel: Option<i32>,
     /// Status flags that `fressf` keeps.
     pub stafrr: i32,
     /// Motion control word.
     pub mcw: i32,
-    /// Output that `axinit` chooses: 6 analogue, 5 PWM.
+    /// Output that `axinit` selects: 6 analogue, 5 PWM.
     pub imode: i64,
-    /// Convert with the printed 22.348 and 7.6206e-3.
+    /// Whether to convert with the printed factors 22.348 and 7.6206e-3.
     pub legacy_scaling: bool,
-    /// The sum of the integral part stops growing at its limit.
+    /// Whether the sum of the integral term stops growing at its limit.
     pub clamp_sum: bool,
-    /// The sum counts by its top 16 bits only.
+    /// Whether only the top 16 bits of the sum are used.
     pub chip_integral: bool,
-    /// Factor behind the regulator.
+    /// Gain after the controller.
     pub output_gain: f64,
-    /// Place in [`COMMAND_ERRORS`].
+    /// Index in [`COMMAND_ERRORS`].
     pub command_error: i64,
 }
 
 impl Parameters {
-    /// Does a command error refuse the whole verb?
+    /// Returns true if a command error refuses the whole request.
     pub fn refuses(&self) -> bool {
         self.command_error == REFUSE
     }

@@ -1,28 +1,28 @@
-//! Parameters of what watches over an axis: limit switches, the target window, the following error, aborts.
+//! Parameters of supervision: limit switches, target window, following error, aborts.
 
 use serde::{Deserialize, Serialize};
 
-/// When the following error is looked at.
+/// Times at which the following error is checked.
 pub const FOLLOWING_ERROR_CHECKS: &[&str] = &["every_cycle", "round_robin"];
 
-/// What ends a stream of setpoints that leads into a software limit.
+/// Reaction to a stream of setpoints that reaches a software limit.
 pub const JOG_AT_LIMIT: &[&str] = &["stop", "error"];
 
-/// How an axis is watched, beside its native limits.
+/// Supervision of an axis, in addition to its native limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Supervision {
-    /// ENDSWMOD: 0 a limit switch is answered by the error reaction, 1 by a controlled stop.
+    /// ENDSWMOD: reaction to a limit switch, 0 the error reaction, 1 a controlled stop.
     pub endswmod: i64,
-    /// TESTVAL: two readings in the target window differ by less than this (inc); 0: not asked.
+    /// TESTVAL: maximum difference of two readings in the target window (inc); 0: not checked.
     pub testval: i64,
-    /// ESCCOND: what an abort does to the outputs.
+    /// ESCCOND: outputs after an abort.
     pub esccond: i64,
-    /// Place in [`FOLLOWING_ERROR_CHECKS`].
+    /// Index in [`FOLLOWING_ERROR_CHECKS`].
     pub following_error_check: i64,
-    /// 1: a following error of this axis stops the others, too.
+    /// 1: a following error of this axis stops the other axes, too.
     pub following_error_stops_all: i64,
-    /// How long the target window may take (ns); 0: for ever.
+    /// Maximum time to reach the target window (ns); 0: unlimited.
     pub in_position_timeout: i64,
-    /// Place in [`JOG_AT_LIMIT`].
+    /// Index in [`JOG_AT_LIMIT`].
     pub jog_at_limit: i64,
 }

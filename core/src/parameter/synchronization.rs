@@ -1,19 +1,19 @@
-//! What an axis does with its master, as its parameters say.
+//! Parameters of the synchronization of an axis with its master.
 //!
 //! Source   MACS-SYNC-03, -05, -08, -11 to -15, A-31, A-34, A-57
 
 use super::AxisParameters;
 use serde::{Deserialize, Serialize};
 
-/// Values of |SYNCVFTIME| up to here take tau from the table.
+/// Values of |SYNCVFTIME| up to this one take tau from the table.
 const LAST_OF_TABLE: i64 = 999;
-/// MENCODER (counts/rev) and tau (us), where the formula of the others says something else.
+/// MENCODER (counts/rev) and tau (us) of the row that deviates from the formula of the others.
 const ODD_ROW: (u64, f64) = (5_000, 1_400.0);
 
-/// Values of synchronization in the group AXS.
+/// Parameters of synchronization in the group AXS.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Synchronization {
-    /// SYNCTYPE: bit 1 (+2) cams within the largest rates, bit 2 (+4) backward motion of the master is kept back.
+    /// SYNCTYPE: bit 1 (+2) cams with the maximum rates, bit 2 (+4) backward motion of the master is held back.
     pub options: i64,
     /// SYNCPOSOFFS (inc of the master).
     pub offset: i64,
@@ -31,41 +31,42 @@ pub struct Synchronization {
     pub feed_forward: i64,
 }
 
-/// How fast an offset of the master is worked off.
+/// Rates at which an offset of the master is applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OffsetRates {
-    /// (inc/s)
+    /// Velocity (inc/s).
     pub velocity: f64,
-    /// (inc/s^2)
+    /// Acceleration (inc/s^2).
     pub acceleration: f64,
 }
 
 impl Synchronization {
-    /// Backward motion of the master is stored, and goes before further forward motion.
+    /// Returns true if backward motion of the master is stored and compensated before further forward motion.
     pub fn keeps_backward(&self) -> bool {
         self.options & 4 != 0
     }
 
-    /// Cams catch up with all that the axis can.
+    /// Returns true if cams synchronize with the maximum rates of the axis.
     pub fn follows_directly(&self) -> bool {
         self.options & 2 != 0
     }
 
-    /// Rates of the trapezoid of 20 % acceleration, 60 % constant velocity and 20 % deceleration that works off one distance of marks in
-    /// SYNCOFFTIME: v = D / (0.8 T), a = D / (0.16 T^2); none where it is at once (MACS-SYNC-14).
+    /// Returns the rates of the trapezoid of 20 % acceleration, 60 % constant velocity and 20 % deceleration that
+    /// applies one distance of marks in SYNCOFFTIME: v = D / (0.8 T), a = D / (0.16 T^2); `None` if the offset is
+    /// applied at once (MACS-SYNC-14).
     pub fn offset_rates(&self) -> Option<OffsetRates> {
         let (distance, time) = (self.mark_distance as f64, self.offset_time as f64 / 1e3);
         (distance > 0.0 && time > 0.0)
             .then(|| OffsetRates { velocity: distance / (0.8 * time), acceleration: distance / (0.16 * time * time) })
     }
 
-    /// Cycles of the slave's velocity by which it is led ahead: SYNCFFVEL / 1000 ms (MACS-SYNC-15).
+    /// Returns the feed-forward of the slave in cycles of its velocity: SYNCFFVEL / 1000 ms (MACS-SYNC-15).
     pub fn ahead(&self, cycle_s: f64) -> f64 {
         self.feed_forward as f64 / 1e6 / cycle_s
     }
 }
 
-/// Tau of the table (us) for counts per revolution; none without any (MACS-SYNC-08, A-31).
+/// Returns tau of the table (us) for counts per revolution; `None` without any (MACS-SYNC-08, A-31).
 fn tau_of_table(mencoder: i64) -> Option<f64> {
     let counts = mencoder.unsigned_abs();
     if counts == 0 {
@@ -79,7 +80,8 @@ fn tau_of_table(mencoder: i64) -> Option<f64> {
 }
 
 impl AxisParameters {
-    /// Tau (us) of the filter of its master, where only its velocity counts, or its position, too; none where there is none.
+    /// Returns tau (us) of the filter of its master, for a coupling by velocity or by position; `None` without a
+    /// filter.
     pub fn master_tau(&self, by_position: bool) -> Option<f64> {
         let given = self.sync.filter_time;
         if by_position && given >= 0 {
@@ -89,7 +91,7 @@ impl AxisParameters {
         if own { Some(given.unsigned_abs() as f64) } else { tau_of_table(self.macs.mencoder) }
     }
 
-    /// SYNCPOSOFFS is at most MLONG / SYNCFACTS, either way.
+    /// Returns true if SYNCPOSOFFS exceeds MLONG / SYNCFACTS in either direction.
     pub(super) fn is_offset_too_large(&self) -> bool {
         self.sync.offset.saturating_abs() > crate::unit::MLONG / self.sync_slave.max(1)
     }
@@ -106,7 +108,7 @@ mod tests {
         parameters.master_tau(keeps)
     }
 
-    /// The rows of the manual, and what lies between them.
+    /// The rows of the manual, and values between them.
     /// Proves: MACS-SYNC-08, MACS-O-36
     #[test]
     fn tau_of_a_master() {
@@ -131,7 +133,7 @@ mod tests {
         assert_eq!((tau(0, 0, false), tau(0, -5, true), tau(0, -1_000, true)), (None, None, Some(1_000.0)));
     }
 
-    /// Positive values are for velocities alone.
+    /// Positive values apply to couplings by velocity only.
     /// Proves: MACS-SYNC-08
     #[test]
     fn the_sign_says_what_is_filtered() {

@@ -1,4 +1,4 @@
-//! The catalogue against the specification, and what its rows promise.
+//! Tests of the catalogue against the specification, and of its rows.
 
 mod gain;
 mod ranges;

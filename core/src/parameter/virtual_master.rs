@@ -1,40 +1,41 @@
-//! What the parameters of the virtual master name: VMENCTYP and VMENCMTYP, by number.
+//! Source and marker of the virtual master: VMENCTYP and VMENCMTYP, by number.
 //!
 //! Law      vmenctyp = 100 axis + encodertype (+ 100000); vmencmtyp = 10 input + kind
-//! Refuses  axes that the cell has not, an encodertype but 0, a start without a ramp, a cell that begins with a master that runs
+//! Refuses  axes that the cell does not have, an encodertype other than 0, a start without a ramp, a cell in which the
+//!          master runs from the start
 //! Source   MACS-VM-01, -02, -03, -05, -07, A-46
 
 use super::{MachineParameters, Row};
 use crate::code::Code;
 use std::fmt;
 
-/// What is added where the output goes to an internal node.
+/// Added to the number if the output is an internal node.
 const INTERNAL: i64 = 100_000;
 
-/// What the index of the virtual master counts.
+/// Events that the index of the virtual master counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marker {
-    /// Its pulses.
+    /// Its own pulses.
     Index,
     /// Edges of a digital input.
     Input {
-        /// By its place among them.
+        /// Index among the digital inputs.
         place: usize,
-        /// Else falling ones.
+        /// Whether edges are rising; otherwise falling.
         rising: bool,
     },
 }
 
-/// Why the virtual master cannot be as its parameters say.
+/// Error in the parameters of the virtual master.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VirtualMasterProblem {
-    /// The parameter to blame.
+    /// Key of the invalid parameter.
     pub key: &'static str,
     /// Its value.
     pub value: i64,
-    /// Why.
+    /// Reason.
     pub code: Code,
-    /// The cell's number of axes, or the value that stands in its way.
+    /// Number of axes of the cell, or the conflicting value.
     pub limit: i64,
 }
 
@@ -65,19 +66,20 @@ impl fmt::Display for VirtualMasterProblem {
 }
 
 impl Row {
-    /// Does its set move the virtual master? No text of parameters says it, as reading one starts no motion.
+    /// Returns true if setting it moves the virtual master. Such a parameter is not part of parameter files, because
+    /// reading one must not start a motion.
     pub fn moves_virtual_master(&self) -> bool {
         matches!(self.key, "pulsvel" | "setsys_15")
     }
 }
 
 impl MachineParameters {
-    /// The axis whose velocity a start takes; none for pulsvel.
+    /// Returns the axis whose velocity a start uses; `None` for pulsvel.
     pub fn virtual_source(&self) -> Option<u16> {
         u16::try_from(self.vmenctyp % INTERNAL / 100).ok()?.checked_sub(1)
     }
 
-    /// What the index counts.
+    /// Returns the events that the index counts.
     pub fn virtual_marker(&self) -> Marker {
         let place = usize::try_from(self.vmencmtyp / 10).ok().and_then(|number| number.checked_sub(1));
         match (self.vmencmtyp % 10, place) {
@@ -86,10 +88,10 @@ impl MachineParameters {
         }
     }
 
-    /// Is the source of the virtual master one that a cell of so many axes has?
+    /// Checks that the source of the virtual master exists in a cell with that number of axes.
     ///
     /// # Errors
-    /// It is not.
+    /// It does not exist.
     pub fn check_virtual_source(&self, axes: usize) -> Result<(), VirtualMasterProblem> {
         let is_there = self.virtual_source().is_none_or(|axis| usize::from(axis) < axes);
         if is_there && self.vmenctyp % 100 == 0 && (0..2 * INTERNAL).contains(&self.vmenctyp) {
@@ -99,10 +101,11 @@ impl MachineParameters {
         Err(VirtualMasterProblem { key: "vmenctyp", value, code: Code::VIRTUAL_MASTER_SOURCE, limit })
     }
 
-    /// Does it stand before cycle 0, and has it a source that a cell of so many axes has?
+    /// Checks that the virtual master is at rest before cycle 0, and that its source exists in a cell with that number
+    /// of axes.
     ///
     /// # Errors
-    /// It does not, or has not.
+    /// It moves, or its source does not exist.
     pub fn check_virtual_begin(&self, axes: usize) -> Result<(), VirtualMasterProblem> {
         let velocities = [("pulsvel", self.pulsvel), ("setsys_15", self.setsys_15)];
         match velocities.into_iter().find(|(_, value)| *value != 0) {
@@ -113,8 +116,8 @@ impl MachineParameters {
         }
     }
 
-    /// May pulsvel start it? Without a ramp only pulsvel 0 is taken, which asks for nothing of its own; with an axis as its source where the set
-    /// names pulsacc, too.
+    /// Checks that pulsvel may start it. Without a ramp only pulsvel 0 is allowed, which starts nothing by itself; if
+    /// an axis is its source, only if the set also contains pulsacc.
     ///
     /// # Errors
     /// It has no ramp.
@@ -189,7 +192,7 @@ mod tests {
             assert!(start(1, 1, 0, names_ramp) && start(0, 1, 100, names_ramp));
             assert!(start(0, 0, 0, names_ramp) && start(0, -1, 0, names_ramp));
             assert!(!start(1, 0, 0, names_ramp) && !start(-1, -1, 0, names_ramp) && !start(1, 0, 100, names_ramp));
-            // What a file of all parameters says of a master that is off.
+            // A file of all parameters contains this for a master that is off.
             assert_eq!(start(0, 0, 100, names_ramp), names_ramp);
             assert_eq!(start(0, -1, 100_100, names_ramp), names_ramp);
         }

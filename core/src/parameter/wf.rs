@@ -1,4 +1,4 @@
-//! Machine data of the positioning modules (spec/wf725.md), in the core's units.
+//! Machine data of the positioning modules (spec/wf725.md), in units of the core.
 
 use super::AxisParameters;
 use serde::{Deserialize, Serialize};
@@ -6,17 +6,17 @@ use serde::{Deserialize, Serialize};
 /// Parameters of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
-    /// Acceleration (inc/s^2); left out: `max_acceleration`.
+    /// Acceleration (inc/s^2); `None`: `max_acceleration`.
     pub md1: Option<f64>,
-    /// Deceleration (inc/s^2); left out: `max_deceleration`.
+    /// Deceleration (inc/s^2); `None`: `max_deceleration`.
     pub md2: Option<f64>,
-    /// From the zero mark to the reference point (inc).
+    /// Distance from the zero mark to the reference point (inc).
     pub md17: i64,
     /// Speed value of reference travel towards the cam.
     pub reference_rapid: f64,
-    /// On it.
+    /// Speed value of reference travel on the cam.
     pub reference_reduced: f64,
-    /// Behind it, to the zero mark.
+    /// Speed value of reference travel after the cam, to the zero mark.
     pub reference_creep: f64,
     /// PEH time (ns).
     pub md30: i64,
@@ -34,11 +34,11 @@ pub struct Parameters {
     pub md47: i64,
     /// Distance of the switch-off (inc).
     pub md48: i64,
-    /// PEH window (inc); left out: `in_position_window`.
+    /// PEH window (inc); `None`: `in_position_window`.
     pub peh_window: Option<i64>,
-    /// 1: monitoring starts with START, 0: with the switch-off.
+    /// 1: monitoring begins at START, 0: at the switch-off.
     pub peh_from_start: i64,
-    /// Following error above which alarm 10 or 11 comes (inc); left out: neither.
+    /// Following error above which alarm 10 or 11 is raised (inc); `None`: not monitored.
     pub max_following_error: Option<i64>,
     /// Setup speed 1, a speed value.
     pub fixed_speed_1: f64,
@@ -53,11 +53,11 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The pair of keys that contradict each other, if any: ramps stay within those of the axis, speeds and distances fall
-    /// from step to step.
+    /// Returns the pair of keys that contradict each other, if any: ramps must be within those of the axis, speeds and
+    /// distances must decrease from step to step.
     ///
     /// # Errors
-    /// The two keys: the first one is above the second, which it must not be.
+    /// The two keys: the value of the first exceeds that of the second.
     pub fn check(&self, axis: &AxisParameters) -> Result<(), (&'static str, &'static str)> {
         if self.md1.is_some_and(|rate| rate > axis.max_acceleration) {
             return Err(("wf.md1", "max_acceleration"));

@@ -1,30 +1,30 @@
-//! The words of the sources, and where each of them lives: its key, or what stands for it.
+//! Words of the source systems, with the key or the equivalent of each.
 //!
 //! Law      a word is found as its source writes it (`VELMAX`, `MD18`, `34.001`, `Stop Mode`) and in small letters,
-//!          with the prefix of its source or without; blanks, `_` and `-` do not count
-//! Source   the rows, and WF-MD, WF-SIM-01, AMC-PAR-11 for what is no parameter here
+//!          with or without the prefix of its source; blanks, `_` and `-` are ignored
+//! Source   the rows; WF-MD, WF-SIM-01, AMC-PAR-11 for words that are no parameters here
 
 use super::{ROWS, System};
 
-/// What a word of a source is here.
+/// Equivalent of a word of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Here {
     /// The parameter of that key.
     Parameter(&'static str),
     /// A key of the axis in its cell.
     Key(&'static str),
-    /// Something else, in words.
+    /// Something else, described in text.
     Words(&'static str),
 }
 
 /// A word of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// Whose it is.
+    /// Source system.
     pub system: System,
-    /// As the source writes it.
+    /// Name in the source.
     pub name: &'static str,
-    /// What it is here.
+    /// Equivalent.
     pub here: Here,
 }
 
@@ -36,7 +36,7 @@ const fn amc(name: &'static str, here: Here) -> Word {
     Word { system: System::Amc, name, here }
 }
 
-/// Words that are no parameter of their own.
+/// Words that are no parameters.
 const ELSEWHERE: [Word; 14] = [
     wf("MD10", Here::Words("the addresses in section `io` of the cell")),
     wf("MD11", Here::Parameter("max_position")),
@@ -55,16 +55,16 @@ const ELSEWHERE: [Word; 14] = [
 ];
 
 impl Word {
-    /// All of them: those of the rows in their order, then the others.
+    /// Returns all words: those of the rows in their order, then the others.
     pub fn all() -> impl Iterator<Item = Word> {
         let named = ROWS.iter().filter(|row| !row.mnemonic.is_empty());
         let of_rows = named.map(|row| Word { system: row.system, name: row.mnemonic, here: Here::Parameter(row.key) });
         of_rows.chain(ELSEWHERE)
     }
 
-    /// The word that a key was meant as; none for a key that is one of ours.
+    /// Returns the word that a key was meant as; `None` for a valid key.
     pub fn find(key: &str) -> Option<Word> {
-        /// No word is that long.
+        /// No word is longer.
         const LONGEST: usize = 64;
         if key.len() > LONGEST || ROWS.iter().any(|row| row.key == key) {
             return None;
@@ -82,8 +82,8 @@ impl Word {
         by_number.or_else(|| Self::all().find(|word| is_of(word.system) && plain(&word.name.to_lowercase()) == rest))
     }
 
-    /// What it is, in one clause: `MD18 of Siemens WF 725 is key modulo of the axis in its cell`. The parameter is
-    /// written with its object, where one is given.
+    /// Returns the equivalent in one clause: `MD18 of Siemens WF 725 is key modulo of the axis in its cell`. A
+    /// parameter is written with its object, if given.
     pub fn text(&self, object: Option<&str>) -> String {
         let here = match (self.here, object) {
             (Here::Parameter(key), Some(object)) => format!("`{object}.{key}`"),
@@ -98,7 +98,7 @@ impl Word {
 const PREFIXES: [(&str, System); 4] =
     [("wf.", System::Wf), ("amc.", System::Amc), ("saia.", System::Saia), ("macs.", System::Macs)];
 
-/// Without what is written now so, now so.
+/// Removes the separators, which are written differently in each source.
 fn plain(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace() && !"_-".contains(*c)).collect()
 }
@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(word("md18").text(Some("x")), "MD18 of Siemens WF 725 is key `modulo` of the axis in its cell");
     }
 
-    /// Each word of a row leads to that row, and none of the others is one as well.
+    /// Each word of a row leads to that row, and is not one of the other words.
     #[test]
     fn no_word_stands_for_two_things_of_its_source() {
         for row in ROWS.iter().filter(|row| !row.mnemonic.is_empty()) {

@@ -1,209 +1,209 @@
-//! Why a request is refused before it becomes a command.
+//! Errors of requests before they become commands.
 
 use crate::unit::UnitError;
 
-/// Why a request is refused before it becomes a command.
+/// Error of a request before it becomes a command.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RequestError {
-    /// A name that no axis has.
+    /// An unknown axis.
     #[error("no axis is called `{name}`; there are {known}")]
     UnknownAxis {
-        /// The name given.
+        /// The given name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
-    /// A name that nothing has that could lead.
+    /// An unknown leader.
     #[error("`{name}` cannot lead; {known} can")]
     UnknownLeader {
-        /// The name given.
+        /// The given name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
-    /// A name that no function has.
+    /// An unknown function.
     #[error("no function is called `{name}`; {known} are known")]
     UnknownFunction {
-        /// The name given.
+        /// The given name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
-    /// A name that no table has.
+    /// An unknown table.
     #[error("no table is called `{name}`; {known} are known")]
     UnknownTable {
-        /// The name given.
+        /// The given name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
-    /// A name that no program has.
+    /// An unknown program.
     #[error("no program is called `{name}`; {known} are known")]
     UnknownProgram {
-        /// The name given.
+        /// The given name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
-    /// A name that no field of a function has.
+    /// An unknown field of a function.
     #[error("{function}: type {kind} has no field `{field}`; it has {known}")]
     UnknownField {
-        /// The function.
+        /// Name of the function.
         function: String,
-        /// Its type.
+        /// Type of the function.
         kind: &'static str,
-        /// The name given.
+        /// The given name.
         field: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
-    /// More values than a field has, or none.
+    /// No value for a field, or too many.
     #[error("{function}: {given} values for {field}; 1 to {most} are possible")]
     FieldCount {
-        /// The function.
+        /// Name of the function.
         function: String,
-        /// The field.
+        /// Name of the field.
         field: String,
-        /// How many.
+        /// Number of given values.
         given: usize,
-        /// How many are possible.
+        /// Maximum number of values.
         most: usize,
     },
-    /// A value of a form that no field takes.
+    /// A value of a form that no field accepts.
     #[error("{function}: {sentence}")]
     FieldForm {
-        /// The function.
+        /// Name of the function.
         function: String,
-        /// What is wrong with it, with the name of the field.
+        /// Error message, with the name of the field.
         sentence: String,
     },
-    /// Two values for one place of a set.
+    /// Two values for the same place of a parameter set.
     #[error("{function}: {field} is given twice")]
     FieldTwice {
-        /// The function.
+        /// Name of the function.
         function: String,
-        /// The field.
+        /// Name of the field.
         field: String,
     },
-    /// Numbers that make no table.
+    /// Numbers that form no valid table.
     #[error("{name}: {sentence}")]
     BadTable {
-        /// The table.
+        /// Name of the table.
         name: String,
-        /// What is wrong.
+        /// Error message.
         sentence: String,
     },
-    /// A module that is not taken.
+    /// An invalid module of a program.
     #[error("{name}: {sentence}")]
     BadProgram {
-        /// The program.
+        /// Name of the program.
         name: String,
-        /// What is wrong.
+        /// Error message.
         sentence: String,
     },
-    /// A name that nothing has that latches.
+    /// An unknown latch.
     #[error("`{name}` does not latch; {known} can")]
     UnknownLatch {
-        /// The name given.
+        /// The given name.
         name: String,
-        /// The names there are.
+        /// The known names.
         known: String,
     },
-    /// A name that no parameter has.
+    /// An unknown parameter.
     #[error("no parameter is called `{name}`{hint}")]
     UnknownParameter {
-        /// The name given.
+        /// The given name.
         name: String,
-        /// What may have been meant.
+        /// Suggestion of similar names.
         hint: String,
     },
-    /// A word that a vocabulary does not have.
+    /// An unknown word of a vocabulary.
     #[error("no {what} is called `{name}`; there are {known}")]
     UnknownWord {
-        /// What it should be.
+        /// Kind of the word.
         what: &'static str,
-        /// The word given.
+        /// The given word.
         name: String,
-        /// The words there are.
+        /// The known words.
         known: String,
     },
-    /// A number for a field that has names.
+    /// An invalid number for a field with named values.
     #[error("{field} is {value}; {allowed}")]
     BadChoice {
-        /// The field.
+        /// Name of the field.
         field: &'static str,
-        /// The value given.
+        /// The given value.
         value: i64,
-        /// What it may be.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// A value of a field that the rest of the request gives no meaning.
+    /// A value of a field that has no effect in this request.
     #[error("{field} is {value}; {allowed}")]
     NoMeaning {
-        /// The field.
+        /// Name of the field.
         field: &'static str,
-        /// The value given.
+        /// The given value.
         value: String,
-        /// What it may be, and why.
+        /// Allowed value, and the reason.
         allowed: &'static str,
     },
-    /// A value that the request's units cannot hold.
+    /// A value that cannot be converted from the units of the request.
     #[error("{field}: {error}")]
     BadValue {
-        /// The field.
+        /// Name of the field.
         field: String,
-        /// What is wrong with it.
+        /// Error of the conversion.
         error: Box<UnitError>,
     },
-    /// A parameter's value of the wrong type.
+    /// A parameter value of the wrong type.
     #[error("{name} is `{value}`; {allowed} is expected")]
     BadParameter {
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// The value given.
+        /// The given value.
         value: String,
-        /// What it may be.
+        /// Allowed values.
         allowed: String,
     },
-    /// A parameter that others have.
+    /// A parameter that the axis does not have.
     #[error("{name} is not there; it is for {allowed}")]
     NotApplicable {
-        /// The parameter.
+        /// Name of the parameter.
         name: String,
-        /// Who has it.
+        /// Axes that have it.
         allowed: &'static str,
     },
-    /// Something of a trajectory.
+    /// Invalid part of a trajectory.
     #[error("{name} {value}; {allowed}")]
     BadTrajectory {
-        /// What, by the fields of the request: `points[1].time`, or that of a joint.
+        /// Field of the request: `points[1].time`, or that of a joint.
         name: String,
-        /// What it is or has.
+        /// Its value or content.
         value: String,
-        /// What it may be.
+        /// Allowed values.
         allowed: String,
     },
-    /// A set of setpoints without one.
+    /// A set of setpoints without any setpoint.
     #[error("no axis is named; one or more, each with a velocity, are expected")]
     NoSetpoint,
-    /// A name that stands twice where each axis stands once.
+    /// An axis that is named twice.
     #[error("axis `{name}` stands twice; once is allowed")]
     AxisTwice {
         /// The name.
         name: String,
     },
-    /// A request that sets outputs or memory cells, without one.
+    /// A request to set outputs or memory cells that names none.
     #[error("no {0} is named; one or more, each with a value, are expected")]
     SetsNothing(&'static str),
-    /// A name that stands twice in such a request.
+    /// A name that such a request contains twice.
     #[error("{what} `{name}` stands twice; once is allowed")]
     SetTwice {
-        /// What is set.
+        /// Kind of the object.
         what: &'static str,
         /// The name.
         name: String,
     },
-    /// Something that this version does not have.
+    /// A feature that this version does not have.
     #[error("{0} does not exist yet")]
     NotBuilt(String),
 }

@@ -1,4 +1,4 @@
-//! Requests to functions and tables: names to places.
+//! Conversion of requests to functions and tables: names to indices.
 
 use super::{RequestError, list};
 use crate::command::{Action, CommandFunction, RunFunction};
@@ -12,28 +12,28 @@ use std::sync::Arc;
 /// Values of one field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FieldValue {
-    /// The value of a field that has one; of a list its first.
+    /// The value of a field with one value; the first value of a list.
     One(i64),
     /// The first values of a list.
     List(Vec<i64>),
 }
 
-/// An order to a function, with values that it stages first.
+/// A command to a function, with values that it stages first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FunctionRequest {
-    /// Its name.
+    /// Name of the function.
     pub function: String,
-    /// What is done.
+    /// The command.
     pub order: Order,
-    /// Values by the names of their fields; `cams[2]` is one of a list.
+    /// Values by the names of their fields; `cams[2]` is a value of a list.
     pub values: Vec<(String, FieldValue)>,
 }
 
 impl MachineConfig {
-    /// The function of that name, and its place among the slots.
+    /// Returns the function of that name, and its index among the slots.
     ///
     /// # Errors
-    /// None has it.
+    /// No function has that name.
     pub fn find_function(&self, name: &str) -> Result<(u16, &SlotConfig), RequestError> {
         let found = (0..).zip(&self.slots).find(|(_, slot)| slot.name == name);
         found.ok_or_else(|| RequestError::UnknownFunction {
@@ -42,10 +42,10 @@ impl MachineConfig {
         })
     }
 
-    /// The table of that name, by its place.
+    /// Returns the index of the table of that name.
     ///
     /// # Errors
-    /// None has it.
+    /// No table has that name.
     pub fn find_table(&self, name: &str) -> Result<u16, RequestError> {
         let found = (0..).zip(&self.tables).find(|(_, table)| table.name == name).map(|(place, _)| place);
         found.ok_or_else(|| RequestError::UnknownTable {
@@ -54,10 +54,10 @@ impl MachineConfig {
         })
     }
 
-    /// The program of that name, by its place.
+    /// Returns the index of the program of that name.
     ///
     /// # Errors
-    /// None has it.
+    /// No program has that name.
     pub fn find_program(&self, name: &str) -> Result<u16, RequestError> {
         let found = (0..).zip(&self.programs).find(|(_, program)| program.name == name).map(|(place, _)| place);
         found.ok_or_else(|| RequestError::UnknownProgram {
@@ -66,10 +66,10 @@ impl MachineConfig {
         })
     }
 
-    /// Another module for a program as a command; its functions go on with their state where it `keeps` it.
+    /// Converts a new module of a program to a command; its functions continue with their state if `keeps` is set.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_load_program(&self, name: &str, module: &[u8], keeps: bool) -> Result<Action, RequestError> {
         let index = self.find_program(name)?;
         let module = Module::load(module)
@@ -77,41 +77,41 @@ impl MachineConfig {
         Ok(Action::LoadProgram { index, module: Arc::new(module), keeps })
     }
 
-    /// An order to a function as a command.
+    /// Converts a command to a function.
     ///
     /// # Errors
-    /// What is wrong in the request itself. Ranges are the machine's to judge: the error of the function shows what it refused.
+    /// An error in the request itself. The machine checks ranges, and reports a violation as the error of the function.
     pub fn resolve_function(&self, request: &FunctionRequest) -> Result<Action, RequestError> {
         let (slot, config) = self.find_function(&request.function)?;
         let values = placed(config, &request.values)?;
         Ok(Action::CommandFunction(CommandFunction { slot, order: request.order, values }))
     }
 
-    /// A goal of a function as a command; values as those of an order.
+    /// Converts a goal of a function to a command; its values are given as for [`FunctionRequest`].
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_run(&self, function: &str, values: &[(String, FieldValue)]) -> Result<Action, RequestError> {
         let (slot, config) = self.find_function(function)?;
         Ok(Action::RunFunction(RunFunction { slot, values: placed(config, values)? }))
     }
 
-    /// New numbers of a table as a command; `x` is empty but of form xy.
+    /// Converts new numbers of a table to a command; `x` is empty except for form xy.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_load_table(&self, name: &str, x: &[i64], y: &[i64]) -> Result<Action, RequestError> {
         let index = self.find_table(name)?;
         let present = self.tables.get(usize::from(index));
         let form = present.map(|present| present.table.form()).unwrap_or(crate::table::Form::Y);
         let setting = present.map(|present| present.table.cam_setting()).unwrap_or_default();
         let bad = |sentence: String| RequestError::BadTable { name: excerpt(name), sentence };
-        // As the cell refuses it.
+        // The same check and message as in the cell.
         if let Some((_, sentence)) = falling_place(x) {
             return Err(bad(sentence));
         }
         let table = Table::new(form, x, y).map_err(|error| bad(error.to_string()))?.with_cam(setting);
-        // Key `cam` says that it is one. Without the key any curve is good until an axis follows it.
+        // Key `cam` declares a cam. Without the key any curve is valid until an axis follows it.
         if self.global.cams.contains(&index) || setting != CamSetting::default() {
             table.cam().map_err(|error| bad(error.to_string()))?;
         }
@@ -119,7 +119,7 @@ impl MachineConfig {
     }
 }
 
-/// Values by their places in the set.
+/// Returns the values with their indices in the set.
 fn placed(config: &SlotConfig, given: &[(String, FieldValue)]) -> Result<Box<[(u16, i64)]>, RequestError> {
     let mut values: Vec<(u16, i64)> = Vec::new();
     for (name, value) in given {
@@ -142,7 +142,7 @@ fn placed(config: &SlotConfig, given: &[(String, FieldValue)]) -> Result<Box<[(u
     Ok(values.into())
 }
 
-/// Where the values of a field begin in the set, and how many there are from there on.
+/// Returns the index of the first value of a field in the set, and the number of values from there on.
 fn place(config: &SlotConfig, name: &str) -> Result<(u16, usize), RequestError> {
     let row = config.kind.description();
     let (field, nth) = match name.strip_suffix(']').and_then(|name| name.split_once('[')) {
@@ -191,12 +191,12 @@ mod tests {
         assert!(falls.ends_with("place 8 is not after 9, the one before it; places rise"), "{falls}");
         let stands = load("cam", &[0, 9, 9], &[0, 1, 2]).unwrap_err();
         assert!(stands.ends_with("place 9 is not after 9, the one before it; places rise"), "{stands}");
-        // A cubic spline that begins again needs three points. A curve does with two.
+        // A periodic cubic spline needs three points. A curve needs only two.
         let few = load("cam", &[0, 10], &[0, 5]).unwrap_err();
         assert!(few.ends_with("a cam has 2 points; 3 or more are needed"), "{few}");
         assert_eq!(load("curve", &[0, 10], &[0, 5]), Ok(()));
         assert_eq!(load("cam", &[0, 10, 30], &[0, 5, 0]), Ok(()));
-        // `cam: {}` says it, too.
+        // `cam: {}` declares a cam as well.
         let few = load("plain", &[0], &[0]).unwrap_err();
         assert!(few.ends_with("a cam has 1 points; 2 or more are needed"), "{few}");
         assert!(load("plain", &[5, 10], &[0, 10]).is_err(), "a cam begins at place 0");

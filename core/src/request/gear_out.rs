@@ -1,8 +1,9 @@
-//! The end of a coupling at a place, in names.
+//! Conversion of requests to end a coupling at a position.
 //!
-//! Law      the place is in increments, as those of `synchronize` are: of the leader, which the machine knows once it takes the command, or of the axis
+//! Law      the position is in increments, as for `synchronize`: of the leader, which the machine determines when it
+//!          executes the command, or of the axis
 //! Reads    the names of the cell
-//! Refuses  numbers without a meaning, a place beyond all positions, a place that nothing asks for
+//! Refuses  numbers without a meaning, a position beyond the range of positions, a position that is not used
 //! Source   contract section 7, PLCopen (MC_GearOut, MC_CamOut)
 
 use super::RequestError;
@@ -11,24 +12,24 @@ use crate::command::{GearOut, LeaveAt};
 use crate::config::MachineConfig;
 use crate::sync::Disengage;
 
-/// The end of a coupling, with names.
+/// A request to end a coupling, with names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct GearOutRequest {
-    /// Axis that follows.
+    /// Name of the following axis.
     pub axis: String,
-    /// 0 now, 1 at a position of its master, 2 at one of its own.
+    /// 0 now, 1 at a position of its master, 2 at a position of the axis.
     pub at: u8,
     /// That position (inc).
     pub increments: i64,
-    /// 0 stop, 1 keep velocity, 2 as its goal says.
+    /// 0 stop, 1 keep velocity, 2 as given in its goal.
     pub disengage: u8,
 }
 
 impl MachineConfig {
-    /// The end of a coupling as a command's content.
+    /// Converts the end of a coupling to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_gear_out(&self, request: &GearOutRequest) -> Result<GearOut, RequestError> {
         let (axis, _) = self.find_axis(&request.axis)?;
         let choice = |field, value: i64, allowed| RequestError::BadChoice { field, value, allowed };

@@ -1,4 +1,4 @@
-//! Requests that give an axis its zero.
+//! Conversion of requests that set the zero of an axis.
 
 use super::{Amount, RequestError, Units};
 use crate::command::{
@@ -7,38 +7,38 @@ use crate::command::{
 use crate::config::MachineConfig;
 use crate::unit::Scale;
 
-/// Homing of one axis by name.
+/// A request to home one axis, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HomeRequest {
-    /// Axis.
+    /// Name of the axis.
     pub axis: String,
     /// 0 as configured, 1 by a number of CiA 402, 2 by a HOME_TYPE of MACS.
     pub scheme: u8,
-    /// The number, where the scheme has one.
+    /// The number, if the scheme has one.
     pub method: i8,
 }
 
-/// A new value of a position, by name and with units.
+/// A request to set a position, by name and with units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SetPositionRequest {
-    /// Axis; or an entry of `encoders`; or `axis.master`, what it sees of its master.
+    /// An axis; or an entry of `encoders`; or `axis.master`, the master position of the axis.
     pub axis: String,
-    /// What its position is from now on.
+    /// New value of the position.
     pub position: Amount,
-    /// Units of a bare number.
+    /// Unit of a number without a unit.
     pub units: Units,
 }
 
 impl MachineConfig {
-    /// Homing as a command's content.
+    /// Converts a homing request to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_home(&self, request: &HomeRequest) -> Result<HomeAxis, RequestError> {
         let (axis, _) = self.find_axis(&request.axis)?;
         let method = match request.scheme {
             0 if request.method == 0 => HomingMethod::Configured,
-            // Who names a method and gets another one is surprised by a motion.
+            // A method that is ignored would cause an unexpected motion.
             0 => {
                 let allowed = "0 is allowed with scheme CONFIGURED; CIA402 and MACS take a number";
                 return Err(RequestError::BadChoice { field: "method", value: request.method.into(), allowed });
@@ -53,10 +53,10 @@ impl MachineConfig {
         Ok(HomeAxis { axis, method })
     }
 
-    /// A distance that is added to the positions of an axis, as a command.
+    /// Converts a distance to add to the positions of an axis to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself: of encoders and masters there is only a new value.
+    /// An error in the request itself: encoders and masters can only be set to a new value.
     pub fn resolve_shift_position(&self, request: &SetPositionRequest) -> Result<Action, RequestError> {
         let (axis, config) = self.find_axis(&request.axis)?;
         let distance = request
@@ -66,10 +66,11 @@ impl MachineConfig {
         Ok(Action::ShiftPosition(ShiftPosition { axis, distance }))
     }
 
-    /// A new value of a position as a command: of an axis, of an entry of `encoders`, or of the master of an axis (`x.master`).
+    /// Converts a new value of a position to a command: of an axis, of an entry of `encoders`, or of the master of an
+    /// axis (`x.master`).
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_set_position(&self, request: &SetPositionRequest) -> Result<Action, RequestError> {
         let bad = |error| RequestError::BadValue { field: "position".to_owned(), error: Box::new(error) };
         let length = |scale: &Scale| request.position.length(request.units, scale).map_err(bad);
@@ -82,10 +83,11 @@ impl MachineConfig {
             let position = match (request.position, request.units) {
                 (Amount::Number(number), Units::AxisUnit) => {
                     request.position.length(Units::Increments, &Scale::increments()).map_err(bad)?;
-                    // Far less than 2^-32 inc in any master unit, and more digits than a recording writes.
+                    // Far less than 2^-32 inc in any master unit, and more digits than a recording contains.
                     MasterPosition::Shown(if number.abs() < 1e-20 { 0.0 } else { number })
                 }
-                // A place of a master has no metres: it may be an axis or an encoder of any scale. 0 is 0 in all of them.
+                // A master position has no SI unit: the master may be an axis or an encoder of any scale. 0 is 0 in all
+                // of them.
                 (Amount::Number(number), Units::Si) if number.is_finite() && number != 0.0 => {
                     let allowed = "1 AXIS_UNIT (as x.master.position shows it), 2 INCREMENTS are allowed for a master";
                     return Err(RequestError::BadChoice { field: "units", value: 0, allowed });

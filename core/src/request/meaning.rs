@@ -1,6 +1,6 @@
-//! Fields that the rest of a request gives no meaning.
+//! Checks of fields that have no effect in a request.
 //!
-//! Law      what would be accepted and do nothing is refused; a field at its default asks for nothing
+//! Law      a value that would be accepted without effect is an error; a field at its default is never an error
 //! Refuses  a direction on an axis without modulo; a position with mode VELOCITY
 
 use super::{Amount, MoveRequest, RequestError, Units, bad_value};
@@ -10,7 +10,7 @@ use crate::modulo::Direction;
 use crate::position::Length;
 use crate::unit::Scale;
 
-/// Has each field of a positioning goal a meaning on that axis?
+/// Checks that each field of a positioning goal has an effect on that axis.
 pub(super) fn check_move(request: &MoveRequest, resolved: &Move, axis: &AxisConfig) -> Result<(), RequestError> {
     if resolved.direction != Direction::Shortest && axis.modulo.is_none() {
         let allowed = "0 SHORTEST is allowed, as the axis has no modulo";
@@ -23,7 +23,7 @@ pub(super) fn check_move(request: &MoveRequest, resolved: &Move, axis: &AxisConf
     Ok(())
 }
 
-/// A length whose field has none.
+/// Returns the error of a length without effect.
 pub(super) fn no_meaning(
     field: &'static str,
     given: Amount,

@@ -1,4 +1,4 @@
-//! Requests that set memory cells.
+//! Conversion of requests that set memory cells.
 
 use super::{RequestError, list};
 use crate::command::{Action, MemoryValue};
@@ -6,7 +6,7 @@ use crate::config::{MachineConfig, MemoryKind};
 use crate::unit::{excerpt, number_to_text};
 
 impl MemoryKind {
-    /// Returns the minimum and the maximum of a cell of whole numbers; none of a real one.
+    /// Returns the minimum and the maximum of a cell of whole numbers; `None` for a real one.
     pub fn whole_range(self) -> Option<(i64, i64)> {
         match self {
             Self::Bit => Some((0, 1)),
@@ -18,20 +18,20 @@ impl MemoryKind {
     }
 }
 
-/// Can a cell have that value, exactly?
+/// Returns true if a cell can hold that value exactly.
 fn fits(kind: MemoryKind, value: f64) -> bool {
     match kind.whole_range() {
-        // What has no whole part fails; what the cast saturates at lies beyond every range.
+        // A value with a fraction fails; a saturated cast is beyond every range.
         Some((min, max)) => value.fract() == 0.0 && (i128::from(min)..=max.into()).contains(&(value as i128)),
         None => value.is_finite(),
     }
 }
 
 impl MachineConfig {
-    /// Memory cells by name, each with its value, as a command.
+    /// Converts values of memory cells, by name, to a command.
     ///
     /// # Errors
-    /// No name, a name that no cell has or that stands twice, a value that the cell cannot have.
+    /// No name, an unknown or repeated name, a value that the cell cannot hold.
     pub fn resolve_set_memory<S: AsRef<str>>(&self, given: &[(S, f64)]) -> Result<Action, RequestError> {
         if given.is_empty() {
             return Err(RequestError::SetsNothing("memory cell"));

@@ -1,8 +1,8 @@
-//! Values for the loops below the position loop, in names.
+//! Conversion of requests for the loops below the position loop.
 //!
-//! Law      the value is a part of what is full, whatever the unit of the axis
+//! Law      the value is a fraction of full scale, independent of the unit of the axis
 //! Reads    the names of the cell
-//! Refuses  an axis that there is not, values beyond 1, levels without a meaning
+//! Refuses  an unknown axis, values beyond 1, levels without a meaning
 //! Source   MACS-AMP-02, MACS-CMD-28
 
 use super::RequestError;
@@ -13,19 +13,19 @@ use crate::unit::number_to_text;
 /// A value for the loops below the position loop, with names.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OutAnRequest {
-    /// Axis.
+    /// Name of the axis.
     pub axis: String,
-    /// -1 to 1.
+    /// Value, -1 to 1.
     pub value: f64,
-    /// For which loop.
+    /// Loop that receives the value.
     pub level: Level,
 }
 
 impl MachineConfig {
-    /// The same as a command's content.
+    /// Converts the request to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_out_an(&self, request: &OutAnRequest) -> Result<OutAn, RequestError> {
         let (axis, _) = self.find_axis(&request.axis)?;
         let OutAnRequest { value, level, .. } = *request;

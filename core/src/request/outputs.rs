@@ -1,4 +1,4 @@
-//! Requests that set outputs.
+//! Conversion of requests that set outputs.
 
 use super::{RequestError, list};
 use crate::command::{Action, OutputValue};
@@ -6,10 +6,11 @@ use crate::config::{IoKind, MachineConfig};
 use crate::unit::{excerpt, number_to_text};
 
 impl MachineConfig {
-    /// Outputs by name, each with its value, as a command: 0 or 1 of a digital one, else in V within its full scale.
+    /// Converts values of outputs, by name, to a command: 0 or 1 for a digital output, otherwise V within the full
+    /// scale.
     ///
     /// # Errors
-    /// No name, a name that no output has or that stands twice, a value that the output cannot have.
+    /// No name, an unknown or repeated name, a value that the output cannot have.
     pub fn resolve_set_output<S: AsRef<str>>(&self, given: &[(S, f64)]) -> Result<Action, RequestError> {
         if given.is_empty() {
             return Err(RequestError::SetsNothing("output"));
@@ -36,7 +37,7 @@ impl MachineConfig {
         Ok(Action::SetOutputs(values.into()))
     }
 
-    /// Place and kind of the output of that name.
+    /// Returns index and kind of the output of that name.
     fn find_output(&self, name: &str) -> Result<(u16, IoKind), RequestError> {
         let is_output = |kind| matches!(kind, IoKind::DigitalOutput | IoKind::AnalogOutput);
         let outputs = || self.io.iter().enumerate().filter(|(_, io)| is_output(io.kind));
@@ -74,7 +75,7 @@ mod tests {
             Ok(other) => panic!("{other:?}"),
             Err(error) => Err(error.to_string()),
         };
-        // A recording keeps -0 of a voltage, and has none of a bit.
+        // A recording keeps -0 of a voltage, but not of a bit.
         assert_eq!(values(&[("lamp", -0.0), ("speed", -0.0)]), Ok(vec![(2, 0), (1, (-0.0_f64).to_bits())]));
         // The full scale itself is in the range.
         assert_eq!(values(&[("speed", -10.0), ("brake", 5.0)]).map(|values| values.len()), Ok(2));

@@ -1,9 +1,10 @@
-//! A phase shift, in names and units.
+//! Conversion of phase shifts.
 //!
-//! Law      side SLAVE: in the units of the axis. Side MASTER: in those of what it follows, which the machine knows once it takes the
-//!          command: the amounts are made increments of every scale that a leader of the cell has
-//! Reads    the names of the cell, the scales of what can lead
-//! Refuses  amounts that no leader of the cell has
+//! Law      side SLAVE: in the units of the axis. Side MASTER: in the units of its leader, which the machine determines
+//!          when it executes the command: the amounts are converted to the increments of every scale that a leader of
+//!          the cell has
+//! Reads    the names of the cell, the scales of its leaders
+//! Refuses  amounts that fit no leader of the cell
 //! Source   contract section 10, PLCopen (MC_PhasingRelative)
 
 use super::{Amount, RequestError, Units, bad_value};
@@ -14,23 +15,23 @@ use crate::unit::{Scale, fraction_from_f64, fraction_to_f64};
 /// A phase shift with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PhaseRequest {
-    /// Axis that follows.
+    /// Name of the following axis.
     pub axis: String,
     /// 0 slave, 1 master.
     pub side: u8,
-    /// By how much, with its sign.
+    /// Shift, signed.
     pub shift: Amount,
-    /// 0: the default.
+    /// Velocity; 0: the default.
     pub velocity: Amount,
-    /// 0: the default.
+    /// Acceleration; 0: the default.
     pub acceleration: Amount,
 }
 
 impl MachineConfig {
-    /// A phase shift as a command's content.
+    /// Converts a phase shift to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_phase(&self, request: &PhaseRequest) -> Result<Phase, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
         let side = match request.side {
@@ -57,7 +58,7 @@ impl MachineConfig {
         Ok(Phase { axis: index, side })
     }
 
-    /// Each scale that something in the cell leads with, once.
+    /// Returns each scale of a leader in the cell, once.
     fn leading_scales(&self) -> Vec<Scale> {
         let axes = self.axes.iter().map(|axis| axis.scale);
         let encoders = self.encoders.iter().map(|encoder| encoder.scale);
@@ -71,7 +72,7 @@ impl MachineConfig {
     }
 }
 
-/// A bare number as the decimal that it means: what that rounds away is nothing, and was not written either.
+/// Converts a number without a unit to the decimal that was written: only rounding errors of f64 are removed.
 fn meant(amount: Amount) -> Amount {
     match amount {
         Amount::Number(number) => {

@@ -1,32 +1,32 @@
-//! The rates of a goal, as every request for one gives them.
+//! Rates of a goal, common to all requests.
 
 use super::{Amount, RequestError, Units, bad_value};
 use crate::unit::Scale;
 
-/// How fast a goal may move; each of them 0 asks for its default.
+/// Velocity, acceleration, deceleration and jerk of a goal; 0 means the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rates {
-    /// In mode velocity with its sign, and 0 is 0.
+    /// Velocity; in mode velocity it is signed, and 0 is 0.
     pub velocity: Amount,
-    /// Speeding up.
+    /// Acceleration.
     pub acceleration: Amount,
-    /// Slowing down.
+    /// Deceleration.
     pub deceleration: Amount,
-    /// Change of both.
+    /// Jerk, for acceleration and deceleration.
     pub jerk: Amount,
 }
 
 impl Rates {
-    /// Each rate by the name of its field, with its order.
+    /// The fields with their names and orders of the time derivative.
     pub const FIELDS: [(&str, u8); 4] = [("velocity", 1), ("acceleration", 2), ("deceleration", 2), ("jerk", 3)];
 
-    /// Bare numbers, in the order of the fields.
+    /// Returns rates without units, in the order of the fields.
     pub fn numbers(numbers: [f64; 4]) -> Self {
         let [velocity, acceleration, deceleration, jerk] = numbers.map(Amount::Number);
         Self { velocity, acceleration, deceleration, jerk }
     }
 
-    /// As the machine takes them, in the order of the fields (inc/s^order).
+    /// Converts the rates to increments, in the order of the fields (inc/s^order).
     pub(super) fn resolve(&self, units: Units, scale: &Scale) -> Result<[f64; 4], RequestError> {
         let mut rates = [0.0; 4];
         let amounts = [self.velocity, self.acceleration, self.deceleration, self.jerk];

@@ -1,4 +1,4 @@
-//! Registers and command flags of the servo module by their names.
+//! Conversion of registers and command flags of the servo module from their names.
 
 use super::RequestError;
 use crate::config::MachineConfig;
@@ -7,7 +7,7 @@ use crate::unit::excerpt;
 use crate::vocabulary::saia::{Command, Register};
 
 impl MachineConfig {
-    /// A register by its name, and its new value.
+    /// Returns a register by its name, and its new value.
     ///
     /// # Errors
     /// An unknown name, a value that the register cannot hold.
@@ -27,7 +27,7 @@ impl MachineConfig {
         let value = match (row.measure, input) {
             (Measure::Integer, ParameterInput::Integer(value)) => Value::Int(*value),
             (Measure::Number, ParameterInput::Integer(value)) => Value::Real(*value as f64),
-            // There is one zero.
+            // Removes the sign of -0.
             (Measure::Number, ParameterInput::Number(value)) => Value::Real(*value + 0.0),
             (_, ParameterInput::Integer(value)) => return Err(bad(value.to_string())),
             (_, ParameterInput::Number(value)) => return Err(bad(value.to_string())),
@@ -45,7 +45,7 @@ impl MachineConfig {
         Ok((register, value))
     }
 
-    /// A command flag by its name.
+    /// Returns a command flag by its name.
     ///
     /// # Errors
     /// An unknown name.

@@ -1,4 +1,4 @@
-//! Streamed setpoints with names and units.
+//! Conversion of streamed setpoints with names and units.
 
 use super::{Amount, RequestError, Units};
 use crate::command::{Setpoint, Setpoints, Source};
@@ -7,19 +7,19 @@ use crate::config::MachineConfig;
 /// The setpoint of one axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SetpointRequest {
-    /// Axis.
+    /// Name of the axis.
     pub axis: String,
-    /// With its sign.
+    /// Velocity, signed.
     pub velocity: Amount,
-    /// For how long (ns); none: until the next one.
+    /// Duration (ns); `None`: until the next setpoint.
     pub duration: Option<u64>,
 }
 
 impl MachineConfig {
-    /// Setpoints of one axis or more, as they enter a cycle.
+    /// Converts setpoints of one or more axes to the form of a cycle.
     ///
     /// # Errors
-    /// No axis, an axis that stands twice or is none, a velocity that is no number.
+    /// No axis, an unknown or repeated axis, a velocity that is not a number.
     pub fn resolve_setpoints(
         &self,
         source: Source,
@@ -36,7 +36,7 @@ impl MachineConfig {
                 let field = format!("velocity of {}", axis.name);
                 RequestError::BadValue { field, error: Box::new(error) }
             })?;
-            // No timeout is as long as 292 years, and so much can be written as a time.
+            // No timeout is as long as 292 years, and this value can still be written as a time.
             let duration = request.duration.map(|ns| ns.min(i64::MAX as u64));
             let place = &mut set.axes[usize::from(index)];
             if place.replace(Setpoint { velocity, duration }).is_some() {

@@ -1,8 +1,8 @@
-//! A coupling, in names and units: a gear or a cam.
+//! Conversion of couplings: gears and cams.
 //!
-//! Law      a scale is the decimal that its number means, to 18 places behind the point, or to 18 digits: nothing of it drifts
+//! Law      a scale is the decimal that was written, to 18 decimal places, or to 18 digits: a coupling never drifts
 //! Reads    the names of the cell; the scales of axis and leader
-//! Refuses  modes that do not exist yet, fields that the mode gives no meaning, scales beyond [`MOST_SCALE`]
+//! Refuses  modes that do not exist yet, fields without effect in the mode, scales beyond [`MOST_SCALE`]
 //! Source   contract section 7, 10
 
 use super::meaning::no_meaning;
@@ -24,7 +24,7 @@ const MARKER: u8 = 2;
 const CAM_MASTER_MARKER: u8 = 4;
 const CAM_SLAVE_MARKER: u8 = 5;
 
-/// Is it a mode of cams?
+/// Returns true for a mode of cams.
 fn is_cam(mode: u8) -> bool {
     matches!(mode, CAM | CAM_MASTER_MARKER | CAM_SLAVE_MARKER)
 }
@@ -32,23 +32,23 @@ fn is_cam(mode: u8) -> bool {
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
 const AT_END: u8 = 3;
-/// Largest scale of a cam; the smallest is its inverse.
+/// Maximum scale of a cam; the minimum is its inverse.
 const MOST_SCALE: i128 = 1_000_000;
-/// Most places behind the point of a scale.
+/// Maximum decimal places of a scale.
 const PLACES: u32 = 18;
 
 /// A coupling with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SynchronizeRequest {
-    /// Axis that follows.
+    /// Name of the following axis.
     pub axis: String,
-    /// What it follows; empty: what parameter `mencodertype` of the axis names.
+    /// Name of the leader; empty: the leader of parameter `mencodertype` of the axis.
     pub master: String,
-    /// For engage ON_EVENT.
+    /// Latch of engage ON_EVENT.
     pub event: String,
     /// 0 velocity, 1 position, 2 marker, 3 cam.
     pub mode: u8,
-    /// 0 immediately, 1 at position, 2 on event, 3 at the end of the cam under way.
+    /// 0 immediately, 1 at position, 2 on event, 3 at the end of the present cam.
     pub engage: u8,
     /// 0 stop, 1 keep velocity.
     pub disengage: u8,
@@ -56,26 +56,27 @@ pub struct SynchronizeRequest {
     pub numerator: i64,
     /// Master increments.
     pub denominator: i64,
-    /// With engage AT_POSITION where the leader is then (inc).
+    /// Position of the leader for engage AT_POSITION (inc).
     pub master_increments: i64,
-    /// With engage AT_POSITION where the slave is then (inc), with mode POSITION alone.
+    /// Position of the slave for engage AT_POSITION (inc), only with mode POSITION.
     pub slave_increments: i64,
-    /// With engage AT_POSITION the leader's way before that, in which the slave comes there (inc), with mode POSITION alone.
+    /// Distance of the leader before that position in which the slave synchronizes (inc), only with engage AT_POSITION
+    /// and mode POSITION.
     pub start_distance_increments: i64,
     /// Shift of the slave.
     pub offset: Amount,
-    /// 0: the default.
+    /// Velocity; 0: the default.
     pub velocity: Amount,
-    /// 0: the default.
+    /// Acceleration; 0: the default.
     pub acceleration: Amount,
-    /// For mode CAM.
+    /// Additional fields of mode CAM.
     pub cam: CamRequest,
 }
 
-/// What mode CAM asks for beside.
+/// Additional fields of mode CAM.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CamRequest {
-    /// The table.
+    /// Name of the table.
     pub table: String,
     /// 0 absolute, 1 relative, 2 ramp-in.
     pub start: u8,
@@ -89,19 +90,19 @@ pub struct CamRequest {
     pub slave_offset: Amount,
 }
 
-/// A scale of ROS 2 as the decimal that it means.
+/// Converts a scale of ROS 2 to the decimal that was written.
 ///
 /// # Errors
-/// No finite number.
+/// The number is not finite.
 pub fn factor(field: &str, value: f64) -> Result<Fraction, RequestError> {
     fraction_from_f64(value).map_err(|error| bad_value(field, error))
 }
 
 impl MachineConfig {
-    /// A coupling as a command's content.
+    /// Converts a coupling to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
         let resolved = self.resolve_recorded_synchronize(request)?;
         check_engage(request)?;
@@ -118,10 +119,11 @@ impl MachineConfig {
         Ok(resolved)
     }
 
-    /// As [`MachineConfig::resolve_synchronize`], of what was a command once: older programs took fields without a meaning.
+    /// Converts a recorded coupling like [`MachineConfig::resolve_synchronize`]: older programs accepted fields without
+    /// effect.
     ///
     /// # Errors
-    /// Likewise.
+    /// An error in the request itself.
     pub fn resolve_recorded_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
         let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
@@ -215,7 +217,7 @@ impl MachineConfig {
         }
     }
 
-    /// The places of AT_POSITION.
+    /// Converts the positions of AT_POSITION.
     fn resolve_position(&self, request: &SynchronizeRequest, mode: u8, leader: Leader) -> Result<Engage, RequestError> {
         let position = place("master_increments", request.master_increments)?;
         let turn = self.turn_of(leader);
@@ -275,7 +277,7 @@ impl MachineConfig {
     }
 }
 
-/// A place that a position may have.
+/// Returns a position, or an error beyond the range of positions.
 pub(super) fn place(field: &'static str, value: i64) -> Result<i64, RequestError> {
     if value.unsigned_abs() < Position::LIMIT.unsigned_abs() {
         return Ok(value);
@@ -283,7 +285,7 @@ pub(super) fn place(field: &'static str, value: i64) -> Result<i64, RequestError
     Err(RequestError::BadChoice { field, value, allowed: "within +-2^62 is allowed" })
 }
 
-/// Is nothing given that another moment of engaging would read?
+/// Checks that no field of another `engage` is set.
 fn check_engage(request: &SynchronizeRequest) -> Result<(), RequestError> {
     let places = [
         ("master_increments", request.master_increments),
@@ -305,7 +307,7 @@ fn check_engage(request: &SynchronizeRequest) -> Result<(), RequestError> {
     Ok(())
 }
 
-/// Nothing, in whatever unit.
+/// Returns true for zero in any unit.
 fn is_zero(amount: &Amount) -> bool {
     match amount {
         Amount::Number(number) => *number == 0.0,
@@ -321,7 +323,7 @@ fn choice_of_cam(field: &'static str, value: i64) -> RequestError {
     }
 }
 
-/// Nothing of a cam is asked for?
+/// Checks that no field of a cam is set.
 fn check_no_cam(request: &CamRequest) -> Result<(), RequestError> {
     let CamRequest { table, start, master_scale, slave_scale, master_offset, slave_offset } = request;
     let zero = Fraction::default();
@@ -342,7 +344,7 @@ fn check_no_cam(request: &CamRequest) -> Result<(), RequestError> {
     })
 }
 
-/// A scale as a ratio.
+/// Converts a scale to a ratio.
 fn ratio(field: &'static str, given: Fraction) -> Result<Ratio, RequestError> {
     let allowed = "a scale must be within 0.000001 and 1000000, of either sign; 0 stands for 1";
     let refused = || RequestError::NoMeaning { field, value: fraction_to_text(&given), allowed };
@@ -359,7 +361,7 @@ fn ratio(field: &'static str, given: Fraction) -> Result<Ratio, RequestError> {
         Ratio::new(i64::try_from(numerator).ok()?, i64::try_from(denominator).ok()?)
     };
     let exact = parts(*given.numer(), *given.denom());
-    // As many places as there is room for.
+    // As many decimal places as fit.
     let rounded = (0..=PLACES).rev().find_map(|places| {
         let unit = 10_i128.pow(places);
         let whole = round(&Fraction::new(given.numer().checked_mul(unit)?, *given.denom()))?;
@@ -389,7 +391,7 @@ mod tests {
             refused(1_000_000.5),
             "master_scale is 1000000.5; a scale must be within 0.000001 and 1000000, of either sign; 0 stands for 1"
         );
-        // 62 bits hold 17 places of 12, and no more.
+        // 62 bits hold 17 decimal places of 12, and no more.
         let fine = Fraction::new(123_456_789_012_345_678_901, 10_000_000_000_000_000_000);
         let rounded = ratio("master_scale", fine).ok();
         assert_eq!(rounded, Ratio::new(1_234_567_890_123_456_789, 100_000_000_000_000_000));

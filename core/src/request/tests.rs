@@ -58,7 +58,7 @@ fn what_rounding_leaves_is_kept_and_never_rounds_again() {
     };
     assert_eq!((length("2.5 m").nearest, length("2.5 m").rest), (3, Position::from_f64(-0.5)));
     assert_eq!((length("-2.5 m").nearest, length("-2.5 m").rest), (-3, Position::from_f64(0.5)));
-    // A hair below the half: 2^-32 cannot show it, the whole number has to stay.
+    // Slightly below the half: 2^-32 cannot represent it, so the whole number must be kept.
     let below = length("2.499999999999999 m");
     assert_eq!((below.nearest, below.exact().nearest()), (2, 2));
 }
@@ -82,7 +82,7 @@ fn what_is_wrong_in_a_request_is_said_with_what_is_allowed() {
     assert!(Units::from_number(3).is_err());
 }
 
-/// What would be accepted and do nothing is refused; a field that is left at its default is not.
+/// A value that would have no effect is refused; a field at its default is not.
 #[test]
 fn a_field_without_a_meaning_is_refused() {
     let mut config = config();
@@ -111,12 +111,12 @@ fn a_field_without_a_meaning_is_refused() {
     assert_eq!((coupled(0, 0.0), coupled(1, 0.005)), (Ok(()), Ok(())));
     let sentence = "offset is `0.005 m`; 0 is allowed with mode VELOCITY, which keeps no position";
     assert_eq!(coupled(0, 0.005), Err(sentence.into()));
-    // Bags of before hold such commands, and the machine did nothing with the fields.
+    // Old bags contain such commands, whose fields had no effect in the machine.
     let recorded = MoveRequest { direction: 1, ..at_speed(10.0, Units::AxisUnit) };
     assert!(config.resolve_recorded_move(&recorded).is_ok());
 }
 
-/// A method that scheme CONFIGURED would not take is no motion by another one.
+/// A method that scheme CONFIGURED would ignore must not cause a motion of another method.
 #[test]
 fn a_method_of_homing_stands_with_its_scheme() {
     let config = config();
@@ -170,7 +170,7 @@ fn what_is_not_built_is_refused_by_name() {
     assert!(error(SynchronizeRequest { disengage: 7, ..couple }).starts_with("disengage is 7"));
 }
 
-/// Of three inputs and outputs one latches, `mark`; so do the belt and the turret.
+/// One of three inputs and outputs latches, `mark`; so do the belt and the turret.
 fn with_latches() -> MachineConfig {
     use crate::config::IoConfig;
     let input = |name: &str, kind, latch| IoConfig { name: name.into(), kind, latch };
@@ -322,7 +322,7 @@ fn a_probe_is_a_search_with_an_end_in_the_same_units() {
     }
 }
 
-/// A position that is set by name: of an axis, of an encoder, of a master. A master has no metres; 0 needs no unit.
+/// A position is set by name: of an axis, of an encoder, of a master. A master has no SI unit; 0 needs no unit.
 #[test]
 fn a_position_is_set_of_an_axis_an_encoder_or_a_master() {
     use crate::command::{Action, MasterPosition, SetMasterPosition};

@@ -1,8 +1,8 @@
-//! Passive touch probes, in names and units.
+//! Conversion of passive touch probes.
 //!
-//! Law      the window is in the units of the axis, as a target of `move_axis` is
+//! Law      the window is in the units of the axis, like a target of `move_axis`
 //! Reads    the names of the cell
-//! Refuses  names of what does not latch, numbers without a meaning, places of a window that is not asked for
+//! Refuses  names of objects that do not latch, numbers without a meaning, positions of a window that is not used
 //! Source   contract section 7, PLCopen (MC_TouchProbe, MC_AbortTrigger)
 
 use super::{Amount, RequestError, Units, bad_value};
@@ -13,17 +13,17 @@ use crate::position::Length;
 /// A passive touch probe, with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TouchProbeRequest {
-    /// Axis.
+    /// Name of the axis.
     pub axis: String,
-    /// What latches.
+    /// Name of the latch.
     pub event: String,
     /// 0 rising, 1 falling, 2 both, 3 the index of the axis itself.
     pub edge: u8,
-    /// Records every latch until it is aborted.
+    /// Whether every latch is recorded until the probe is aborted.
     pub continuous: bool,
-    /// Units of bare numbers.
+    /// Units of numbers without a unit.
     pub units: Units,
-    /// Records only between first and last position.
+    /// Whether only latches between first and last position are recorded.
     pub window_only: bool,
     /// First position of the window.
     pub first_position: Amount,
@@ -31,20 +31,20 @@ pub struct TouchProbeRequest {
     pub last_position: Amount,
 }
 
-/// The end of touch probes, by names.
+/// A request to end touch probes, with names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AbortTriggerRequest {
-    /// Axis.
+    /// Name of the axis.
     pub axis: String,
-    /// What they wait for; empty: all of the axis.
+    /// Name of their latch; empty: all touch probes of the axis.
     pub event: String,
 }
 
 impl MachineConfig {
-    /// A passive touch probe as a command's content.
+    /// Converts a passive touch probe to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_touch_probe(&self, request: &TouchProbeRequest) -> Result<TouchProbe, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
         let source = self.find_latch(&request.event)?;
@@ -65,10 +65,10 @@ impl MachineConfig {
         Ok(TouchProbe { axis: index, source, edge, continuous: request.continuous, window })
     }
 
-    /// The end of touch probes as a command's content.
+    /// Converts the end of touch probes to a command.
     ///
     /// # Errors
-    /// What is wrong in the request itself.
+    /// An error in the request itself.
     pub fn resolve_abort_trigger(&self, request: &AbortTriggerRequest) -> Result<AbortTrigger, RequestError> {
         let (axis, _) = self.find_axis(&request.axis)?;
         let source = if request.event.is_empty() { None } else { Some(self.find_latch(&request.event)?) };

@@ -1,4 +1,4 @@
-//! Trajectories, in names and units.
+//! Conversion of trajectories.
 
 use super::{Amount, RequestError, Units};
 use crate::command::QueryTrajectory;
@@ -8,25 +8,26 @@ use crate::position::Position;
 use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajectory, TrajectoryLimits};
 use crate::unit::UnitError;
 
-/// A velocity that counts as none at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
+/// Velocity that counts as zero at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
 pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
 
-/// How far beyond a position limit a point is still on it (m, rad): clients round the positions that they show, to six decimals.
+/// Distance beyond a position limit at which a point still counts as at the limit (m, rad): clients round the positions
+/// that they send to six decimals.
 const NO_DISTANCE: f64 = 1e-6;
 
-/// Longest time from a request to the start that it asks for (ns): 10 min. More is a wrong clock rather than a wish.
+/// Maximum time from a request to its start (ns): 10 min. A longer time indicates a wrong clock.
 pub const MAX_START_NS: i64 = 600_000_000_000;
 
-/// A point of a trajectory. Its lists are as long as the list of axes, in its order; what it does not carry is empty.
+/// A point of a trajectory. Its lists are as long as the list of axes, in its order; unused lists are empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointRequest<N = f64> {
-    /// From time 0 (ns).
+    /// Time from the start of the trajectory (ns).
     pub time_ns: u64,
-    /// m, rad, or what the units say.
+    /// Positions, in m, rad, or the units of the request.
     pub positions: Vec<N>,
-    /// Per s.
+    /// Velocities, per s.
     pub velocities: Vec<N>,
-    /// Per s^2.
+    /// Accelerations, per s^2.
     pub accelerations: Vec<N>,
 }
 
@@ -36,14 +37,14 @@ impl<N> Default for PointRequest<N> {
     }
 }
 
-/// How far an axis may be off; none: without limit.
+/// Tolerances of an axis; `None`: unlimited.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToleranceRequest<N = f64> {
-    /// m, rad, or what the units say.
+    /// Position tolerance, in m, rad, or the units of the request.
     pub position: Option<N>,
-    /// Per s.
+    /// Velocity tolerance, per s.
     pub velocity: Option<N>,
-    /// Per s^2.
+    /// Acceleration tolerance, per s^2.
     pub acceleration: Option<N>,
 }
 
@@ -53,34 +54,34 @@ impl<N> Default for ToleranceRequest<N> {
     }
 }
 
-/// A trajectory. Its numbers are bare ones in its units, or amounts with units of their own.
+/// A trajectory. Its numbers are in its units, or are amounts with units of their own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrajectoryRequest<N = f64> {
     /// Names of the axes; each once.
     pub axes: Vec<String>,
     /// Names of the axes in errors, such as joint names: one for each axis, or empty for the names of the axes.
     pub joints: Vec<String>,
-    /// What the numbers mean.
+    /// Units of the numbers.
     pub units: Units,
-    /// From the cycle in which the command applies to time 0 (ns); negative: it has begun before.
+    /// Time from the cycle of the command to time 0 (ns); negative: it has already begun.
     pub start_ns: i64,
-    /// Its points, by ascending time.
+    /// Points, by ascending time.
     pub points: Vec<PointRequest<N>>,
-    /// On the way: one for each axis, or empty.
+    /// Path tolerances: one for each axis, or empty.
     pub path: Vec<ToleranceRequest<N>>,
-    /// At the end: one for each axis, or empty.
+    /// Goal tolerances: one for each axis, or empty.
     pub goal: Vec<ToleranceRequest<N>>,
-    /// How long after the last point the axes may take to come within their goal tolerances (ns); none: for ever.
+    /// Time after the last point in which the axes must come within their goal tolerances (ns); `None`: unlimited.
     pub goal_time_ns: Option<u64>,
-    /// How far the commands may be from first points at time 0: one for each axis, or empty. Positions only; 0: without limit.
+    /// Tolerances of the commands to first points at time 0: one for each axis, or empty. Positions only; 0: unlimited.
     pub start: Vec<ToleranceRequest<N>>,
-    /// What happens where it exceeds limits of its axes.
+    /// Reaction to a trajectory that exceeds limits of its axes.
     pub limits: TrajectoryLimits,
-    /// Whether tracks of modulo axes are moved by whole turns until they are nearest to their axes.
+    /// Whether tracks of modulo axes are shifted by whole turns to be nearest to their axes.
     pub angle_wraparound: bool,
-    /// Longest time from its start to its end (ns); none: without limit.
+    /// Maximum time from its start to its end (ns); `None`: unlimited.
     pub max_duration_ns: Option<u64>,
-    /// Whether its last point may have velocities, with which its axes begin to stop.
+    /// Whether its last point may have velocities, from which its axes then stop.
     pub may_end_in_motion: bool,
 }
 
@@ -111,10 +112,10 @@ impl From<f64> for Amount {
 }
 
 impl MachineConfig {
-    /// The trajectory that a request asks for, exactly as it is given: only where its axes rest at last is a whole increment.
+    /// Converts a trajectory exactly as it is given: only the final position is rounded to whole increments.
     ///
     /// # Errors
-    /// What is wrong with it in itself; what limits forbid, the machine refuses.
+    /// An error in the request itself; the machine checks limits.
     pub fn resolve_trajectory<N>(&self, request: &TrajectoryRequest<N>) -> Result<Trajectory, RequestError>
     where
         N: Copy + Into<Amount>,
@@ -175,15 +176,16 @@ impl MachineConfig {
             .ok_or_else(|| bad("the trajectory", "is not sound".to_owned(), "finite numbers are expected".to_owned()))
     }
 
-    /// A question for what the trajectory of an axis asks of it as a command's content; `at_ns` is the number of a cycle times its length.
+    /// Converts a query for the setpoint of the trajectory of an axis to a command; `at_ns` is the number of a cycle
+    /// times the cycle time.
     ///
     /// # Errors
-    /// No axis is called so.
+    /// An unknown axis.
     pub fn resolve_query_trajectory(&self, axis: &str, at_ns: u64) -> Result<QueryTrajectory, RequestError> {
         self.find_axis(axis).map(|(axis, _)| QueryTrajectory { axis, at_ns })
     }
 
-    /// The axes of a trajectory, with their places. `joints` is what errors call them, or empty.
+    /// Returns the axes of a trajectory with their indices. `joints` are their names in errors, or empty.
     fn axes_of(&self, names: &[String], joints: &[String]) -> Result<Vec<(u16, &AxisConfig)>, RequestError> {
         if names.is_empty() {
             return Err(bad("joints", "is empty".to_owned(), "one or more are expected".to_owned()));
@@ -209,7 +211,7 @@ fn bad(name: impl Into<String>, value: String, allowed: String) -> RequestError 
     RequestError::BadTrajectory { name: name.into(), value, allowed }
 }
 
-/// An amount that cannot be converted.
+/// Returns the error of an amount that cannot be converted.
 fn bad_value(field: String, error: UnitError) -> RequestError {
     match error {
         UnitError::NotFinite { value } => {
@@ -257,7 +259,7 @@ fn check_lists<N>(place: usize, point: &PointRequest<N>, axes: usize) -> Result<
     Ok(())
 }
 
-/// Seconds with all digits of the nanoseconds.
+/// Returns seconds with all digits of the nanoseconds.
 fn seconds(time_ns: u64) -> String {
     let (whole, rest) = (time_ns / 1_000_000_000, time_ns % 1_000_000_000);
     let digits = format!("{rest:09}");
@@ -274,7 +276,7 @@ fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// How many values a list of a trajectory with so many joints may have.
+/// Returns the allowed length of a list of a trajectory with that number of joints, as text.
 fn each_of(joints: usize, may_lack: bool) -> String {
     let none = if may_lack { ", or none," } else { "" };
     format!("one for each joint ({joints}){none} is expected")
@@ -289,7 +291,7 @@ struct Field<'a> {
 }
 
 impl Field<'_> {
-    /// A list of a point, for this axis.
+    /// Returns the name of a list of a point, for this axis.
     fn at_point(&self, point: usize, list: &str) -> String {
         format!("points[{point}].{list} of `{}`", self.name)
     }
@@ -320,7 +322,7 @@ impl Field<'_> {
         points.iter().enumerate().map(knot).collect()
     }
 
-    /// The velocity of the last point. Up to [`NO_VELOCITY`] it becomes 0.
+    /// Returns the velocity of the last point. Up to [`NO_VELOCITY`] it becomes 0.
     fn end(&self, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
         let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > NO_VELOCITY;
         match velocity.filter(moves) {
@@ -345,7 +347,7 @@ impl Field<'_> {
         Ok(self.on_limit(position))
     }
 
-    /// The limit of the cell that a position exceeds by [`NO_DISTANCE`] at most, or the position.
+    /// Returns the limit of the cell that a position exceeds by at most [`NO_DISTANCE`], or the position.
     fn on_limit(&self, position: Position) -> Position {
         let p = &self.axis.parameters;
         let near = Position::from_f64(NO_DISTANCE / self.axis.scale.rate_to_si(1.0).abs());
@@ -355,7 +357,7 @@ impl Field<'_> {
         over.or(under).unwrap_or(position)
     }
 
-    /// A start tolerance; 0 is none.
+    /// Returns a start tolerance; 0 means none.
     fn start(&self, tolerance: Tolerance) -> Result<Option<f64>, RequestError> {
         if tolerance.velocity.or(tolerance.acceleration).is_some() {
             let (name, value) = (format!("start_tolerance of `{}`", self.name), "has a velocity or an acceleration");

@@ -1,11 +1,11 @@
-//! The signals of an axis (contract section 4).
+//! Signals of an axis (contract section 4).
 
 use super::Type::{Bit, Enum, Int, Real, Word};
 use super::signal_block;
 use crate::state::{AXIS_STATES, DRIVE_STATES, HOMING_PHASES, REFERENCES};
 
 signal_block! {
-    /// A signal of an axis, by its place in the axis' block.
+    /// A signal of an axis, by its index in the block of the axis.
     AxisSignal;
 
     State "state" Enum(AXIS_STATES), None; "PLCopen state"

@@ -1,6 +1,6 @@
-//! Blocks of signals that every axis has once: a macro that makes the enum and its table from one list.
+//! Blocks of signals per axis: a macro that generates the enum and its table from one list.
 
-/// Makes an enum of signals and its table: `Name "text" type, measure[, drivable]; "help"`.
+/// Generates an enum of signals and its table: `Name "text" type, measure[, drivable]; "help"`.
 macro_rules! signal_block {
     ($(#[doc = $doc:literal])+ $block:ident; $($name:ident $text:literal $kind:expr, $measure:ident $(, $drivable:ident)?; $help:literal)*) => {
         $(#[doc = $doc])+
@@ -11,10 +11,10 @@ macro_rules! signal_block {
         }
 
         impl $block {
-            /// How many signals the block has.
+            /// Number of signals in the block.
             pub const COUNT: usize = [$($text),*].len();
 
-            /// The place on the board, given the first signal of the block.
+            /// Returns the signal on the board, given the first signal of the block.
             pub fn of(self, first: crate::signal::Signal) -> crate::signal::Signal {
                 first.plus(self as usize)
             }

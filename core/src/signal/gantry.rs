@@ -1,11 +1,11 @@
-//! What an axis with two drives shows beside the signals of every axis.
+//! Additional signals of an axis with two drives.
 
 use super::Type::{Bit, Enum, Int};
 use super::signal_block;
 use crate::state::DRIVE_STATES;
 
 signal_block! {
-    /// A signal of a gantry, by its place in its block.
+    /// A signal of a gantry, by its index in its block.
     GantrySignal;
 
     Skew "skew" Int, Position; "how far the second drive is ahead of square"

@@ -1,8 +1,8 @@
-//! The signal board: every value that can be traced, read by name once and by handle from then on.
+//! Signal board: all values that can be traced, with access by name once and by handle afterwards.
 //!
-//! Each signal is one 64-bit word; its type says how to read it. A room writes its signals when it has done its part of
-//! a cycle, so a reader sees this cycle's value of what stands earlier in the order and last cycle's of what stands
-//! later (contract section 1). A copy of the board is a snapshot of the machine.
+//! Each signal is one 64-bit word; its type defines the encoding. A module writes its signals at the end of its part of
+//! a cycle, so a reader gets values of this cycle from modules earlier in the order and values of the last cycle from
+//! later ones (contract section 1). A copy of the board is a snapshot of the machine.
 
 pub mod axis;
 mod block;
@@ -13,40 +13,40 @@ pub(crate) use block::signal_block;
 
 use serde::{Deserialize, Serialize};
 
-/// How a signal's word is read.
+/// Encoding of the word of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Type {
-    /// i64
+    /// Signed integer (i64).
     Int,
-    /// f64
+    /// Real (f64).
     Real,
-    /// 0 or 1
+    /// Bit, 0 or 1.
     Bit,
-    /// A number with names: the number is the place in the list.
+    /// A number with names: the number is the index in the list.
     Enum(&'static [&'static str]),
     /// Unsigned bits.
     Word,
 }
 
-/// What a signal measures.
+/// Quantity that a signal measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// No unit.
     None,
-    /// (inc)
+    /// Position (inc).
     Position,
-    /// (inc/s)
+    /// Velocity (inc/s).
     Velocity,
-    /// (inc/s^2)
+    /// Acceleration (inc/s^2).
     Acceleration,
-    /// (inc/s^3)
+    /// Jerk (inc/s^3).
     Jerk,
-    /// (V)
+    /// Voltage (V).
     Voltage,
 }
 
 impl Measure {
-    /// The unit as text; empty without one.
+    /// Returns the unit as text; empty without one.
     pub fn unit(self) -> &'static str {
         match self {
             Measure::None => "",
@@ -69,7 +69,7 @@ pub enum Value {
 }
 
 impl Value {
-    /// As f64, rounded where an integer is too large.
+    /// Returns the value as f64, rounded if an integer is too large.
     pub fn to_f64(self) -> f64 {
         match self {
             Value::Int(value) => value as f64,
@@ -78,38 +78,38 @@ impl Value {
     }
 }
 
-/// A signal's place on the board.
+/// Index of a signal on the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Signal(u32);
 
 impl Signal {
-    /// Place on the board, from 0 without gaps.
+    /// Returns the index on the board, from 0 without gaps.
     pub fn index(self) -> usize {
         self.0 as usize
     }
 
-    /// The signal `offset` places further, within the block of an object.
+    /// Returns the signal `offset` places later, within the block of an object.
     pub(crate) fn plus(self, offset: usize) -> Self {
         Self(self.0 + offset as u32)
     }
 }
 
-/// What is known of a signal.
+/// Description of a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Full name, as `x.command.position`.
+    /// Full name, such as `x.command.position`.
     pub name: String,
-    /// How its word is read.
+    /// Encoding of its word.
     pub kind: Type,
-    /// What it measures.
+    /// Quantity that it measures.
     pub measure: Measure,
-    /// May a scenario replace it?
+    /// Whether a scenario may override it.
     pub drivable: bool,
-    /// What it is, in a few words.
+    /// Short description.
     pub help: &'static str,
 }
 
-/// Names, types and places of all signals.
+/// Names, types and indices of all signals.
 #[derive(Clone, Debug, Default)]
 pub struct Directory {
     entries: Vec<Entry>,
@@ -122,17 +122,17 @@ impl Directory {
         Signal((self.entries.len() - 1) as u32)
     }
 
-    /// The signal that will be added next.
+    /// Returns the signal that will be added next.
     pub(crate) fn next(&self) -> Signal {
         Signal(self.entries.len() as u32)
     }
 
-    /// The signal of that name.
+    /// Returns the signal of that name.
     pub fn find(&self, name: &str) -> Option<Signal> {
         self.entries.iter().position(|entry| entry.name == name).map(|index| Signal(index as u32))
     }
 
-    /// What is known of a signal.
+    /// Returns the description of a signal.
     ///
     /// # Panics
     /// With a signal of another directory.
@@ -140,17 +140,17 @@ impl Directory {
         &self.entries[signal.index()]
     }
 
-    /// All signals in the order of the board.
+    /// Returns all signals in the order of the board.
     pub fn iter(&self) -> impl Iterator<Item = (Signal, &Entry)> {
         self.entries.iter().enumerate().map(|(index, entry)| (Signal(index as u32), entry))
     }
 
-    /// How many signals.
+    /// Returns the number of signals.
     pub fn len(&self) -> usize {
         self.entries.len()
     }
 
-    /// True without any signal.
+    /// Returns true without any signal.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
@@ -163,59 +163,59 @@ pub struct Board {
 }
 
 impl Board {
-    /// A board of zeros for a directory.
+    /// Creates a board of zeros for a directory.
     pub fn new(directory: &Directory) -> Self {
         Self { words: vec![0; directory.len()] }
     }
 
-    /// Copies another board of the same directory, without taking memory.
+    /// Copies another board of the same directory, without allocation.
     pub fn copy_from(&mut self, other: &Board) {
         self.words.clone_from(&other.words);
     }
 
-    /// The words of all signals, in the order of the directory.
+    /// Returns the words of all signals, in the order of the directory.
     pub fn words(&self) -> &[u64] {
         &self.words
     }
 
-    /// Takes the words of all signals, in the order of the directory; those of another board are not taken.
+    /// Sets the words of all signals, in the order of the directory; has no effect for words of another directory.
     pub fn copy_words(&mut self, words: &[u64]) {
         if words.len() == self.words.len() {
             self.words.copy_from_slice(words);
         }
     }
 
-    /// How many signals.
+    /// Returns the number of signals.
     pub fn len(&self) -> usize {
         self.words.len()
     }
 
-    /// True without any signal.
+    /// Returns true without any signal.
     pub fn is_empty(&self) -> bool {
         self.words.is_empty()
     }
 
-    /// The word of a signal as it stands; 0 for one of another board.
+    /// Returns the raw word of a signal; 0 for a signal of another board.
     pub fn word(&self, signal: Signal) -> u64 {
         self.words.get(signal.index()).copied().unwrap_or(0)
     }
 
-    /// An integer, bit, enum or word.
+    /// Returns an integer, bit, enum or word.
     pub fn int(&self, signal: Signal) -> i64 {
         self.word(signal).cast_signed()
     }
 
-    /// A real.
+    /// Returns a real.
     pub fn real(&self, signal: Signal) -> f64 {
         f64::from_bits(self.word(signal))
     }
 
-    /// A bit.
+    /// Returns a bit.
     pub fn bit(&self, signal: Signal) -> bool {
         self.word(signal) != 0
     }
 
-    /// The value by the signal's type.
+    /// Returns the value by the type of the signal.
     pub fn value(&self, signal: Signal, kind: Type) -> Value {
         match kind {
             Type::Real => Value::Real(self.real(signal)),
@@ -223,12 +223,12 @@ impl Board {
         }
     }
 
-    /// Sets an integer, bit, enum or word; one of another board stays.
+    /// Sets an integer, bit, enum or word; has no effect for a signal of another board.
     pub fn set_int(&mut self, signal: Signal, value: i64) {
         self.set(signal, value.cast_unsigned());
     }
 
-    /// Sets a real; one of another board stays.
+    /// Sets a real; has no effect for a signal of another board.
     pub fn set_real(&mut self, signal: Signal, value: f64) {
         self.set(signal, value.to_bits());
     }
@@ -239,7 +239,7 @@ impl Board {
         }
     }
 
-    /// The words of one object's block, to be written in one go.
+    /// Returns the words of the block of an object, for writing all at once.
     pub(crate) fn block(&mut self, first: Signal, length: usize) -> &mut [u64] {
         let end = (first.index() + length).min(self.words.len());
         &mut self.words[first.index().min(end)..end]

@@ -1,30 +1,30 @@
-//! The system variables of MACS by their names and numbers, and the signals that show them here.
+//! System variables of MACS by name and number, with the corresponding signals.
 //!
 //! Law      number = 4095 + subindex of object 0x2500 (MACS-SYS-02)
 //! Reads    nothing
-//! Writes   nothing: a table for people and tools that know the numbers
+//! Writes   nothing: a table for users and tools that know the numbers
 //! Refuses  nothing
 //! Source   MACS-SYS-01..04, A-55
 
-/// Where the numbers from 4096 on stand on the bus (CANopen index).
+/// CANopen index of the numbers from 4096 on.
 pub const OBJECT: u16 = 0x2500;
 
 /// Number of a system variable of subindex 0 of [`OBJECT`].
 const BASE: u16 = 4095;
 
-/// How a program of the source names a variable.
+/// Address of a variable in a program of the source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Address {
     /// SYSVAR of this number.
     Number(u16),
     /// An object of the controller by index and subindex.
     Object(u16, u8),
-    /// A name alone: the text gives no number.
+    /// Only a name: the text gives no number.
     Name,
 }
 
 impl Address {
-    /// Index and subindex on the bus, where it has one (MACS-SYS-02).
+    /// Returns index and subindex on the bus, if it has one (MACS-SYS-02).
     pub fn object(self) -> Option<(u16, u8)> {
         match self {
             Self::Number(number) => Some((OBJECT, number.checked_sub(BASE).and_then(|sub| u8::try_from(sub).ok())?)),
@@ -34,27 +34,27 @@ impl Address {
     }
 }
 
-/// What shows a variable here.
+/// Equivalent of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shown {
-    /// The end of the name of a signal of the axis.
+    /// Last part of the name of a signal of the axis.
     Signal(&'static str),
-    /// The end of the name of a signal of an entry of section `encoders`.
+    /// Last part of the name of a signal of an entry of section `encoders`.
     Encoder(&'static str),
-    /// No signal: where else it is.
+    /// No signal: the place of the value.
     Missing(&'static str),
 }
 
 /// A named system variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SystemVariable {
-    /// As the source writes it; empty where it gives a number only.
+    /// Name in the source; empty if the source gives only a number.
     pub name: &'static str,
-    /// How a program names it.
+    /// Address in a program.
     pub address: Address,
-    /// What it holds, with the source's unit.
+    /// Meaning, with the unit of the source.
     pub meaning: &'static str,
-    /// What shows it here.
+    /// Equivalent.
     pub shown: Shown,
 }
 
@@ -62,7 +62,7 @@ const fn variable(name: &'static str, address: Address, meaning: &'static str, s
     SystemVariable { name, address, meaning, shown }
 }
 
-/// Every system variable that the text names (MACS-SYS-01).
+/// Every system variable of the text (MACS-SYS-01).
 pub const SYSTEM_VARIABLES: &[SystemVariable] = &[
     variable("", Address::Number(16), "errors of an absolute encoder so far", Shown::Signal("encoder.errors")),
     variable("", Address::Number(42), "physical value of a shared encoder (qc)", Shown::Encoder("count")),
@@ -111,13 +111,13 @@ mod tests {
         assert_eq!(Address::Number(4124).object(), Some((0x2500, 29)));
         assert_eq!(Address::Number(4096).object(), Some((0x2500, 1)));
         assert_eq!(Address::Object(0x2700, 27).object(), Some((0x2700, 27)));
-        // Below, and beyond what a subindex holds, there is none.
+        // Lower numbers, and numbers beyond the range of a subindex, have no object.
         for number in [16, 42, 4094, 4095 + 256] {
             assert_eq!(Address::Number(number).object(), None, "{number}");
         }
     }
 
-    /// Every variable that is named has a line; what a line names is there, on a machine of any kind.
+    /// Every named variable has a line, and every signal of a line exists, on machines of all kinds.
     ///
     /// Proves: MACS-SYS-01
     #[test]
@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    /// The table in docs/motion.md is this one.
+    /// The table in docs/motion.md equals this one.
     #[test]
     fn the_book_has_every_line() {
         let book = include_str!("../../../docs/motion.md");

@@ -1,22 +1,22 @@
-//! A simulated drive that is given a voltage.
+//! Simulated drive with voltage interface.
 //!
-//! Law      its reference is volts/10 of what 10 V are; without its enable it has no power. It is ready while it is there and has no fault, and a fault is over
-//!          once its enable is taken away
+//! Law      its reference is volts/10 of the value at 10 V; without its enable it has no power. It is ready while it is
+//!          present and has no fault; removing its enable clears a fault
 //! Source   MACS-CAN-01 (DRIVETYPE 0); contract section 3
 
 use crate::config::{AxisConfig, MachineConfig};
 use crate::drive::{DriveOutput, DriveState, FULL_VOLTS, Interface, Mode, Outputs, control};
 
-/// How it is wired.
+/// Wiring of the drive.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Analog {
-    /// Among the analog outputs.
+    /// Index of the analog output.
     reference: usize,
-    /// Among the digital outputs.
+    /// Index of the digital output.
     enable: usize,
-    /// Among the digital inputs.
+    /// Index of the digital input.
     ready: Option<usize>,
-    /// What 10 V are.
+    /// Value of 10 V.
     full: f64,
     interface: Interface,
 }
@@ -34,12 +34,12 @@ impl Analog {
         })
     }
 
-    /// Where it tells that it is ready.
+    /// Returns the digital input of the ready signal.
     pub(super) fn ready(&self) -> Option<usize> {
         self.ready
     }
 
-    /// What a drive on a bus would be asked for; nothing, where it has no supply.
+    /// Returns the commands that a drive on a bus would get; none without a supply.
     pub(super) fn output(&self, all: &Outputs, is_supplied: bool) -> DriveOutput {
         let volts = all.analog.get(self.reference).copied().filter(|volts| volts.is_finite()).unwrap_or_default();
         let reference = volts.clamp(-FULL_VOLTS, FULL_VOLTS) / FULL_VOLTS * self.full;
@@ -51,7 +51,7 @@ impl Analog {
         }
     }
 
-    /// The state of the drive behind another one, with such a control word.
+    /// Returns the next state of the drive for a control word.
     pub(super) fn next(state: DriveState, word: u16) -> DriveState {
         match (state, word == control::ENABLE) {
             (DriveState::FaultReaction, _) | (DriveState::Fault, true) => DriveState::Fault,

@@ -1,4 +1,4 @@
-//! A simulated drive: the CiA 402 state machine over a model of its motion.
+//! Simulated drive: the CiA 402 state machine with a model of its motion.
 
 use std::collections::VecDeque;
 
@@ -28,14 +28,14 @@ enum Motion {
     TwoSpeed(TwoSpeed),
     Valve {
         law: Valve,
-        /// Setpoints in their dead time, oldest first; always as many.
+        /// Setpoints in their dead time, oldest first; their number is constant.
         on_the_way: VecDeque<f64>,
     },
     Servo(Box<Servo>),
 }
 
 impl Motion {
-    /// Turns it against its setpoint?
+    /// Returns true if it turns against its setpoint.
     fn is_inverted(&self) -> bool {
         match self {
             Motion::Ideal | Motion::SecondOrder { .. } => false,
@@ -46,7 +46,7 @@ impl Motion {
         }
     }
 
-    /// How its velocity decays without power, if its model says so.
+    /// Returns the decay of its velocity without power, if the model defines it.
     fn coast(&self) -> Option<Lag> {
         match self {
             Motion::SecondOrder { law, .. } => law.coast(),
@@ -54,7 +54,7 @@ impl Motion {
         }
     }
 
-    /// Takes it velocities, whatever the mode?
+    /// Returns true if its setpoint is a velocity in every mode.
     fn has_velocity_only(&self) -> bool {
         matches!(self, Motion::Velocity(_) | Motion::TwoSpeed(_) | Motion::Valve { .. })
     }
@@ -64,13 +64,13 @@ impl Motion {
 #[derive(Clone, Debug)]
 pub struct SimDrive {
     motion: Motion,
-    /// Outputs on their way, oldest first; one for each cycle of the delay and one more.
+    /// Delayed outputs, oldest first; one for each cycle of the delay and one more.
     on_the_way: VecDeque<DriveOutput>,
     capabilities: Capabilities,
     emergency: Option<Emergency>,
     state: DriveState,
     count: i64,
-    /// What its encoder has read in the cycle before, with its noise.
+    /// Reading of its encoder in the previous cycle, with its noise.
     told: i64,
     travel: Travel,
     velocity: f64,
@@ -80,29 +80,29 @@ pub struct SimDrive {
     pending_jump: i64,
     word: Word,
     fixtures: Fixtures,
-    /// Place of count 0.
+    /// Position of count 0.
     origin: i64,
-    /// Place of the last cycle.
+    /// Position in the last cycle.
     place: i64,
-    /// Place of the cycle before.
+    /// Position in the cycle before.
     place_before: i64,
-    /// Counts of a scenario in the place of its own.
+    /// Counts of a scenario that replace its own.
     driven: DrivenCount,
-    /// Homing of its own.
+    /// Homing by the drive itself.
     homing: InDrive,
-    /// The index gives no pulses any more.
+    /// Whether the index gives no more pulses.
     index_lost: bool,
-    /// Something holds it: it does not move, whatever it is asked for.
+    /// Whether it is jammed: it does not move, whatever its setpoint.
     jammed: bool,
-    /// Bits of the digital inputs that are stuck, and how.
+    /// Stuck bits of the digital inputs, and their values.
     stuck: (u32, u32),
-    /// Bits of switches that are wired to somewhere else.
+    /// Bits of switches that are wired to digital inputs of the cell.
     hidden: u32,
-    /// What a hanging load does when nothing holds it (counts/s^2).
+    /// Acceleration of a hanging load without brake and power (counts/s^2).
     load: f64,
     brake: Option<Brake>,
     sign: Option<Sign>,
-    /// It is given a voltage.
+    /// Voltage interface, if it has one.
     analog: Option<Analog>,
     last_control: u16,
     mode: i8,
@@ -110,7 +110,7 @@ pub struct SimDrive {
 }
 
 impl SimDrive {
-    /// A drive that is powered, online and off.
+    /// Creates a drive that is supplied with power, online and off.
     pub fn new(model: Model, delay: u32, cycle_ns: u64) -> Self {
         let motion = match model {
             Model::Ideal => Motion::Ideal,
@@ -118,7 +118,7 @@ impl SimDrive {
             Model::Velocity(law) => Motion::Velocity(law),
             Model::TwoSpeed(law) => Motion::TwoSpeed(law),
             Model::Valve(law) => {
-                // Room for one more, which stands there for the length of a step.
+                // Room for one more setpoint during a step.
                 let mut on_the_way = VecDeque::with_capacity(law.on_the_way() + 1);
                 on_the_way.resize(law.on_the_way(), 0.0);
                 Motion::Valve { law, on_the_way }
@@ -162,13 +162,13 @@ impl SimDrive {
         }
     }
 
-    /// The same in the place of a drive that offers other things.
+    /// Returns the drive with other capabilities.
     #[must_use]
     pub fn offering(self, capabilities: Capabilities) -> Self {
         Self { capabilities, ..self }
     }
 
-    /// What it offers.
+    /// Returns the capabilities.
     pub fn capabilities(&self) -> Capabilities {
         self.capabilities
     }
@@ -178,43 +178,43 @@ impl SimDrive {
         self.emergency = Some(emergency);
     }
 
-    /// Lets its encoder tell words of that form.
+    /// Sets the form of the process data of its encoder.
     pub fn speak(&mut self, form: Form) {
         self.word = Word::new(form);
     }
 
-    /// Turns bits of the next `words` words of its encoder over.
+    /// Inverts bits of the next `words` readings of its encoder.
     pub fn disturb(&mut self, bits: i64, words: u32) {
         self.word.disturb(bits, words);
     }
 
-    /// Lets its encoder tell so many counts for each from now on: 0 where it is dead, -1 where its tracks are swapped.
+    /// Sets the factor of the counts of its encoder: 0 for a dead one, -1 for swapped tracks.
     pub fn count_by(&mut self, factor: i64) {
         self.word.count_by(factor);
     }
 
-    /// Cuts the line of its encoder for good: an absolute one has no words any more; of an incremental one the drive tells it, as
-    /// a fault of its encoder (7305h).
+    /// Cuts the line of its encoder permanently: an absolute encoder sends no more data; for an incremental one the
+    /// drive reports a fault of its encoder (7305h).
     pub fn cut_encoder(&mut self) {
         if self.word.is_absolute() { self.word.cut() } else { self.inject_fault(0x7305) }
     }
 
-    /// Where its axis stands (inc), by the counts of a scenario where there are any.
+    /// Returns the position of its axis (inc), from the counts of a scenario if there are any.
     pub(super) fn place(&self) -> i64 {
         self.driven.way().map_or(self.place, |(_, to)| to.wrapping_add(self.driven.origin()))
     }
 
-    /// Gives the counts of the next cycle, as it would tell them.
+    /// Sets the counts of the next cycle, in the form of its process data.
     pub(super) fn replace_count(&mut self, raw: i64) {
         self.driven.give(raw);
     }
 
-    /// Whether it stands somewhere else in this cycle without having moved.
+    /// Returns true if its position has changed in this cycle without motion.
     pub(super) fn is_elsewhere(&self) -> bool {
         self.driven.is_elsewhere()
     }
 
-    /// Where that stands which turns an encoder of the axis (inc).
+    /// Returns the position that turns an encoder of the axis (inc).
     pub(super) fn turned(&self) -> i64 {
         match &self.motion {
             Motion::Servo(servo) if servo.reads_load() => self.place.wrapping_add(servo.load()),
@@ -222,7 +222,7 @@ impl SimDrive {
         }
     }
 
-    /// Where its load stands, whatever an encoder reads (inc of the motor).
+    /// Returns the position of its load, independently of any encoder (inc of the motor).
     #[cfg(test)]
     pub(crate) fn load_place(&self) -> i64 {
         match &self.motion {
@@ -231,14 +231,14 @@ impl SimDrive {
         }
     }
 
-    /// Puts switches and an index along its way, and the axis to its start: its counts are 0 there.
+    /// Installs switches and an index, and sets the start position of the axis: its counts are 0 there.
     pub fn fit(&mut self, fixtures: Fixtures) {
         self.origin = fixtures.start.wrapping_sub(self.count);
         (self.place, self.place_before) = (fixtures.start, fixtures.start);
         self.fixtures = fixtures;
     }
 
-    /// Lets its counts begin anew where it stands, as after its power came back.
+    /// Restarts its counts at the present position, as after power-on.
     pub fn renew_counts(&mut self) {
         self.origin = self.origin.wrapping_add(self.count);
         let moved = self.count;
@@ -250,22 +250,23 @@ impl SimDrive {
         }
     }
 
-    /// Lets its index give no pulses any more.
+    /// Stops the pulses of its index.
     pub fn lose_index(&mut self) {
         self.index_lost = true;
     }
 
-    /// Lets a lost index give its pulses again.
+    /// Restores the pulses of its index.
     pub fn find_index(&mut self) {
         self.index_lost = false;
     }
 
-    /// Lets digital inputs (60FDh) be stuck: those of `mask` read as in `value`.
+    /// Makes digital inputs (60FDh) stuck: those of `mask` read as in `value`.
     pub fn stick(&mut self, mask: u32, value: u32) {
         self.stuck = (mask, value & mask);
     }
 
-    /// Hangs a load, a brake and wires on it. Switches that are wired to somewhere else do not read at the drive.
+    /// Attaches a load, a brake and wiring. Switches that are wired to digital inputs of the cell do not read at the
+    /// drive.
     pub(super) fn hang(&mut self, mechanics: &Mechanics) {
         self.hidden = mechanics.wired();
         self.load = mechanics.load;
@@ -276,7 +277,7 @@ impl SimDrive {
         }
     }
 
-    /// Wires it to a voltage, if there is one.
+    /// Sets its voltage interface, if any.
     pub(super) fn wire(&mut self, analog: Option<Analog>) {
         self.analog = analog;
     }
@@ -285,24 +286,24 @@ impl SimDrive {
         self.analog.as_ref()
     }
 
-    /// Does its contact tell that it may be enabled?
+    /// Returns the state of its ready contact.
     pub(super) fn is_ready(&self) -> bool {
         self.online && !matches!(self.state, DriveState::Fault | DriveState::FaultReaction)
     }
 
-    /// The switches along its way (bits of 60FDh), wherever they are wired to.
+    /// Returns its actuated switches (bits of 60FDh), however they are wired.
     pub(super) fn actuated(&self) -> u32 {
         let (mask, value) = self.stuck;
         self.fixtures.inputs(self.place) & !mask | value
     }
 
-    /// What a switch, a bit of those inputs, has done on the way of this cycle, in its order: how long ago (ns), and whether it is
-    /// actuated since then.
+    /// Returns the edges of a switch (a bit of those inputs) in this cycle, in their order: their age (ns), and whether
+    /// the switch is actuated afterwards.
     pub(super) fn switched(&self, switch: u32) -> [Option<(u32, bool)>; 2] {
         if self.stuck.0 & switch != 0 {
             return [None; 2];
         }
-        // Places beyond all machines are none that a switch stands at.
+        // A position beyond the range of machines is not at a switch.
         let way = self.place.saturating_sub(self.place_before) as f64;
         self.fixtures.edges_passed(switch, self.place_before, self.place).map(|edge| {
             let (place, is_on) = edge?;
@@ -311,7 +312,7 @@ impl SimDrive {
         })
     }
 
-    /// Lets something hold it where it stands, or lets it go.
+    /// Jams or releases the axis.
     pub fn jam(&mut self, jammed: bool) {
         self.jammed = jammed;
     }
@@ -327,17 +328,18 @@ impl SimDrive {
         self.online = false;
     }
 
-    /// Brings a lost drive back.
+    /// Reconnects a lost drive.
     pub fn find(&mut self) {
         self.online = true;
     }
 
-    /// Lets its encoder read `by` more counts from the next inputs on, as after a slip; switched on, it works that off.
+    /// Adds `by` counts to the reading of its encoder from the next inputs on, as after a slip; an enabled drive then
+    /// corrects the difference.
     pub fn jump(&mut self, by: i64) {
         self.pending_jump = self.pending_jump.wrapping_add(by);
     }
 
-    /// What it tells now, after it has done what reached it.
+    /// Executes the outputs that arrive now, and returns its inputs.
     pub(super) fn read(&mut self) -> DriveInput {
         if let Some(output) = self.on_the_way.pop_front() {
             self.obey(output);
@@ -375,8 +377,8 @@ impl SimDrive {
         }
     }
 
-    /// What the encoder of a motor reads too much, and its torque (per mille). Its velocity is what its counts have changed by over the
-    /// cycle, as a drive knows no other one; where its homing moves it, that of its homing.
+    /// Returns the error of the encoder reading of a motor, and its torque (per mille). The velocity is the change of
+    /// the counts over the cycle, as in a real drive; during homing of the drive it is that of homing.
     fn measure(&mut self) -> (i64, f64) {
         let Motion::Servo(servo) = &mut self.motion else { return (0, 0.0) };
         let noise = servo.read();
@@ -392,14 +394,14 @@ impl SimDrive {
         self.on_the_way.push_back(output);
     }
 
-    /// Bits 10, 12 and 13 in mode homing.
+    /// Returns bits 10, 12 and 13 in mode homing.
     fn homing_status(&self) -> u16 {
         let InDrive { runs, attained, failed, .. } = self.homing;
         let bit = |on: bool, bit: u16| if on && self.mode == MODE_HOMING { bit } else { 0 };
         bit(attained, STATUS_HOMING_ATTAINED) | bit(failed, STATUS_HOMING_ERROR) | bit(!runs, STATUS_TARGET_REACHED)
     }
 
-    /// One cycle of homing of its own.
+    /// Executes one cycle of homing by the drive.
     fn home(&mut self, order: HomingOrder, starts: bool) {
         if starts {
             self.homing = InDrive::start(order.method);
@@ -427,7 +429,7 @@ impl SimDrive {
         }
     }
 
-    /// What digital outputs do to it: they work its brake, and tell the sign of its reference.
+    /// Applies the digital outputs of the cell, which control its brake and the sign of its reference.
     pub(super) fn wired_to(&mut self, output: DriveOutput, all: &Outputs) -> DriveOutput {
         if let Some(brake) = &mut self.brake {
             brake.step(all, self.cycle_ns);
@@ -467,7 +469,7 @@ impl SimDrive {
         {
             self.coast(lag);
         } else if self.motion.has_velocity_only() || matches!(output.mode, Mode::Velocity | Mode::Speed) {
-            // Without its voltage a motor is asked for nothing, and runs down.
+            // Without its voltage a motor has no setpoint, and coasts.
             let asked = if is_on && output.velocity.is_finite() { output.velocity } else { 0.0 };
             let asked = if self.motion.is_inverted() { 0.0 - asked } else { asked };
             self.run_at(asked.clamp(-FASTEST, FASTEST));
@@ -483,7 +485,7 @@ impl SimDrive {
         self.rest_here();
     }
 
-    /// Nothing holds the load for one cycle.
+    /// Lets the load fall freely for one cycle.
     fn fall(&mut self) {
         let cycle_s = self.cycle_ns as f64 / 1e9;
         let mean = self.velocity + self.load * cycle_s / 2.0;
@@ -492,14 +494,14 @@ impl SimDrive {
         self.rest_here();
     }
 
-    /// One cycle without power, in which friction brakes it.
+    /// Executes one cycle without power, with braking by friction.
     fn coast(&mut self, lag: Lag) {
         let mean = lag.cycle(&mut self.velocity, 0.0);
         self.count = self.count.wrapping_add(self.travel.advance(mean, self.cycle_ns));
         self.rest_here();
     }
 
-    /// A regulator that takes over begins here.
+    /// Starts a controller from the present state.
     fn rest_here(&mut self) {
         match &mut self.motion {
             Motion::SecondOrder { state, acceleration, .. } => {
@@ -511,7 +513,8 @@ impl SimDrive {
         }
     }
 
-    /// One cycle of a motor: with a torque, with a velocity, or without current; quick stop brakes it by its own loop.
+    /// Executes one cycle of a motor: with a torque, with a velocity, or without current; quick stop brakes with its
+    /// own loop.
     fn turn(&mut self, output: DriveOutput, is_held: bool) {
         let Motion::Servo(servo) = &mut self.motion else { return };
         let sense = if servo.is_inverted() { -1.0 } else { 1.0 };
@@ -546,7 +549,7 @@ impl SimDrive {
         }
     }
 
-    /// One cycle towards a velocity (inc/s).
+    /// Executes one cycle towards a velocity (inc/s).
     fn run_at(&mut self, setpoint: f64) {
         let velocity = &mut self.velocity;
         let mean = match &mut self.motion {
@@ -564,7 +567,7 @@ impl SimDrive {
                 let new = on_the_way.get(1).copied().unwrap_or(setpoint);
                 law.step(velocity, old, new)
             }
-            // A motor turns by its torque.
+            // A motor is turned by its torque.
             Motion::Servo(_) => return,
         };
         self.count = self.count.wrapping_add(self.travel.advance(mean, self.cycle_ns));

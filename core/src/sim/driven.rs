@@ -1,31 +1,33 @@
-//! Counts that a scenario puts in the place of those of a source, as far as the plant sees them.
+//! Counts of a scenario that replace those of a source in the plant.
 //!
-//! Law      way(0) = count(0); way(k) = way(k-1) + the shortest way from count(k-1) to count(k). Index pulses and printed marks lie on
-//!          that way. Where it begins and where it ends nothing is passed: that is no motion
+//! Law      way(0) = count(0); way(k) = way(k-1) + the shortest distance from count(k-1) to count(k). Index pulses and
+//!          printed marks are on that path. The change to the counts of the scenario and back is no motion, and passes
+//!          nothing
 //! Source   contract section 5
 
 use super::word::Word;
 
-/// Counts that are given for a cycle, and the way that they have gone.
+/// Counts given for a cycle, and their accumulated travel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct DrivenCount {
-    /// Of the next cycle.
+    /// Counts of the next cycle.
     given: Option<i64>,
-    /// From the count of the last cycle to that of this one; none where the source tells its own.
+    /// Counts of the last cycle and of this one; `None` while the source uses its own counts.
     way: Option<(i64, i64)>,
-    /// Place of count 0 when the way began: a slip of the source's own counts later on does not move the given ones.
+    /// Position of count 0 when the counts were first given: a later slip of the own counts of the source does not
+    /// shift the given ones.
     origin: i64,
-    /// The way has begun, or ended, in this cycle.
+    /// Whether the given counts began or ended in this cycle.
     is_elsewhere: bool,
 }
 
 impl DrivenCount {
-    /// Gives the counts of the next cycle, as the source would tell them.
+    /// Sets the counts of the next cycle, in the form of the source.
     pub(super) fn give(&mut self, raw: i64) {
         self.given = Some(raw);
     }
 
-    /// Takes them, once in each cycle; `origin` is the place of count 0 of the source's own counts.
+    /// Applies the given counts, once per cycle; `origin` is the position of count 0 of the own counts of the source.
     pub(super) fn step(&mut self, word: &Word, origin: i64) {
         if self.way.is_none() {
             self.origin = origin;
@@ -39,17 +41,17 @@ impl DrivenCount {
         self.way = next;
     }
 
-    /// The way of this cycle; none where the source tells its own counts.
+    /// Returns the travel of this cycle; `None` while the source uses its own counts.
     pub(super) fn way(&self) -> Option<(i64, i64)> {
         self.way
     }
 
-    /// Place of count 0 of the given counts.
+    /// Returns the position of count 0 of the given counts.
     pub(super) fn origin(&self) -> i64 {
         self.origin
     }
 
-    /// Whether the source is somewhere else in this cycle without having moved there.
+    /// Returns true if the position of the source has changed in this cycle without motion.
     pub(super) fn is_elsewhere(&self) -> bool {
         self.is_elsewhere
     }

@@ -1,7 +1,7 @@
-//! A simulated encoder of section `encoders`.
+//! Simulated encoder of section `encoders`.
 //!
-//! Law      count = way of the drive that turns it + what it has slipped; its index lies at each multiple of `every` of the way
-//!          counts of a scenario in the place of these are the way for index pulses and marks
+//! Law      count = travel of the drive that turns it + slip; its index is at each multiple of `every`; counts of a
+//!          scenario replace this travel for index pulses and marks
 //! Source   MACS-ENC-12, WF-INC-01, WF-MON-01, -02
 
 use super::driven::DrivenCount;
@@ -16,12 +16,12 @@ use crate::encoder::Form;
 pub(super) struct SimEncoder {
     word: Word,
     fixtures: Fixtures,
-    /// Place of the drive that turns it.
+    /// Index of the drive that turns it.
     drive: Option<usize>,
-    /// Where it stands, and stood in the cycle before.
+    /// Position in this cycle and in the previous one.
     way: i64,
     before: i64,
-    /// Counts that it has too many.
+    /// Surplus counts.
     slip: i64,
     index_lost: bool,
     epoch: u32,
@@ -48,27 +48,27 @@ impl SimEncoder {
         self.drive
     }
 
-    /// Turns to where its drive stands.
+    /// Turns the encoder to the position of its drive.
     pub(super) fn turn_to(&mut self, way: i64) {
         self.way = way;
     }
 
-    /// Where it stands, whatever it has slipped.
+    /// Returns its position, without slip.
     pub(super) fn way(&self) -> i64 {
         self.driven.way().map_or(self.way, |(_, to)| to)
     }
 
-    /// Gives the counts of the next cycle, as it would tell them.
+    /// Sets the counts of the next cycle, in the form of its process data.
     pub(super) fn replace_count(&mut self, raw: i64) {
         self.driven.give(raw);
     }
 
-    /// Whether it stands somewhere else in this cycle without having been turned.
+    /// Returns true if its position has changed in this cycle without motion.
     pub(super) fn is_elsewhere(&self) -> bool {
         self.driven.is_elsewhere()
     }
 
-    /// Reads `by` more counts: one that nobody turns has been turned, else it slips.
+    /// Adds `by` counts: an encoder without a drive is turned, otherwise it slips.
     pub(super) fn jump(&mut self, by: i64) {
         match self.drive {
             None => self.way = self.way.wrapping_add(by),
@@ -76,12 +76,12 @@ impl SimEncoder {
         }
     }
 
-    /// Reads `by` more counts than it was turned.
+    /// Adds `by` counts without turning the encoder.
     pub(super) fn slip(&mut self, by: i64) {
         self.slip = self.slip.wrapping_add(by);
     }
 
-    /// Its power was away: it counts from 0 again.
+    /// Restarts the encoder after a loss of power: it counts from 0 again.
     pub(super) fn restart(&mut self) {
         self.epoch = self.epoch.wrapping_add(1);
         self.slip = self.way.wrapping_neg();
@@ -106,7 +106,7 @@ impl SimEncoder {
     pub(super) fn read(&mut self) -> EncoderInput {
         let before = std::mem::replace(&mut self.before, self.way);
         self.driven.step(&self.word, 0);
-        // Given counts are what is told: they have slipped already.
+        // Given counts are the reported ones, including any slip.
         let (from, to, slip) = match self.driven.way() {
             Some((from, to)) => (from, to, 0),
             None => (before, self.way, self.slip),
@@ -115,14 +115,14 @@ impl SimEncoder {
         EncoderInput {
             count: self.word.tell(self.way.wrapping_add(self.slip)),
             epoch: self.epoch,
-            // An incremental encoder has tracks that tell a broken line; a serial one has words that are none.
+            // An incremental encoder detects a broken line by its tracks; a serial one sends invalid data.
             valid: !self.word.is_broken(),
             index: passed.map(|place| self.word.of(place.wrapping_add(slip))),
         }
     }
 }
 
-/// Where nothing else is said: counts as they are.
+/// The default form: counts without encoding.
 impl Default for Word {
     fn default() -> Self {
         Self::new(Form::Incremental(64))

@@ -1,7 +1,7 @@
-//! What stands along the way of a simulated axis: switches and the index of its encoder.
+//! Switches and encoder index along the travel of a simulated axis.
 //!
-//! Law      place = raw counts + where the axis stood at count 0; a switch is actuated by the place alone, and an index pulse
-//!          comes with each passage of `at` + n `every`
+//! Law      position = raw counts + position of the axis at count 0; a switch is actuated by the position alone, and
+//!          each passage of `at` + n `every` gives an index pulse
 //! Source   contract section 8, WF-INC-01
 
 use crate::drive::inputs;
@@ -11,27 +11,27 @@ use crate::drive::inputs;
 pub struct Index {
     /// Increments between two pulses, above 0.
     pub every: i64,
-    /// Where one of them lies.
+    /// Position of one of the pulses.
     pub at: i64,
 }
 
-/// What stands along the way of an axis, by its place (inc).
+/// Switches and index of an axis, by position (inc).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Fixtures {
-    /// Where the axis stands at the start, where its counts are 0.
+    /// Position of the axis at the start, where its counts are 0.
     pub start: i64,
     /// Index pulses.
     pub index: Option<Index>,
-    /// The reference switch is actuated from the first to the second place, both included.
+    /// Range of the actuated reference switch, both ends included.
     pub home: Option<(i64, i64)>,
-    /// The negative limit switch is actuated up to here.
+    /// Upper end of the range of the actuated negative limit switch.
     pub negative: Option<i64>,
-    /// The positive limit switch is actuated from here on.
+    /// Lower end of the range of the actuated positive limit switch.
     pub positive: Option<i64>,
 }
 
 impl Fixtures {
-    /// The digital inputs of the drive (60FDh) at a place.
+    /// Returns the digital inputs of the drive (60FDh) at a position.
     pub(super) fn inputs(&self, place: i64) -> u32 {
         let bit = |bit: u32| match self.range(bit) {
             Some((from, to)) if (from..=to).contains(&place) => bit,
@@ -40,7 +40,7 @@ impl Fixtures {
         bit(inputs::NEGATIVE_LIMIT) | bit(inputs::POSITIVE_LIMIT) | bit(inputs::HOME)
     }
 
-    /// From where to where a switch, a bit of those inputs, is actuated, both included.
+    /// Returns the range in which a switch (a bit of those inputs) is actuated, both ends included.
     fn range(&self, switch: u32) -> Option<(i64, i64)> {
         match switch {
             inputs::NEGATIVE_LIMIT => self.negative.map(|end| (i64::MIN, end)),
@@ -50,8 +50,8 @@ impl Fixtures {
         }
     }
 
-    /// The edges of a switch on the way from one place to another, in their order: the outermost place at which it is actuated,
-    /// and whether it is so from there on.
+    /// Returns the edges of a switch between two positions, in their order: the outermost position at which it is
+    /// actuated, and whether it is actuated afterwards.
     pub(super) fn edges_passed(&self, switch: u32, from: i64, to: i64) -> [Option<(i64, bool)>; 2] {
         let Some((low, high)) = self.range(switch).filter(|(low, high)| low <= high) else { return [None; 2] };
         let (near, far) = if to > from { (low, high) } else { (high, low) };
@@ -60,10 +60,10 @@ impl Fixtures {
         [enters.then_some((near, true)), leaves.then_some((far, false))]
     }
 
-    /// The last index pulse on the way from one place, which is left out, to another, which belongs to it.
+    /// Returns the last index pulse between two positions; the first position is excluded, the second one included.
     pub(super) fn index_passed(&self, from: i64, to: i64) -> Option<i64> {
         let Index { every, at } = self.index.filter(|index| index.every > 0)?;
-        // Places beyond all machines wrap, as the counts do.
+        // Positions beyond the range of machines wrap, like the counts.
         let after = to.wrapping_sub(at).rem_euclid(every);
         if to > from {
             Some(to.wrapping_sub(after)).filter(|pulse| *pulse > from)

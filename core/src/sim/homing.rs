@@ -1,35 +1,35 @@
-//! Homing that a simulated drive runs by itself: without ramps, increment by increment, so that it is exact at any velocity.
+//! Homing by a simulated drive itself: without ramps, increment by increment, so that it is exact at any velocity.
 //!
-//! Law      the legs of the method, one increment after the other; the reference is the zero of its counts from then on
+//! Law      the phases of the method, one increment after the other; afterwards the reference is the zero of the counts
 //! Source   CiA 402-2, homing mode
 
 use super::Fixtures;
 use crate::axis::homing_methods::{Leg, Speed, Switch, Until, legs};
 use crate::drive::inputs;
 
-/// Most increments of a cycle.
+/// Maximum increments per cycle.
 const MOST: f64 = 1e6;
 
-/// Homing under way in a drive, or as it ended.
+/// Homing by a drive, or its result.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct InDrive {
     method: i8,
     leg: usize,
     turned: bool,
-    /// Found; its counts begin anew in the next cycle, in which it stands.
+    /// Reference that was found; the counts restart in the next cycle, in which the axis rests.
     found: Option<i64>,
-    /// Under way, and not over.
+    /// Whether homing runs.
     pub runs: bool,
     pub attained: bool,
     pub failed: bool,
 }
 
-/// What stands along the way that it walks.
+/// Switches and index along the travel.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     pub fixtures: Fixtures,
     pub has_index: bool,
-    /// Bits of the digital inputs that are stuck, and how.
+    /// Stuck bits of the digital inputs, and their values.
     pub stuck: (u32, u32),
 }
 
@@ -46,7 +46,7 @@ impl Way {
 }
 
 impl InDrive {
-    /// The start bit rises.
+    /// Starts homing at the rising start bit.
     pub(super) fn start(method: i8) -> Self {
         Self { method, runs: true, ..Self::default() }
     }
@@ -55,8 +55,8 @@ impl InDrive {
         legs(self.method.into()).get(self.leg)
     }
 
-    /// One cycle from `place` on, with the increments of a search and those towards the zero along `way`: where it is then, and the reference
-    /// once it is found.
+    /// Executes one cycle from `place`, with the increments of the search and of the approach to the zero: returns the
+    /// new position, and the reference once it is found.
     pub(super) fn step(&mut self, place: i64, [search, zero]: [f64; 2], way: &Way) -> (i64, Option<i64>) {
         if let Some(reference) = self.found {
             (self.runs, self.attained) = (false, true);
@@ -82,7 +82,7 @@ impl InDrive {
         (here, None)
     }
 
-    /// The reference, where the step from `here` to `next` finds it.
+    /// Returns the reference if the step from `here` to `next` finds it.
     fn look(&mut self, leg: &Leg, here: i64, next: i64, way: &Way) -> Option<i64> {
         let is_on = |place: i64, switch: Switch| way.is_on(place, switch);
         let (edge, place) = match leg.until {

@@ -1,64 +1,64 @@
-//! Marks printed on a way.
+//! Printed marks along a web.
 //!
-//! Law      mark n begins at first + n every + every stretch (sin w + sin 2w + .. + sin nw) + jitter u, with w = 2 pi / period and
-//!          -1 <= u < 1, and is `width` long; an extra one begins half-way to mark n + 1, both without jitter. u, what is lost
-//!          and what is extra are a hash of seed and n: a mark is the same however often the way passes it. An input sees
-//!          one from its beginning on, until its end; one without a width gives an edge that rises, and no level
-//! Refuses  marks that could overlap, as [`Marks::is_sound`]
+//! Law      mark n begins at first + n every + every stretch (sin w + sin 2w + .. + sin nw) + jitter u, with w = 2 pi /
+//!          period and -1 <= u < 1, and is `width` long; an extra mark begins halfway to mark n + 1, both without
+//!          jitter. u, lost and extra marks are a hash of seed and n: a mark is the same in every pass. An input is
+//!          active from the beginning of a mark until its end; a mark without a width gives a rising edge, and no level
+//! Refuses  marks that could overlap, see [`Marks::is_sound`]
 //! Source   contract section 3, MACS-MARK-05, -07
 
 use crate::drive::Edge;
 use crate::position::Position;
 use std::f64::consts::PI;
 
-/// Marks of one cycle that are looked at; what passes beyond is more than any input tells.
+/// Maximum marks per cycle; more than any input can report.
 const MOST_PASSED: i128 = 4_096;
 
-/// A web that stretches and comes back.
+/// Periodic stretch of the web.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stretch {
-    /// Most of it, as a part of the distance between two marks.
+    /// Maximum stretch, as a fraction of the distance between two marks.
     pub share: f64,
-    /// Marks until it is the same again, 2 and above.
+    /// Marks per period, 2 and above.
     pub period: u32,
 }
 
 impl Stretch {
-    /// Distances that mark n lies beside its place because of it: what the sines up to n add up to.
+    /// Returns the displacement of mark n, in mark distances: the sum of the sines up to n.
     fn sum(self, n: i128) -> f64 {
         let half = PI / f64::from(self.period);
         let place = n.rem_euclid(i128::from(self.period).max(1)) as f64;
         self.share * (libm::cos(half) - libm::cos((2.0 * place + 1.0) * half)) / (2.0 * libm::sin(half))
     }
 
-    /// No fewer than that ever are.
+    /// Returns an upper bound of the displacement.
     fn most(self) -> f64 {
         self.share / libm::sin(PI / f64::from(self.period))
     }
 }
 
-/// Marks along a way.
+/// Marks along a web.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Marks {
-    /// From one to the next (inc).
+    /// Distance between marks (inc).
     pub every: Position,
-    /// Where mark 0 begins (inc).
+    /// Beginning of mark 0 (inc).
     pub first: Position,
-    /// How long one is (inc).
+    /// Length of a mark (inc).
     pub width: Position,
-    /// How far one may lie beside its place (inc).
+    /// Maximum deviation of a mark from its place (inc).
     pub jitter: Position,
-    /// What the web does between them.
+    /// Stretch of the web between marks.
     pub stretch: Option<Stretch>,
-    /// Part of the marks that is not there.
+    /// Fraction of the marks that are missing.
     pub lost: f64,
-    /// Part of the marks that is followed by another one.
+    /// Fraction of the marks that are followed by an extra one.
     pub extra: f64,
-    /// What all of that is drawn from.
+    /// Seed of all random values.
     pub seed: u64,
 }
 
-/// What is drawn for a mark.
+/// Random property of a mark.
 #[derive(Clone, Copy)]
 enum Drawn {
     Jitter = 1,
@@ -74,12 +74,12 @@ pub(super) fn mix(bits: u64) -> u64 {
 }
 
 impl Marks {
-    /// The shortest way from a mark to what comes next, half-way to the next mark.
+    /// Returns the minimum distance from a mark to the following object, halfway to the next mark.
     fn least_way(&self) -> f64 {
         self.every.to_f64() * (1.0 - self.stretch.map_or(0.0, |stretch| stretch.share)) / 2.0
     }
 
-    /// Do no two of them overlap, wherever they lie?
+    /// Returns true if no two marks can overlap.
     pub fn is_sound(&self) -> bool {
         let is_share = |share: f64| (0.0..=1.0).contains(&share);
         self.every >= Position::whole(1)
@@ -91,21 +91,21 @@ impl Marks {
             && self.width.to_f64() + self.jitter.to_f64() < self.least_way()
     }
 
-    /// A number of mark n, 0 <= number < 1.
+    /// Returns a random number of mark n, 0 <= number < 1.
     fn draw(&self, n: i128, what: Drawn) -> f64 {
-        // Of 128 bits the lower half tells any two marks of a way apart.
+        // The lower half of 128 bits distinguishes any two marks of a web.
         let bits = mix(mix(mix(self.seed) ^ n as u64).wrapping_add(what as u64));
         (bits >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Where mark n begins without jitter (2^-32 inc).
+    /// Returns the beginning of mark n without jitter (2^-32 inc).
     fn place(&self, n: i128) -> i128 {
         let beside = self.stretch.map_or(0.0, |stretch| self.every.to_f64() * stretch.sum(n));
         let straight = self.every.raw().saturating_mul(n).saturating_add(self.first.raw());
         straight.saturating_add(Position::from_f64(beside).raw())
     }
 
-    /// The last mark that begins without jitter at a place, or before it.
+    /// Returns the last mark that begins, without jitter, at or before a position.
     fn last_at(&self, place: i128) -> i128 {
         let near = place.saturating_sub(self.first.raw()).checked_div_euclid(self.every.raw()).unwrap_or(0);
         let beside = self.stretch.map_or(0, |stretch| libm::ceil(stretch.most()) as i128) + 1;
@@ -121,7 +121,7 @@ impl Marks {
         low
     }
 
-    /// Where what stands at mark n begins and ends: itself, and an extra one.
+    /// Returns beginning and end of mark n and of its extra mark.
     fn at(&self, n: i128) -> [Option<[i128; 2]>; 2] {
         let long = |from: i128| [from, from.saturating_add(self.width.raw())];
         let place = self.place(n);
@@ -136,16 +136,16 @@ impl Marks {
         [itself, extra]
     }
 
-    /// Does an input see one there?
+    /// Returns true if an input detects a mark at the position.
     pub(super) fn is_seen(&self, place: i64) -> bool {
         let place = Position::whole(place).raw();
-        // What belongs to the next mark is all beyond its place without jitter, less the jitter.
+        // Everything of the next mark is after its place without jitter, minus the jitter.
         let last = self.last_at(place.saturating_add(self.jitter.raw()));
         self.at(last).iter().flatten().any(|[from, to]| (*from..*to).contains(&place))
     }
 
-    /// Tells the edges on the way from one place, which is left out upwards, to another, in their order: which part of that way is left
-    /// then.
+    /// Reports the edges between two positions in their order, each with the fraction of the travel that is left; in
+    /// positive direction the first position is excluded.
     pub(super) fn pass(&self, from: i64, to: i64, mut tell: impl FnMut(f64, Edge)) {
         let is_forward = to > from;
         let [low, high, end] = [from.min(to), from.max(to), to].map(|place| Position::whole(place).raw());

@@ -1,9 +1,9 @@
-//! What hangs on a simulated drive beside its motor: switches and an index along its way and where the switches are wired to, a
-//! load, a brake, outputs that tell a drive the sign of its reference.
+//! Mechanics of a simulated drive in addition to its motor: switches and their wiring, index, load, brake, and outputs
+//! for the sign of the reference.
 //!
-//! Law      a switch with a wire reads at its digital input and not at the drive; one without reads at the drive (60FDh). A
-//!          load falls with its acceleration while neither power nor brake holds it; a closed brake holds against the motor,
-//!          too
+//! Law      a wired switch reads at its digital input and not at the drive; a switch without a wire reads at the drive
+//!          (60FDh). A load falls with its acceleration while neither power nor brake holds it; a closed brake holds
+//!          against the motor, too
 //! Source   contract sections 3 and 8, MACS-DIR-08, MACS-DIR-09
 
 use super::Fixtures;
@@ -14,43 +14,43 @@ use crate::drive::Outputs;
 pub struct Wire {
     /// Bit of the switch in the digital inputs of a drive, see [`crate::drive::inputs`].
     pub switch: u32,
-    /// The digital input, by its place among those of the cell.
+    /// Index among the digital inputs of the cell.
     pub input: usize,
-    /// A normally closed contact: 0 while it is actuated.
+    /// Whether the contact is normally closed: 0 while it is actuated.
     pub normally_closed: bool,
 }
 
 impl Wire {
-    /// The level at the input.
+    /// Returns the level at the input.
     pub(super) fn level(&self, actuated: u32) -> bool {
         (actuated & self.switch != 0) != self.normally_closed
     }
 }
 
-/// A brake that a digital output works.
+/// A brake that a digital output controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SimBrake {
-    /// The output, by its place among the digital outputs.
+    /// Index among the digital outputs.
     pub output: usize,
-    /// The output is 1 to close it; else 1 to open it.
+    /// Whether output 1 closes the brake; otherwise it opens it.
     pub closes_with_one: bool,
-    /// From the output to an open brake (ns).
+    /// Time from the output to the open brake (ns).
     pub opens_ns: u64,
-    /// From the output to a closed brake (ns).
+    /// Time from the output to the closed brake (ns).
     pub closes_ns: u64,
 }
 
-/// How a drive without a sign in its reference learns it: by places among the digital outputs.
+/// Outputs for the sign of a drive whose reference has none: indices among the digital outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
-    /// 1: backwards.
+    /// 1: negative direction.
     Direction(usize),
-    /// Forwards while the first is 1, backwards while the second is.
+    /// Positive direction while the first output is 1, negative while the second one is.
     Enables(usize, usize),
 }
 
 impl Sign {
-    /// The reference with its sign; 0 where nothing or both is enabled.
+    /// Returns the reference with its sign; 0 if none or both are enabled.
     pub(super) fn of(self, reference: f64, outputs: &Outputs) -> f64 {
         match self {
             Self::Direction(output) if outputs.digital(output) => 0.0 - reference,
@@ -64,37 +64,37 @@ impl Sign {
     }
 }
 
-/// What hangs on one simulated drive.
+/// Mechanics of one simulated drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mechanics {
-    /// Along its way.
+    /// Switches and index.
     pub fixtures: Fixtures,
     /// Switches that are wired to digital inputs: reference, negative, positive.
     pub wires: [Option<Wire>; 3],
-    /// What a hanging load does when nothing holds it (counts/s^2); 0 where nothing hangs.
+    /// Acceleration of a hanging load without brake and power (counts/s^2); 0 without such a load.
     pub load: f64,
     /// Its brake.
     pub brake: Option<SimBrake>,
-    /// Outputs that tell the sign.
+    /// Outputs for the sign of the reference.
     pub sign: Option<Sign>,
 }
 
 impl Mechanics {
-    /// Bits of the switches that the drive does not see.
+    /// Returns the bits of the switches that do not read at the drive.
     pub(super) fn wired(&self) -> u32 {
         self.wires.iter().flatten().fold(0, |bits, wire| bits | wire.switch)
     }
 }
 
-/// The brake as it moves.
+/// State of a brake.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Brake {
     law: SimBrake,
-    /// What its output asks for.
+    /// Whether its output commands it to close.
     closes: bool,
-    /// Cycles since the output asks for that.
+    /// Cycles since that command.
     since: u64,
-    /// Where it is.
+    /// Whether it is closed.
     pub closed: bool,
 }
 
@@ -103,7 +103,7 @@ impl Brake {
         Self { law, closes: true, since: 0, closed: true }
     }
 
-    /// One cycle with these outputs.
+    /// Executes one cycle with these outputs.
     pub(super) fn step(&mut self, outputs: &Outputs, cycle_ns: u64) {
         let closes = outputs.digital(self.law.output) == self.law.closes_with_one;
         self.since = if closes == self.closes { self.since.saturating_add(1) } else { 0 };

@@ -1,9 +1,9 @@
-//! The simulated plant: drives, encoders and I/O, deterministic and as fast as the cycle.
+//! Simulated plant: drives, encoders and I/O, deterministic and as fast as the cycle.
 //!
-//! Law      what the outputs of k ask shows in the inputs of k + 1 + delay (contract section 1)
-//! Reads    outputs; what a scenario injects
+//! Law      outputs of cycle k take effect in the inputs of cycle k + 1 + delay (contract section 1)
+//! Reads    outputs; faults that a scenario injects
 //! Writes   inputs
-//! Refuses  nothing: what is wrong with a model is refused when it is made
+//! Refuses  nothing: errors of a model are reported at its creation
 //! Source   contract sections 3 and 8
 
 mod analog;
@@ -40,26 +40,26 @@ use analog::Analog;
 use encoder::SimEncoder;
 use sensors::Sensor;
 
-/// How a simulated drive follows its setpoint.
+/// Model of a simulated drive: its response to the setpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Model {
-    /// actual(k) = command(k - 1 - delay); a velocity is there at once.
+    /// actual(k) = command(k - 1 - delay); a velocity is reached at once.
     #[default]
     Ideal,
     /// A damped second-order system between the setpoint and the position, or the velocity.
     SecondOrder(SecondOrder),
-    /// A lag between the velocity's setpoint and the velocity.
+    /// A lag between the velocity setpoint and the velocity.
     Velocity(VelocityLag),
     /// A motor that runs at selected speeds and coasts when it is switched off.
     TwoSpeed(TwoSpeed),
-    /// A hydraulic motor behind a valve.
+    /// A hydraulic motor with a valve.
     Valve(Valve),
-    /// A motor with its mechanics, which is given a torque, or a velocity for a loop of its drive.
+    /// A motor with its mechanics; its setpoint is a torque, or a velocity for a loop of its drive.
     Motor(Motor),
 }
 
 impl Model {
-    /// The same motor wired so that it turns against its setpoint, if `inverted`; a model of positions stays what it is.
+    /// Returns the same motor with inverted direction, if `inverted`; a model of positions does not change.
     pub fn wired(self, inverted: bool) -> Self {
         let mut model = self;
         match &mut model {
@@ -72,7 +72,7 @@ impl Model {
         model
     }
 
-    /// What a drive of this kind offers.
+    /// Returns the capabilities of a drive of this kind.
     pub fn capabilities(&self, delay: u32) -> Capabilities {
         Capabilities {
             delay,
@@ -86,14 +86,14 @@ impl Model {
         }
     }
 
-    /// Does a drive of this kind take what `interface` gives it?
+    /// Returns true if a drive of this kind has that command interface.
     pub fn fits(&self, interface: Interface) -> bool {
         match self {
             Model::Ideal => !interface.takes_effort(),
             Model::SecondOrder(_) => matches!(interface, Interface::Position | Interface::Velocity),
             Model::Velocity(_) => matches!(interface, Interface::Velocity | Interface::OpenLoop),
             Model::TwoSpeed(_) | Model::Valve(_) => interface == Interface::OpenLoop,
-            // A voltage is for a winding.
+            // A voltage needs a winding.
             Model::Motor(law) => match interface {
                 Interface::Velocity | Interface::Torque => true,
                 Interface::Voltage => law.has_winding(),
@@ -110,8 +110,8 @@ struct Bus {
     is_off: bool,
 }
 
-/// The plant of one machine, behind all simulated buses of it: what an axis turns and what stands along its way may hang on different
-/// buses. Where a cell mixes backends, it serves the objects of its buses.
+/// Plant of one machine, common to all of its simulated buses: the parts of an axis may be on different buses. If a
+/// cell mixes backends, the plant serves the objects of its buses.
 #[derive(Clone, Debug)]
 pub struct Plant {
     drives: Vec<Option<SimDrive>>,
@@ -120,22 +120,22 @@ pub struct Plant {
     analog: Vec<f64>,
     latches: Vec<Latch>,
     buses: Vec<Bus>,
-    /// Room for the outputs as they arrive where a bus is off.
+    /// Buffer for outputs while a bus is off.
     arriving: Outputs,
-    /// By place among the drives: the axis.
+    /// Axis of each drive.
     axes: Vec<u16>,
-    /// Switches that are wired to digital inputs, and whose drive they belong to.
+    /// Switches that are wired to digital inputs, with the index of their drives.
     wires: Vec<(usize, Wire)>,
-    /// Digital inputs that are contacts of drives, and of which.
+    /// Digital inputs that are contacts of drives, with the index of the drives.
     contacts: Vec<(usize, usize)>,
-    /// Digital inputs that see printed marks.
+    /// Digital inputs that detect printed marks.
     sensors: Vec<Sensor>,
-    /// By place among the digital inputs: the entry of `io` that latches, if it does.
+    /// Entry of `io` of each digital input that latches.
     latching: Vec<Option<u16>>,
     cycle_ns: u64,
 }
 
-/// How long ago an edge was (ns) behind which a part of the cycle's way was left: below a cycle.
+/// Returns the age of an edge (ns) after which a fraction of the travel of the cycle was left: below the cycle time.
 fn age(left: f64, cycle_ns: u64) -> u32 {
     let newest = cycle_ns.saturating_sub(1).min(u64::from(u32::MAX)) as u32;
     // The cast saturates.
@@ -143,8 +143,8 @@ fn age(left: f64, cycle_ns: u64) -> u32 {
 }
 
 impl Plant {
-    /// A plant for a machine, with all of it on one bus: one model for each axis that has a drive, in file order; none leaves the drive to
-    /// others.
+    /// Creates a plant for a machine with one bus: one model for each axis that has a drive, in file order; `None`
+    /// leaves the drive to another backend.
     pub fn new(config: &MachineConfig, models: &[Option<Model>]) -> Self {
         let terminals = |count: usize| -> Vec<Terminal> {
             (0_u16..).zip(0..count).map(|(address, place)| Terminal { place, address }).collect()
@@ -162,13 +162,13 @@ impl Plant {
         Self::with_buses(config, models, vec![all])
     }
 
-    /// The same with the objects of each simulated bus.
+    /// Creates a plant with the objects of each simulated bus.
     pub fn with_buses(config: &MachineConfig, models: &[Option<Model>], buses: Vec<Objects>) -> Self {
         let count = config.encoders.len();
         let source = |axis: &AxisConfig| Source::of(axis.wired, count, &axis.power_on()).ok();
         let (axes, drives): (Vec<u16>, Vec<(&AxisConfig, Capabilities)>) =
             config.drives().map(|(index, axis, offers)| (index, (axis, offers))).unzip();
-        // An encoder that an axis reads is turned by it; of several axes, by the first.
+        // An encoder that an axis reads is turned by it; by the first one of several axes.
         let turned_by = |encoder: usize| {
             let reads = |(axis, _): &(&AxisConfig, Capabilities)| matches!(source(axis), Some(Source::Encoder(place)) if usize::from(place) == encoder);
             drives.iter().position(reads)
@@ -216,14 +216,14 @@ impl Plant {
         }
     }
 
-    /// Switches one of its buses off for good: nobody hears of its objects, and its outputs and drives are without voltage. False where
-    /// there is no such bus.
+    /// Switches one of its buses off permanently: its inputs are no longer updated, and its outputs and drives have no
+    /// voltage. Returns false if the bus does not exist.
     pub fn lose_bus(&mut self, place: usize) -> bool {
         let bus = self.buses.get_mut(place);
         bus.map(|bus| bus.is_off = true).is_some()
     }
 
-    /// Does an object hang on a bus that is off?
+    /// Returns true if the bus of an object is off.
     fn is_cut_off(&self, object: Object) -> bool {
         let place = match object {
             Object::Io(entry) => self.latching.iter().position(|latching| *latching == Some(entry)),
@@ -241,7 +241,7 @@ impl Plant {
         })
     }
 
-    /// Hangs something on a drive. Its switches with a wire read at their digital inputs from now on.
+    /// Attaches mechanics to a drive. From now on its wired switches read at their digital inputs.
     pub fn install(&mut self, place: usize, mechanics: &Mechanics) {
         let Some(drive) = self.drive(place) else { return };
         drive.fit(mechanics.fixtures);
@@ -250,12 +250,12 @@ impl Plant {
         self.wires.extend(mechanics.wires.iter().flatten().map(|wire| (place, *wire)));
     }
 
-    /// A simulated drive by its place among the drives.
+    /// Returns a simulated drive by its index.
     pub fn drive(&mut self, place: usize) -> Option<&mut SimDrive> {
         self.drives.get_mut(place)?.as_mut()
     }
 
-    /// Sets a digital input for good; a switch that is wired to it is stuck so, and it sees marks no more.
+    /// Sets a digital input permanently: a switch that is wired to it is stuck, and the input detects no more marks.
     pub fn set_digital(&mut self, place: usize, on: bool) {
         self.wires.retain(|(_, wire)| wire.input != place);
         self.contacts.retain(|(input, _)| *input != place);
@@ -267,78 +267,78 @@ impl Plant {
         set_bit(&mut self.digital, place, on);
     }
 
-    /// Sets an analog input for good (V).
+    /// Sets an analog input permanently (V).
     pub fn set_analog(&mut self, place: usize, volts: f64) {
         if let Some(value) = self.analog.get_mut(place) {
             *value = volts;
         }
     }
 
-    /// Lets an encoder read `by` more counts at once, as after a slip.
+    /// Adds `by` counts to an encoder at once, as after a slip.
     pub fn jump_encoder(&mut self, place: usize, by: i64) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.jump(by);
         }
     }
 
-    /// Lets an encoder read `by` more counts than it was turned: pulses that are too many, or missing.
+    /// Adds `by` counts to an encoder without turning it: surplus or missing pulses.
     pub fn slip_encoder(&mut self, place: usize, by: i64) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.slip(by);
         }
     }
 
-    /// Lets index pulses and printed marks of an encoder follow other counts in the next cycle, which a scenario lets the machine read
-    /// in the place of its own.
+    /// Sets counts for index pulses and printed marks of an encoder in the next cycle, in which a scenario overrides
+    /// the counts that the machine reads.
     pub fn replace_encoder_count(&mut self, place: usize, raw: i64) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.replace_count(raw);
         }
     }
 
-    /// The same of a drive. Its switches follow its axis as before.
+    /// Sets such counts for a drive. Its switches still follow its axis.
     pub fn replace_drive_count(&mut self, place: usize, raw: i64) {
         if let Some(drive) = self.drive(place) {
             drive.replace_count(raw);
         }
     }
 
-    /// Takes the power of an encoder away for a moment: it counts from 0 again, and says so.
+    /// Interrupts the power of an encoder: it counts from 0 again, and reports that.
     pub fn restart_encoder(&mut self, place: usize) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.restart();
         }
     }
 
-    /// Turns bits of the next `words` words of an encoder over.
+    /// Inverts bits of the next `words` readings of an encoder.
     pub fn disturb_encoder(&mut self, place: usize, bits: i64, words: u32) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.disturb(bits, words);
         }
     }
 
-    /// Lets an encoder tell so many counts for each from now on: 0 where it is dead, -1 where its tracks are swapped.
+    /// Sets the factor of the counts of an encoder: 0 for a dead one, -1 for swapped tracks.
     pub fn count_encoder_by(&mut self, place: usize, factor: i64) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.count_by(factor);
         }
     }
 
-    /// Cuts the line of an encoder for good.
+    /// Cuts the line of an encoder permanently.
     pub fn cut_encoder(&mut self, place: usize) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.cut();
         }
     }
 
-    /// Lets the index of an encoder give no pulses any more.
+    /// Stops the pulses of the index of an encoder.
     pub fn lose_encoder_index(&mut self, place: usize) {
         if let Some(encoder) = self.encoders.get_mut(place) {
             encoder.lose_index();
         }
     }
 
-    /// Adds a latch to the next inputs; false when there is no room, or nobody who would hear of it.
+    /// Adds a latch to the next inputs. Returns false if there is no room, or the bus of the object is off.
     pub fn add_latch(&mut self, latch: Latch) -> bool {
         let room = self.latches.len() < MAX_LATCHES && !self.is_cut_off(latch.object);
         if room {
@@ -349,7 +349,7 @@ impl Plant {
 }
 
 impl Plant {
-    /// Contacts of drives, at their inputs: one that several share is closed while all of them are.
+    /// Updates the inputs of contacts of drives: a shared input is closed while all of its contacts are.
     fn work_contacts(&mut self) {
         for &(input, _) in &self.contacts {
             set_bit(&mut self.digital, input, true);
@@ -362,7 +362,7 @@ impl Plant {
         }
     }
 
-    /// Switches that are wired to digital inputs, at their inputs; those that latch, in the inputs of the machine.
+    /// Updates the inputs of wired switches, and their latches.
     fn work_wires(&mut self, inputs: &mut Inputs) {
         for place in 0..self.wires.len() {
             let (drive, wire) = self.wires[place];
@@ -391,7 +391,7 @@ impl Backend for Plant {
             for &Terminal { place, .. } in &bus.objects.drives {
                 let Some(drive) = self.drives.get_mut(place).and_then(Option::as_mut) else { continue };
                 let (told, Some(input)) = (drive.read(), inputs.drive.get_mut(place)) else { continue };
-                // A voltage has no way back but its encoder and its contact.
+                // A drive with voltage interface reports only through its encoder and its contact.
                 if drive.analog().is_some() {
                     continue;
                 }

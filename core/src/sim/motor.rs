@@ -1,8 +1,8 @@
-//! Motors and valves that are given a velocity: servo drives behind their velocity loop, DC drives, pole-changing motors,
+//! Motors and valves with a velocity setpoint: servo drives with a velocity loop, DC drives, pole-changing motors,
 //! hydraulics.
 //!
-//! Law      v' = (u - v) / time_constant, u held over a cycle; solved exactly, so that no time constant makes it unstable.
-//!          At u = 0 friction holds what would coast less than half a count further
+//! Law      v' = (u - v) / time_constant, u held over a cycle; solved exactly, so that no time constant makes it
+//!          unstable. At u = 0 friction stops a motor that would coast by less than half a count
 //! Reads    the velocity setpoint u (inc/s)
 //! Writes   the velocity at the end of a cycle and the mean velocity over it (inc/s)
 //! Refuses  times outside their ranges
@@ -11,18 +11,18 @@
 use super::ModelError;
 use libm::exp;
 
-/// Longest time constant, of a lag or of coasting (ns).
+/// Maximum time constant of a lag or of coasting (ns).
 const MOST_LAG_NS: i64 = 10_000_000_000;
-/// Longest dead time (ns).
+/// Maximum dead time (ns).
 const MOST_DEAD_NS: i64 = 1_000_000_000;
-/// Beyond any machine (inc/s).
+/// Maximum velocity, beyond any machine (inc/s).
 pub(super) const FASTEST: f64 = 1e15;
-/// A motor whose setpoint is 0 stands once less than this is left to coast (inc).
+/// Remaining coasting distance at which a motor with setpoint 0 stops (inc).
 const HELD: f64 = 0.5;
-/// A motor runs at its setpoint once it will lag or lead by no more than this from now on (inc): one part in 2^32.
+/// Remaining lag or lead at which a motor counts as at its setpoint (inc): one part in 2^32.
 const REACHED: f64 = 1.0 / (1_u64 << 32) as f64;
 
-/// What is left of a difference to the setpoint may be forgotten (inc): it moves the motor no further than that.
+/// Returns the remaining difference to the setpoint that may be neglected, as distance (inc).
 pub(super) fn negligible(setpoint: f64) -> f64 {
     if setpoint == 0.0 { HELD } else { REACHED }
 }
@@ -31,7 +31,7 @@ pub(super) fn negligible(setpoint: f64) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Lag {
     time_constant_s: f64,
-    /// How much of a difference is left afterwards.
+    /// Fraction of a difference that is left at the end.
     decay: f64,
     duration_s: f64,
 }
@@ -39,26 +39,26 @@ pub(super) struct Lag {
 impl Lag {
     pub(super) fn new(time_constant_ns: i64, duration_ns: u64) -> Self {
         let (time_constant_s, duration_s) = (time_constant_ns as f64 / 1e9, duration_ns as f64 / 1e9);
-        // Without a time constant nothing is left, however short the time; over no time all is.
+        // Without a time constant nothing is left after any time; without any time everything is left.
         let decay = if duration_ns == 0 { 1.0 } else { exp(-duration_s / time_constant_s) };
         Self { time_constant_s, decay, duration_s }
     }
 
-    /// Runs towards a setpoint and returns how much further it came than at the setpoint (inc).
+    /// Moves towards a setpoint and returns the additional travel compared with the setpoint (inc).
     fn run(&self, velocity: &mut f64, setpoint: f64) -> f64 {
         let difference = *velocity - setpoint;
         *velocity = setpoint + difference * self.decay;
         difference * self.time_constant_s * (1.0 - self.decay)
     }
 
-    /// Ends what nobody could see any more.
+    /// Ends a difference that is no longer observable.
     fn settle(&self, velocity: &mut f64, setpoint: f64) {
         if (*velocity - setpoint).abs() * self.time_constant_s <= negligible(setpoint) {
             *velocity = setpoint;
         }
     }
 
-    /// One cycle at one setpoint; the mean velocity over it (inc/s).
+    /// Executes one cycle at one setpoint. Returns the mean velocity (inc/s).
     pub(super) fn cycle(&self, velocity: &mut f64, setpoint: f64) -> f64 {
         let further = self.run(velocity, setpoint);
         self.settle(velocity, setpoint);
@@ -78,12 +78,12 @@ pub(super) fn check_lag(time_constant_ns: i64, error: fn(i64) -> ModelError) -> 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VelocityLag {
     lag: Lag,
-    /// Wired so that it turns against its setpoint.
+    /// Whether it turns against its setpoint.
     pub(super) inverted: bool,
 }
 
 impl VelocityLag {
-    /// A lag of that time constant (ns), stepped once per cycle.
+    /// Creates a lag of that time constant (ns), stepped once per cycle.
     ///
     /// # Errors
     /// A time outside its range.
@@ -97,17 +97,17 @@ impl VelocityLag {
     }
 }
 
-/// A pole-changing motor: a lag to the speed that is selected; switched off it coasts with a time constant of its own.
+/// A pole-changing motor: a lag to the selected speed; switched off it coasts with another time constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoSpeed {
     driven: Lag,
     coasting: Lag,
-    /// Wired so that it turns against its setpoint.
+    /// Whether it turns against its setpoint.
     pub(super) inverted: bool,
 }
 
 impl TwoSpeed {
-    /// A motor of these time constants (ns), stepped once per cycle.
+    /// Creates a motor with these time constants (ns), stepped once per cycle.
     ///
     /// # Errors
     /// A time outside its range.
@@ -124,22 +124,22 @@ impl TwoSpeed {
     }
 }
 
-/// A hydraulic motor behind a valve: a lag after a dead time, which need not be whole cycles.
+/// A hydraulic motor with a valve: a lag after a dead time, which need not be whole cycles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Valve {
-    /// From the beginning of a cycle until a setpoint arrives in it.
+    /// Lag from the beginning of a cycle until a setpoint takes effect in it.
     before: Lag,
     /// The rest of the cycle.
     after: Lag,
     /// Whole cycles of the dead time.
     cycles: usize,
     cycle_s: f64,
-    /// Wired so that it turns against its setpoint.
+    /// Whether it turns against its setpoint.
     pub(super) inverted: bool,
 }
 
 impl Valve {
-    /// A valve of that time constant and dead time (ns), stepped once per cycle.
+    /// Creates a valve with that time constant and dead time (ns), stepped once per cycle.
     ///
     /// # Errors
     /// A time outside its range.
@@ -158,12 +158,12 @@ impl Valve {
         })
     }
 
-    /// Setpoints on their way, the newest included.
+    /// Returns the number of delayed setpoints, including the newest.
     pub(super) fn on_the_way(&self) -> usize {
         self.cycles + 2
     }
 
-    /// `old` stands until the dead time of `new` is over within the cycle.
+    /// Executes one cycle: `old` is active until the dead time of `new` has elapsed within the cycle.
     pub(super) fn step(&self, velocity: &mut f64, old: f64, new: f64) -> f64 {
         let mut further = (old - new) * self.before.duration_s;
         further += self.before.run(velocity, old);
@@ -173,10 +173,10 @@ impl Valve {
     }
 }
 
-/// Whole counts of a motion, and what is left of one.
+/// Whole counts of a motion, and the fraction of a count.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Travel {
-    /// In parts of [`Travel::COUNT`].
+    /// Fraction in parts of [`Travel::COUNT`].
     remainder: i128,
 }
 
@@ -184,9 +184,9 @@ impl Travel {
     /// One count: 10^9 ns at 2^32 parts of 1 inc/s.
     const COUNT: i128 = 1_000_000_000 << 32;
 
-    /// Counts of a cycle at a mean velocity (inc/s), which is rounded once to 2^-32 inc/s.
+    /// Returns the counts of a cycle at a mean velocity (inc/s), which is rounded once to 2^-32 inc/s.
     pub(super) fn advance(&mut self, velocity: f64, cycle_ns: u64) -> i64 {
-        // The cast makes 0 of what is no number.
+        // The cast converts NaN to 0.
         let fine = (velocity.clamp(-FASTEST, FASTEST) * (1_u64 << 32) as f64).round() as i128;
         let total = fine.saturating_mul(cycle_ns.into()).saturating_add(self.remainder);
         self.remainder = total.rem_euclid(Self::COUNT);

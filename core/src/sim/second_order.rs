@@ -1,8 +1,8 @@
-//! A drive whose position, or velocity, follows its setpoint as a damped second-order system.
+//! Drive whose position, or velocity, follows its setpoint as a damped second-order system.
 //!
-//! Law      y'' = w^2 (r - y) - 2 d w y', w = 2 pi bandwidth; r straight between the position setpoints of two cycles, held
-//!          for a velocity; solved exactly over a cycle, not approximated, so that no bandwidth makes it unstable. Without power
-//!          v' = -v / coast where a time constant is given, else it stops at once
+//! Law      y'' = w^2 (r - y) - 2 d w y', w = 2 pi bandwidth; r is linear between the position setpoints of two cycles,
+//!          and held for a velocity; solved exactly over a cycle, not approximated, so that no bandwidth makes it
+//!          unstable. Without power v' = -v / coast with a time constant, otherwise it stops at once
 //! Reads    the setpoint (inc), or (inc/s)
 //! Writes   position, whole and nearest (inc), and velocity (inc/s); or the mean velocity over the cycle (inc/s)
 //! Refuses  bandwidth or damping that is not above 0 and finite, a time constant outside its range
@@ -11,25 +11,25 @@ use super::motor::{Lag, check_lag, negligible};
 use libm::{cos, cosh, exp, sin, sinh};
 use std::f64::consts::TAU;
 
-/// Why a model is refused.
+/// Error of a model.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
-    /// (Hz)
+    /// Bandwidth (Hz).
     #[error("bandwidth is {0} Hz; more than 0 Hz up to 100000 Hz is allowed")]
     Bandwidth(f64),
     /// Damping ratio.
     #[error("damping is {0}; 0.01 to 100 is allowed")]
     Damping(f64),
-    /// (ns)
+    /// Time constant (ns).
     #[error("time_constant is {} ms; 0 ms to 10000 ms is allowed", *.0 as f64 / 1e6)]
     TimeConstant(i64),
-    /// (ns)
+    /// Time constant of coasting (ns).
     #[error("coast is {} ms; 0 ms to 10000 ms is allowed", *.0 as f64 / 1e6)]
     Coast(i64),
-    /// (ns)
+    /// Dead time (ns).
     #[error("dead_time is {} ms; 0 ms to 1000 ms is allowed", *.0 as f64 / 1e6)]
     DeadTime(i64),
-    /// (ns)
+    /// Time constant of the torque (ns).
     #[error("torque_lag is {} ms; 0 ms to 1000 ms is allowed", *.0 as f64 / 1e6)]
     TorqueLag(i64),
     /// A value of a motor.
@@ -37,13 +37,13 @@ pub enum ModelError {
     Motor {
         /// Its key in a cell.
         name: &'static str,
-        /// As given.
+        /// The given value.
         value: f64,
-        /// Of all three numbers.
+        /// Unit of all three numbers.
         unit: &'static str,
-        /// Least that is allowed.
+        /// Minimum.
         least: f64,
-        /// Most that is allowed.
+        /// Maximum.
         most: f64,
     },
 }
@@ -52,17 +52,17 @@ pub enum ModelError {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecondOrder {
     cycle_s: f64,
-    /// 2 damping / w: how long the position lags behind a steady setpoint (s).
+    /// 2 damping / w: lag of the position at a steady setpoint (s).
     lag_s: f64,
-    /// 1 / w^2 (s^2)
+    /// 1 / w^2 (s^2).
     softness: f64,
     /// Free motion over a cycle: new [position, velocity] from old ones.
     free: [[f64; 2]; 2],
-    /// How its velocity decays without power; none: it stops at once.
+    /// Decay of the velocity without power; `None`: it stops at once.
     coast: Option<Lag>,
 }
 
-/// Where the simulated motor is: its position relative to the last setpoint, and its velocity.
+/// State of the simulated motor: position relative to the last setpoint, and velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct State {
     setpoint: i64,
@@ -90,7 +90,7 @@ impl State {
 }
 
 impl SecondOrder {
-    /// A model of that bandwidth (Hz) and damping ratio, stepped once per cycle.
+    /// Creates a model with that bandwidth (Hz) and damping ratio, stepped once per cycle.
     ///
     /// # Errors
     /// Values outside their range.
@@ -112,7 +112,7 @@ impl SecondOrder {
         })
     }
 
-    /// The same drive, whose velocity decays with that time constant (ns) without power.
+    /// Returns the same drive with a velocity that decays with that time constant (ns) without power.
     ///
     /// # Errors
     /// A time outside its range.
@@ -121,7 +121,7 @@ impl SecondOrder {
         Ok(Self { coast: Some(Lag::new(time_constant_ns, cycle_ns)), ..self })
     }
 
-    /// How its velocity decays without power; none: it stops at once.
+    /// Returns the decay of its velocity without power; `None`: it stops at once.
     pub(super) fn coast(&self) -> Option<Lag> {
         self.coast
     }
@@ -129,7 +129,7 @@ impl SecondOrder {
     pub(super) fn step(&self, state: &mut State, setpoint: i64) {
         let change = setpoint.wrapping_sub(state.setpoint) as f64;
         let slope = change / self.cycle_s;
-        // Against a setpoint that moves steadily the position rests `lag` behind: around that it moves freely.
+        // At a constant velocity of the setpoint the position lags by `lag`, and moves freely around that.
         let lag = self.lag_s * slope;
         let (position, velocity) = (state.ahead + lag, state.velocity - slope);
         let [[a, b], [c, d]] = self.free;
@@ -138,12 +138,12 @@ impl SecondOrder {
         state.setpoint = setpoint;
     }
 
-    /// One cycle of a velocity that follows its setpoint; the mean velocity over it (inc/s).
+    /// Executes one cycle of a velocity that follows its setpoint. Returns the mean velocity (inc/s).
     pub(super) fn step_velocity(&self, velocity: &mut f64, acceleration: &mut f64, setpoint: f64) -> f64 {
         let (before, rate) = (*velocity - setpoint, *acceleration);
         let [[a, b], [c, d]] = self.free;
         let (after, new_rate) = (a * before + b * rate, c * before + d * rate);
-        // The law itself, integrated: e = -(e'' + 2 d w e') / w^2.
+        // Integral of the law itself: e = -(e'' + 2 d w e') / w^2.
         let further = (rate - new_rate) * self.softness + (before - after) * self.lag_s;
         let left = after.abs() * self.lag_s + new_rate.abs() * self.softness;
         (*velocity, *acceleration) =
@@ -152,12 +152,12 @@ impl SecondOrder {
     }
 }
 
-/// The exact solution of y'' = -w^2 y - 2 d w y' after a time.
+/// Returns the exact solution of y'' = -w^2 y - 2 d w y' after a time.
 fn free_motion(w: f64, damping: f64, time: f64) -> [[f64; 2]; 2] {
     let decay = damping * w;
     let discriminant = damping * damping - 1.0;
     let root = w * discriminant.abs().sqrt();
-    // s = sin(root t) / root, c = cos(root t), or what these become at and beyond critical damping; both times e^-decay t.
+    // s = sin(root t) / root, c = cos(root t), or their limits at and beyond critical damping; both times e^-decay t.
     let (c, s) = if root * time < 1e-9 {
         (exp(-decay * time), time * exp(-decay * time))
     } else if discriminant < 0.0 {

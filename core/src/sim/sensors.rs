@@ -1,38 +1,39 @@
-//! Inputs that see printed marks.
+//! Inputs that detect printed marks.
 //!
-//! Law      the edges of a cycle lie on the straight line of the way in it, and each is a latch with its age; the level is that of t_k
-//! Reads    the way of a drive, or of an encoder before it slips: a mark lies on the material
+//! Law      the edges of a cycle are interpolated linearly in its travel, and each is a latch with its age; the level
+//!          is that of t_k
+//! Reads    the travel of a drive, or of an encoder without slip: a mark is on the material
 //! Writes   latches and levels of digital inputs
-//! Refuses  marks that are not sound; inputs that latch nothing
+//! Refuses  marks that may overlap; inputs that do not latch
 //! Source   contract section 3, MACS-MARK-05
 
 use super::{Bus, Marks, Plant, age};
 use crate::drive::{Inputs, Latch};
 use crate::object::Object;
 
-/// What carries marks.
+/// Carrier of marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carrier {
-    /// A drive, by its place among the drives.
+    /// A drive, by its index.
     Drive(usize),
-    /// An encoder, by its place.
+    /// An encoder, by its index.
     Encoder(usize),
 }
 
-/// An input that sees the marks of a way.
+/// An input that detects marks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sensor {
-    /// By its place among the digital inputs.
+    /// Index among the digital inputs.
     pub input: usize,
     pub carrier: Carrier,
     pub marks: Marks,
-    /// Where the way was; none before the first cycle.
+    /// Last position; `None` before the first cycle.
     pub at: Option<i64>,
 }
 
 impl Plant {
-    /// Prints marks on what carries them, for a digital input that sees them by its place among those of the cell. False where they are not
-    /// sound, or the input is not of this plant or latches nothing.
+    /// Prints marks on a carrier, for a digital input of the cell that detects them, by its index. Returns false if the
+    /// marks may overlap, or the input is not of this plant or does not latch.
     pub fn print(&mut self, input: usize, carrier: Carrier, marks: Marks) -> bool {
         let is_ours = |bus: &Bus| bus.objects.digital_inputs.iter().any(|terminal| terminal.place == input);
         let latches = self.latching.get(input).is_some_and(Option::is_some);
@@ -43,7 +44,7 @@ impl Plant {
         can_be_seen
     }
 
-    /// Marks that have passed the inputs that see them, once drives and encoders are where they are.
+    /// Reports the marks that have passed their inputs, after the update of drives and encoders.
     pub(super) fn see_marks(&mut self, inputs: &mut Inputs) {
         for index in 0..self.sensors.len() {
             let Some(&Sensor { input, carrier, marks, at }) = self.sensors.get(index) else { continue };

@@ -78,7 +78,8 @@ fn law(bandwidth: f64, damping: f64) -> SecondOrder {
     SecondOrder::new(bandwidth, damping, MS).unwrap()
 }
 
-/// A second-order system follows a ramp of v with a lag of 2 d / w * v: 2 * 0.8 / (2 pi 60) s * 100000 inc/s = 424.4 inc.
+/// A second-order system follows a ramp of v with a lag of 2 d / w * v: 2 * 0.8 / (2 pi 60) s * 100000 inc/s = 424.4
+/// inc.
 #[test]
 fn a_ramp_is_followed_with_the_lag_of_its_damping() {
     let law = law(60.0, 0.8);
@@ -91,8 +92,8 @@ fn a_ramp_is_followed_with_the_lag_of_its_damping() {
     assert!((state.velocity() - 100_000.0).abs() < 1e-3);
 }
 
-/// v' = -v / T: from 20,000 inc/s with T = 100 ms it has 20,000 / e = 7,357.6 inc/s after T, and 2,000 inc in all; without a time constant it
-/// stops at once. In quick stop it stands, as without one.
+/// v' = -v / T: from 20,000 inc/s with T = 100 ms it has 20,000 / e = 7,357.6 inc/s after T, and travels 2,000 inc in
+/// all; without a time constant it stops at once, and so it does in quick stop.
 #[test]
 fn second_order_drive_without_power_coasts_by_its_time_constant() {
     let ramped = |model: Model| {

@@ -1,26 +1,26 @@
-//! What a simulated encoder says: words of any form, and what may go wrong with them.
+//! Process data of a simulated encoder in any form, and their faults.
 //!
-//! Law      word = code of (count); bits that are disturbed are turned over, a broken line reads all ones; from some count on it may count
-//!          another number for each: none where it is dead
+//! Law      word = code of (count); disturbed bits are inverted, a broken line reads all ones; a factor may change the
+//!          counts from some time on: 0 for a dead encoder
 //! Source   MACS-ENC-01, -08, WF-ABS-01, WF-MON-01
 
 use crate::encoder::Form;
 
-/// How a simulated source tells its counts.
+/// Encoding of the counts of a simulated source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Word {
     form: Form,
-    /// Bits that are turned over, in so many words to come.
+    /// Bits to invert, and the number of words.
     disturbed: (i64, u32),
     broken: bool,
     pace: Pace,
 }
 
-/// How many counts it tells for each.
+/// Factor of the counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Pace {
     factor: i64,
-    /// The last count, and what it was told as.
+    /// The last count, and its reported value.
     last: (i64, i64),
 }
 
@@ -35,17 +35,17 @@ impl Word {
         Self { form, disturbed: (0, 0), broken: false, pace: Pace { factor: 1, last: (0, 0) } }
     }
 
-    /// Tells so many counts for each from now on.
+    /// Sets the factor of the counts.
     pub(super) fn count_by(&mut self, factor: i64) {
         self.pace.factor = factor;
     }
 
-    /// Turns bits over in the next `words` words.
+    /// Inverts bits in the next `words` words.
     pub(super) fn disturb(&mut self, bits: i64, words: u32) {
         self.disturbed = (bits, words);
     }
 
-    /// Cuts the line for good.
+    /// Cuts the line permanently.
     pub(super) fn cut(&mut self) {
         self.broken = true;
     }
@@ -58,19 +58,19 @@ impl Word {
         matches!(self.form, Form::Absolute(_))
     }
 
-    /// The word of a count, undisturbed.
+    /// Returns the word of a count, undisturbed.
     pub(super) fn of(&self, count: i64) -> i64 {
         match self.form {
             Form::Incremental(bits) => {
                 let spare = 64 - bits.clamp(1, 64);
                 count.wrapping_shl(spare).wrapping_shr(spare)
             }
-            // Beyond its ends one without overflow begins anew all the same.
+            // An encoder without overflow also restarts beyond its ends.
             Form::Absolute(encoder) => encoder.encode(count),
         }
     }
 
-    /// The word that is told now.
+    /// Returns the present word.
     pub(super) fn tell(&mut self, count: i64) -> i64 {
         let (bits, left) = self.disturbed;
         self.disturbed.1 = left.saturating_sub(1);
@@ -83,12 +83,12 @@ impl Word {
         }
     }
 
-    /// The count near `count` that a word stands for, which a drive is asked to go to.
+    /// Returns the count near `count` for a word, which is the setpoint of a drive.
     pub(super) fn near(&self, count: i64, word: i64) -> i64 {
         count.wrapping_add(self.form.circle().way(self.count(self.of(count)), self.count(word)))
     }
 
-    /// The count that a word stands for; a word that stands for none is the count.
+    /// Returns the count of a word; an invalid word is returned unchanged.
     pub(super) fn count(&self, word: i64) -> i64 {
         match self.form {
             Form::Incremental(_) => word,
@@ -97,7 +97,7 @@ impl Word {
     }
 }
 
-/// A setpoint beyond the seam, as a word.
+/// Converts a setpoint across the wrap to a word.
 fn encoder_word(words: i64, word: i64) -> i64 {
     word.rem_euclid(words)
 }

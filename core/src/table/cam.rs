@@ -1,7 +1,8 @@
-//! How a table is a cam of `~/synchronize`: how long, whether it begins again at its end, and what is between its points. It is found when
-//! the table is made: a cycle does not look at each point.
+//! Tables as cams of `~/synchronize`: length, repetition at the end, and interpolation. The derived values are computed
+//! when the table is created, so that a cycle does not visit each point.
 //!
-//! Refuses  words, fewer than two points, places that do not begin at 0 and rise, values beyond [`MOST_VALUE`], form y without a length
+//! Refuses  words, fewer than two points, positions that do not begin at 0 and rise, values beyond [`MOST_VALUE`], form
+//!          y without a length
 //! Source   contract section 10, PLCopen (MC_CamTableSelect)
 
 use super::{Form, Table};
@@ -9,19 +10,19 @@ use crate::law::{Ends, Spline, SplineError};
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Largest value of a point, without its sign (inc of the slave): what a period changes has 31 bits then.
+/// Maximum magnitude of a value (inc of the slave), so that the change per period has 31 bits.
 pub const MOST_VALUE: i64 = 1 << 30;
-/// Largest length (inc of the master).
+/// Maximum length (inc of the master).
 pub const MOST_LENGTH: i64 = i32::MAX as i64;
 
-/// What the cell says of a table as a cam.
+/// Settings of the cell for a table as a cam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CamSetting {
-    /// Length of form y (inc of the master); form xy has its own.
+    /// Length of form y (inc of the master); form xy has its own length.
     pub length: Option<i64>,
-    /// At its end it begins again.
+    /// Whether the cam repeats at its end.
     pub is_cyclic: bool,
-    /// What is between its points.
+    /// Interpolation between its points.
     pub interpolation: Interpolation,
 }
 
@@ -31,24 +32,24 @@ impl Default for CamSetting {
     }
 }
 
-/// What is between the points of a cam. Splines of one that begins again are periodic, others natural.
+/// Interpolation between the points of a cam. Splines of a cyclic cam are periodic, others natural.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Interpolation {
     /// Straight lines, exact.
     #[default]
     Linear,
-    /// A cubic spline: its acceleration does not jump.
+    /// A cubic spline: acceleration without jumps.
     Cubic,
-    /// A quintic spline: nor do jerk and its derivative.
+    /// A quintic spline: jerk and its derivative without jumps.
     Quintic,
 }
 
 impl Interpolation {
-    /// Every one with its name in cells.
+    /// All interpolations with their names in cells.
     pub const ALL: [(&'static str, Self); 3] =
         [("linear", Self::Linear), ("cubic", Self::Cubic), ("quintic", Self::Quintic)];
 
-    /// The spline through points, where it is one.
+    /// Returns the spline through points; `None` for straight lines.
     pub(super) fn spline(self, x: &[i64], y: &[i64], shape: CamShape) -> Result<Option<Spline>, CamError> {
         if self == Self::Linear {
             return Ok(None);
@@ -67,10 +68,10 @@ impl Interpolation {
         let spline = spline.map_err(|error| match error {
             SplineError::Count { count, fewest } => CamError::Few { count, fewest },
             SplineError::Size { point } => CamError::Uneven(point + 1),
-            // Whole numbers are finite, and the places of a cam rise.
+            // Whole numbers are finite, and the positions of a cam rise.
             _ => CamError::Uneven(1),
         })?;
-        // Its coefficients bound what it adds to a value.
+        // The coefficients limit the deviation from a value.
         let swing = |interval: &[f64; 5]| interval.iter().map(|coefficient| coefficient.abs()).sum::<f64>();
         let far = |(interval, value): (&[f64; 5], &f64)| value.abs() + swing(interval) > MOST_VALUE as f64;
         match spline.coefficients().iter().zip(&values).position(far) {
@@ -80,67 +81,67 @@ impl Interpolation {
     }
 }
 
-/// Why a table is no cam.
+/// Error of a table that is no cam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CamError {
     /// Words of a data block have no points.
     #[error("words of a data block are no cam; form y and form xy are")]
     Words,
-    /// So many points.
+    /// Too few points.
     #[error("a cam has {count} points; {fewest} or more are needed")]
     Few {
-        /// How many there are.
+        /// Number of points.
         count: usize,
-        /// How many are needed: 2 of straight lines, 3 of most splines.
+        /// Required number: 2 for straight lines, 3 for most splines.
         fewest: usize,
     },
-    /// Behind this point, from 1, a spline swings too far.
+    /// Spline that deviates too far after this point, from 1.
     #[error(
         "behind point {0} the spline of a cam leaves -{MOST_VALUE} to {MOST_VALUE}; more points, or linear, is possible"
     )]
     Uneven(usize),
-    /// Form y does not say how long it is.
+    /// Form y without a length.
     #[error("a cam of form y has no length; its length in increments of the master is needed, 1 to {MOST_LENGTH}")]
     NoLength,
-    /// A length without meaning, or beyond its range.
+    /// A length without effect, or out of range.
     #[error("a cam is {0} increments of the master long; 1 to {MOST_LENGTH} are possible")]
     Length(i64),
-    /// The place of this point does not lie behind the one before it, or is not 0 where it is the first.
+    /// The position of this point is not after the previous one, or is not 0 for the first point.
     #[error("point {place} of a cam is at {x}; the first is at 0, and each is after the one before it")]
     Place {
-        /// Which, from 1.
+        /// Number of the point, from 1.
         place: usize,
-        /// Where.
+        /// Its position.
         x: i64,
     },
-    /// A value without a place in 31 bits.
+    /// A value beyond 31 bits.
     #[error("point {place} of a cam has the value {y}; -{MOST_VALUE} to {MOST_VALUE} are possible")]
     Value {
-        /// Which, from 1.
+        /// Number of the point, from 1.
         place: usize,
         /// Its value.
         y: i64,
     },
 }
 
-/// A table that is a cam.
+/// Derived values of a table that is a cam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CamShape {
-    /// (inc of the master), above 0.
+    /// Length (inc of the master), above 0.
     pub length: i64,
-    /// Way of the slave in a whole period (inc).
+    /// Travel of the slave per period (inc).
     pub way: i64,
-    /// At its end it begins again.
+    /// Whether the cam repeats at its end.
     pub is_cyclic: bool,
 }
 
 impl CamShape {
-    /// Where a point is, and so far behind it (inc of the master).
+    /// Returns the position `behind` after a point (inc of the master).
     pub fn place(self, table: &Table, point: usize, behind: i64) -> Position {
         let last = table.len().saturating_sub(1).max(1);
         let at = match table.x().get(point) {
             Some(x) => Position::whole(*x),
-            // Of form y, or behind the last one.
+            // Form y, or a point after the last one.
             None => {
                 let scaled = Position::whole(self.length).raw() * point.min(last) as i128;
                 Position::from_raw(scaled / last as i128)
@@ -149,7 +150,7 @@ impl CamShape {
         at + Position::whole(behind)
     }
 
-    /// The cam of points.
+    /// Returns the cam of points.
     pub(super) fn of(form: Form, x: &[i64], y: &[i64], setting: CamSetting) -> Result<Self, CamError> {
         let given = match (form, x.last()) {
             (Form::Words, _) => return Err(CamError::Words),
@@ -198,7 +199,8 @@ mod tests {
         assert_eq!(of(&[0, 5], &[i64::MIN, 0]), Err(CamError::Value { place: 1, y: i64::MIN }));
     }
 
-    /// Points at 0, 1 and 10000 inc with a peak between the first two: the cubic through them swings by thousands of its height.
+    /// Points at 0, 1 and 10000 inc with a peak between the first two: the cubic spline overshoots by thousands of its
+    /// height.
     #[test]
     fn a_spline_that_swings_too_far_is_refused_and_so_are_too_few_points() {
         let of = |x: &[i64], y: &[i64], is_cyclic| {

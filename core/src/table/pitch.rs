@@ -1,60 +1,62 @@
-//! How a table is the pitch error of an axis: places, and how far the motor is beyond each. It is found when the table is made.
+//! Tables as pitch errors of an axis: positions, and the error of the motor at each. The derived values are computed
+//! when the table is created.
 //!
-//! Law      error(place) = straight lines between the points, rounded to whole increments, half of one up; beyond its ends a table holds its
-//!          end values, and where the axis has a turn, its last point leads to its first one, a turn ahead
-//! Refuses  another form than xy, fewer than two points, places that do not rise or lie outside the turn, an error that changes by more
-//!          than a part of [`STEEPEST`] of the way
+//! Law      error(position) = linear between the points, rounded to whole increments, half of one up; beyond its ends a
+//!          table holds its end values; for an axis with a turn, the last point is connected to the first one, a turn
+//!          ahead
+//! Refuses  another form than xy, fewer than two points, positions that do not rise or are outside the turn, an error
+//!          that changes by more than one part in [`STEEPEST`] of the distance
 //! Source   WF-INC-04, contract section 10
 
 use super::{Form, Table, interval};
 
-/// What an error changes by is at most this part of the way, so that places and counts stay in order.
+/// The error changes by at most this part of the distance, so that positions and counts keep their order.
 pub const STEEPEST: i64 = 10;
 
-/// Why a table is no pitch error.
+/// Error of a table that is no pitch error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PitchError {
-    /// Another form.
+    /// Wrong form.
     #[error("a table of form {} has no places; form xy is expected", .0.name())]
     Form(Form),
-    /// So many points.
+    /// Too few points.
     #[error("a pitch error has {0} points; 2 or more are needed")]
     Few(usize),
-    /// The place of this point does not lie behind the one before it.
+    /// The position of this point is not after the previous one.
     #[error("point {point} of a pitch error is at {x}; each is after the one before it")]
     Order {
-        /// Which, from 1.
+        /// Number of the point, from 1.
         point: usize,
-        /// Where (inc).
+        /// Its position (inc).
         x: i64,
     },
-    /// It lies outside the turn of its axis.
+    /// The position is outside the turn of its axis.
     #[error("point {point} of a pitch error is at {x}; the turn of its axis has 0 to {} inc", turn - 1)]
     Turn {
-        /// Which, from 1.
+        /// Number of the point, from 1.
         point: usize,
-        /// Where (inc).
+        /// Its position (inc).
         x: i64,
         /// Length of the turn (inc).
         turn: i64,
     },
-    /// The error changes by too much up to this point.
+    /// The error changes too fast before this point.
     #[error(
         "up to point {point} a pitch error changes by {change} inc on {way} inc; a part of {STEEPEST} of the way is \
          possible"
     )]
     Steep {
-        /// Which, from 1; the first one is led to by the last one where there is a turn.
+        /// Number of the point, from 1; the first one follows the last one if there is a turn.
         point: usize,
-        /// (inc)
+        /// Change of the error (inc).
         change: i64,
-        /// (inc)
+        /// Distance of the points (inc).
         way: i64,
     },
 }
 
 impl PitchError {
-    /// The point at which it is none, from 1; 0 of a whole table.
+    /// Returns the invalid point, from 1; 0 for the whole table.
     pub fn point(self) -> usize {
         match self {
             Self::Form(_) | Self::Few(_) => 0,
@@ -63,7 +65,7 @@ impl PitchError {
     }
 }
 
-/// A change of the error along a way that leads up to a point.
+/// Checks the change of the error before a point.
 fn check_slope(point: usize, (x, y): (i64, i64), (to_x, to_y): (i64, i64)) -> Result<(), PitchError> {
     // Both have 32 bits, a turn at most 62: no difference wraps.
     let (way, change) = (to_x - x, to_y - y);
@@ -71,7 +73,7 @@ fn check_slope(point: usize, (x, y): (i64, i64), (to_x, to_y): (i64, i64)) -> Re
     if is_flat { Ok(()) } else { Err(PitchError::Steep { point, change, way }) }
 }
 
-/// Are the points of a table a pitch error, whatever turn its axis has?
+/// Checks that the points of a table are a pitch error, independently of the turn of the axis.
 pub(super) fn check(form: Form, x: &[i64], y: &[i64]) -> Result<(), PitchError> {
     if form != Form::Xy {
         return Err(PitchError::Form(form));
@@ -90,10 +92,10 @@ pub(super) fn check(form: Form, x: &[i64], y: &[i64]) -> Result<(), PitchError> 
 }
 
 impl Table {
-    /// Can it be the pitch error of an axis with that turn (inc)? No point is looked at but the ends.
+    /// Checks that it can be the pitch error of an axis with that turn (inc). Only the end points are evaluated.
     ///
     /// # Errors
-    /// What keeps it from being one.
+    /// The problem of the table.
     pub fn check_pitch(&self, turn: Option<i64>) -> Result<(), PitchError> {
         self.pitch?;
         let (Some(turn), [x, .., last_x], [y, .., last_y]) = (turn, self.x(), self.y()) else { return Ok(()) };
@@ -105,7 +107,7 @@ impl Table {
         check_slope(1, (*last_x, *last_y), (x.saturating_add(turn), *y))
     }
 
-    /// The error at a place (inc); where there is a turn, the place is one within it.
+    /// Returns the error at a position (inc), which is within the turn if there is one.
     pub(crate) fn pitch_at(&self, place: i64, turn: Option<i64>) -> i64 {
         let (x, y) = (self.x(), self.y());
         let last = x.len().saturating_sub(1);
@@ -129,7 +131,7 @@ impl Table {
     }
 }
 
-/// On the straight line between two points; a half is rounded up.
+/// Returns the linear interpolation between two points; a half is rounded up.
 fn between(place: i64, (x, y): (i64, i64), (to_x, to_y): (i64, i64)) -> i64 {
     let way = i128::from(to_x) - i128::from(x);
     if way <= 0 {
@@ -151,7 +153,7 @@ mod tests {
         Table::new(Form::Xy, &x, &y).expect("points")
     }
 
-    /// By hand: 12 inc on 100 are 0.12 inc for each of the way, -6 on 60 are -0.1.
+    /// By hand: 12 inc on 100 is 0.12 inc per increment of distance, -6 on 60 is -0.1.
     #[test]
     fn between_points_are_straight_lines_and_beyond_them_the_ends() {
         let pitch = table(&[(-20, 4), (100, 16), (160, 10)]);
@@ -182,7 +184,7 @@ mod tests {
     fn a_turn_leads_from_the_last_point_to_the_first_one() {
         let pitch = table(&[(100, 5), (300, -15)]);
         assert_eq!(pitch.check_pitch(Some(1_000)), Ok(()));
-        // 20 inc on the 800 that are left: one for each 40.
+        // 20 inc on the remaining 800: one per 40.
         for (place, error) in [(100, 5), (300, -15), (340, -14), (700, -5), (999, 2), (0, 3), (20, 3), (99, 5)] {
             assert_eq!(pitch.pitch_at(place, Some(1_000)), error, "{place}");
         }
@@ -213,7 +215,8 @@ mod tests {
     }
 
     proptest! {
-        /// Neighbouring places differ by no more than an increment, and a place with its error stays in order.
+        /// Errors of neighbouring positions differ by at most one increment, and a position plus its error keeps its
+        /// order.
         #[test]
         fn the_error_changes_by_no_more_than_an_increment_from_place_to_place(
             steps in prop::collection::vec((10_i64..5_000, -1.0..=1.0_f64), 1..30),

@@ -1,38 +1,39 @@
-//! What is to be known of the points of a table before a cam runs along them. It is found when the table is made: a START in a cycle does not
-//! look at each point.
+//! Properties of the points of a table as a curve. They are computed when the table is created, so that a START in a
+//! cycle does not visit each point.
 //!
-//! Refuses  a form that has no points, fewer than two, a first one that is not 0, places that do not rise, steps of 2^15 and more
+//! Refuses  a form without points, fewer than two points, a first one that is not 0, positions that do not rise, steps
+//!          of 2^15 and more
 //! Source   AMK-FIPW-02, AMK-XFIPW-05, -18, -20, A-08
 
 use super::Form;
 
-/// Steps between two points stay below this (inc).
+/// Upper bound of the step between two points (inc).
 const STEP: u64 = 1 << 15;
 
-/// Why a table is no curve.
+/// Error of a table that is no curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CurveError {
     /// Words of a data block have no points.
     Words,
-    /// So many points; 2 are needed.
+    /// Too few points; 2 are needed.
     Few(usize),
-    /// The value of the first point, or its place, is not 0.
+    /// The value of the first point, or its position, is not 0.
     First(i64),
-    /// This point does not lie behind the one before it.
+    /// The position of this point is not after the previous one.
     Order(usize),
-    /// From the point before to this one it is 2^15 or more.
+    /// The step to this point is 2^15 or more.
     Step(usize),
 }
 
-/// The points of a table that is a curve.
+/// Properties of a table that is a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Shape {
-    /// Its largest value, without the sign.
+    /// Largest magnitude of its values.
     pub extreme: u64,
 }
 
 impl Shape {
-    /// The shape of points.
+    /// Returns the properties of points.
     pub(super) fn of(form: Form, x: &[i64], y: &[i64]) -> Result<Self, CurveError> {
         if form == Form::Words {
             return Err(CurveError::Words);

@@ -1,4 +1,4 @@
-//! Sentences about functions and tables.
+//! Messages about functions and tables.
 
 use super::plain;
 use crate::code::Code;
@@ -8,14 +8,14 @@ use crate::function::{Field, LINES, modes};
 use crate::object::Object;
 use crate::table::Form;
 
-/// The field that an event of a function is about.
+/// Returns the field of an event of a function.
 fn field(event: &Event, config: &MachineConfig) -> Option<&'static Field> {
     let Object::Function(slot) = event.source else { return None };
     let slot = config.slots.get(usize::from(slot))?;
     slot.kind.description().fields.get(usize::from(event.parameter?))
 }
 
-/// What is said of a field: its name and what is wrong with it.
+/// Returns a message about a field: its name and the problem.
 pub(super) fn of_field(event: &Event, config: &MachineConfig, text: String) -> String {
     match field(event, config) {
         Some(field) => format!("{}: {text}", field.name),
@@ -23,7 +23,7 @@ pub(super) fn of_field(event: &Event, config: &MachineConfig, text: String) -> S
     }
 }
 
-/// A value beyond the range of its field.
+/// Returns the message of a value outside the range of its field.
 fn out_of_range(event: &Event, config: &MachineConfig) -> String {
     let Some(field) = field(event, config) else { return "a value is outside the range of its field".to_owned() };
     let nth = match event.limit {
@@ -34,7 +34,7 @@ fn out_of_range(event: &Event, config: &MachineConfig) -> String {
     format!("{}{nth} is {}; {} to {} is allowed{unit}", field.name, plain(event.asked), field.min, field.max)
 }
 
-/// A value beyond a bound that the other fields leave: on which side, and the bound.
+/// Returns the message of a value beyond a limit of the other fields: the side and the limit.
 fn beyond(event: &Event, config: &MachineConfig) -> Option<String> {
     if let (Number::Time(call), Number::Time(bound)) = (event.asked, event.limit) {
         let side = if call < bound { "is below the minimum" } else { "exceeds the maximum" };
@@ -51,7 +51,7 @@ fn beyond(event: &Event, config: &MachineConfig) -> Option<String> {
     Some(of_field(event, config, format!("{asked} {side} {bound}")))
 }
 
-/// A mask with a bit of a missing axis: which bit, and how many axes there are.
+/// Returns the message of a mask with a bit of a missing axis: the bit, and the number of axes.
 fn no_axis(event: &Event, config: &MachineConfig) -> Option<String> {
     let (Number::Count(mask), Number::Count(axes)) = (event.asked, event.limit) else { return None };
     let bit = (axes.max(0)..i64::from(i64::BITS)).find(|bit| mask >> bit & 1 == 1)?;
@@ -59,7 +59,7 @@ fn no_axis(event: &Event, config: &MachineConfig) -> Option<String> {
     Some(of_field(event, config, format!("{mask} has bit {bit} for axis {}; the cell has {is}", bit + 1)))
 }
 
-/// A mode that a type does not have, with those that it has.
+/// Returns the message of a mode that a type does not have, with the modes of the type.
 fn no_mode(event: &Event, config: &MachineConfig) -> Option<String> {
     let Object::Function(place) = event.source else { return None };
     let slot = config.slots.get(usize::from(place))?;
@@ -73,18 +73,18 @@ fn slot(number: Number, config: &MachineConfig) -> Option<&SlotConfig> {
     config.slots.get(usize::try_from(slot).ok()?)
 }
 
-/// Was a goal ended by an error of the axis that its function moves?
+/// Returns true if a goal was ended by an error of the axis that its function moves.
 pub(super) fn is_axis_error(event: &Event) -> bool {
     matches!(event.source, Object::Function(_)) && event.asked == Number::None
 }
 
-/// That error.
+/// Returns the message of that error.
 pub(super) fn axis_error(event: &Event) -> String {
     let cause = event.code.row().map_or("", |row| row.cause);
     format!("its axis has error {}: {cause}", event.code.0)
 }
 
-/// How it stands: does it run, which of its outputs are set?
+/// Returns the state of a function: whether it runs, and the outputs that are set.
 pub(super) fn state(event: &Event, config: &MachineConfig) -> String {
     let (Number::Count(state), Object::Function(slot)) = (event.asked, event.source) else { return "?".to_owned() };
     let outputs = config.slots.get(usize::from(slot)).map_or(&[][..], |slot| &slot.outputs);
@@ -103,12 +103,12 @@ pub(super) fn state(event: &Event, config: &MachineConfig) -> String {
     }
 }
 
-/// What READ_VALUE has found of a function; none of another object.
+/// Returns the answer of a function to READ_VALUE; `None` for other objects.
 pub(super) fn found(event: &Event, config: &MachineConfig) -> Option<String> {
     Some(format!("READ_VALUE: {} is {}", field(event, config)?.name, plain(event.asked)))
 }
 
-/// A table that a function reads.
+/// Returns the message of a table that a function reads.
 fn uses_table(event: &Event, config: &MachineConfig) -> String {
     match slot(event.asked, config) {
         Some(slot) => {
@@ -119,13 +119,13 @@ fn uses_table(event: &Event, config: &MachineConfig) -> String {
     }
 }
 
-/// An output that a function writes.
+/// Returns the message of an output that a function writes.
 fn writes(event: &Event, config: &MachineConfig) -> String {
     let owner = slot(event.limit, config).map_or("a function", |slot| &slot.name);
     format!("{} may not be set, nor any value: function {owner} writes it", plain(event.asked))
 }
 
-/// A table of another form.
+/// Returns the message of a table of another form.
 fn other_form(event: &Event) -> String {
     let name = |number| match number {
         Number::Count(form) => usize::try_from(form).ok().and_then(|form| Form::ALL.get(form)).map(|(_, name)| *name),
@@ -137,7 +137,7 @@ fn other_form(event: &Event) -> String {
     }
 }
 
-/// The sentence of a code that depends on the function or the table; none of another.
+/// Returns the message of a code that depends on the function or the table; `None` for other codes.
 pub(super) fn reason(event: &Event, config: &MachineConfig) -> Option<String> {
     match event.code {
         Code::FUNCTION_RANGE => Some(out_of_range(event, config)),

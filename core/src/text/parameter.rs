@@ -1,12 +1,12 @@
-//! Parameters in sentences: one text of a value, of a range, of a refusal, for every door.
+//! Parameters in messages: common texts of values, ranges and refusals for all interfaces.
 
 use crate::parameter::{Measure, Range, Refused, Row, Storage, Value};
 use crate::unit::{Scale, ScaleKind, number_to_text};
 
-/// Where the ranges of positions end (inc).
+/// End of the range of positions (inc).
 const LARGEST_POSITION: i64 = (1 << 62) - 1;
 
-/// A value in the axis unit, or in the row's own; of a choice, its name.
+/// Returns a value in the axis unit, or in the unit of the row; the name of a choice.
 pub fn value_text(row: &Row, value: Value, scale: &Scale) -> String {
     match (value, row.measure) {
         (Value::Unset, _) => row.default_text.to_owned(),
@@ -24,7 +24,7 @@ pub fn value_text(row: &Row, value: Value, scale: &Scale) -> String {
     }
 }
 
-/// The values that a row permits, in words; `text` writes one of them.
+/// Returns the permitted values of a row as text; `text` formats one of them.
 pub fn range_text(row: &Row, text: impl Fn(Value) -> String) -> String {
     match row.range {
         Range::Int(0, LARGEST_POSITION) => format!("{} and above", text(Value::Int(0))),
@@ -39,7 +39,8 @@ pub fn range_text(row: &Row, text: impl Fn(Value) -> String) -> String {
     }
 }
 
-/// The values that a row permits on an axis of that scale, in words; a velocity ends with `highest` (inc/s), where that is given.
+/// Returns the permitted values of a row on an axis of that scale as text; a velocity is limited to `highest` (inc/s),
+/// if given.
 pub fn allowed_text(row: &Row, scale: &Scale, highest: Option<f64>) -> String {
     let end = |end: f64| highest.map_or(end, |highest| end.min(highest));
     let low_end = match row.range {
@@ -53,7 +54,7 @@ pub fn allowed_text(row: &Row, scale: &Scale, highest: Option<f64>) -> String {
     })
 }
 
-/// A value that lies outside its range: with all of its digits where fewer of them stand in the range.
+/// Returns a value outside its range: with all of its digits if fewer would look like a value in the range.
 pub fn outside_text(row: &Row, value: Value, scale: &Scale, allowed: &str) -> String {
     let text = value_text(row, value, scale);
     match (value, row.measure.order()) {
@@ -64,7 +65,7 @@ pub fn outside_text(row: &Row, value: Value, scale: &Scale, allowed: &str) -> St
     }
 }
 
-/// Two values that were compared, with enough digits to differ.
+/// Returns two compared values, with enough digits to differ.
 pub fn pair_text(one: (&Row, Value), other: (&Row, Value), scale: &Scale) -> (String, String) {
     let text = |(row, value): (&Row, Value)| value_text(row, value, scale);
     let usual = (text(one), text(other));
@@ -78,9 +79,9 @@ pub fn pair_text(one: (&Row, Value), other: (&Row, Value), scale: &Scale) -> (St
     (precise(one), precise(other))
 }
 
-/// Ranges one by one; a regular row of them by its beginning and its end: `0 to 2, 10 to 12, .. 90 to 92`.
+/// Returns ranges one by one; a regular series by its beginning and its end: `0 to 2, 10 to 12, .. 90 to 92`.
 fn ranges_text(ranges: &[(i64, i64)]) -> String {
-    /// A shorter row is written out.
+    /// A shorter series is written in full.
     const REGULAR: usize = 5;
     let one = |&(low, high): &(i64, i64)| if low == high { low.to_string() } else { format!("{low} to {high}") };
     let mut parts = Vec::new();
@@ -106,7 +107,7 @@ fn ranges_text(ranges: &[(i64, i64)]) -> String {
     parts.join(", ")
 }
 
-/// What a value of a row may be, in words, for a value that is none.
+/// Returns the allowed values of a row as text, for an input that is no value.
 pub fn expected_text(row: &Row, scale: &Scale) -> String {
     let unit = match scale.kind() {
         ScaleKind::Linear => ["10 mm", "0.5 m/s", "2 m/s^2", "50 m/s^3"],
@@ -124,8 +125,8 @@ pub fn expected_text(row: &Row, scale: &Scale) -> String {
     }
 }
 
-/// Why a row refuses a value: key, value and what is permitted, without the name of the axis. A velocity ends with `highest`
-/// (inc/s), where that is given.
+/// Returns why a row refuses a value: key, value and permitted values, without the name of the axis. A velocity is
+/// limited to `highest` (inc/s), if given.
 pub fn refused_text(row: &Row, why: Refused, value: Value, scale: &Scale, highest: Option<f64>) -> String {
     let key = row.key;
     let text = |value| value_text(row, value, scale);
@@ -174,7 +175,7 @@ mod tests {
         assert_eq!(range("max_velocity"), "more than 0 up to 1000000000000 mm/s");
     }
 
-    /// An end that is rounded to nine digits would read as a value beyond it, and a value beyond it as the end.
+    /// A limit rounded to nine digits must not look like a value beyond it, or the reverse.
     #[test]
     fn an_end_of_a_range_never_reads_as_a_value_that_is_refused() {
         let allowed = |key: &str, highest| allowed_text(row(key), &millimetres(), highest);

@@ -1,4 +1,4 @@
-//! Why the set of a parameter was refused.
+//! Messages of refused parameter sets.
 
 use super::{allowed_text, number_text, parameter_value, refused_text, row, scale_of, value_of};
 use crate::config::{MachineConfig, highest_of};
@@ -61,7 +61,7 @@ pub(super) fn out_of_range(event: &Event, config: &MachineConfig) -> String {
     let value = parameter_value(row, event.asked, event.source, config);
     match event.limit {
         Number::None => refused(event, row, Refused::OutOfRange, config),
-        // What a cycle can do is less than what the row says.
+        // The limit of the cycle time is below that of the row.
         limit => match (row.root(), limit) {
             ("max_velocity", _) if !row.is_view() => refused(event, row, Refused::OutOfRange, config),
             (_, Number::Velocity(highest)) => {
@@ -79,7 +79,7 @@ pub(super) fn given_twice(event: &Event, config: &MachineConfig) -> String {
     format!("{} {value} stands twice in the set: another line makes it {other}; give it once", row.key)
 }
 
-/// The value of a parameter and the value it was compared with, with enough digits to differ.
+/// Returns the value of a parameter and the value it was compared with, with enough digits to differ.
 fn told_apart(event: &Event, row: &Row, config: &MachineConfig) -> (String, String) {
     let value = parameter_value(row, event.asked, event.source, config);
     let limit = number_text(event.limit, event.source, config);
@@ -96,7 +96,7 @@ fn told_apart(event: &Event, row: &Row, config: &MachineConfig) -> (String, Stri
     (precise(event.asked, value), precise(event.limit, limit))
 }
 
-/// Two values that cannot stand together, or one that leads another out of its range.
+/// Returns the message of two values that contradict each other, or of a value that moves another one out of its range.
 pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
     let Some(row) = row(event) else { return "the parameters contradict each other".to_owned() };
     let (value, limit) = told_apart(event, row, config);
@@ -113,7 +113,7 @@ pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
         let range = allowed_text(native, &scale_of(event.source, config), highest_of(native, config.cycle_ns));
         return format!("{} {value} makes {} {limit}; {range} is allowed", row.key, native.key);
     }
-    // What MACS gives as a part or a count is told beside what MACS has there.
+    // A value that MACS gives as a fraction or a count is reported together with the value of MACS.
     let key = match (row.key, event.limit) {
         ("neglimit" | "poslimit" | "swneglimact" | "swposlimact", _) => row.key,
         ("dfltvel" | "dfltacc" | "home_vel" | "home_ramp", Number::Count(_)) => row.key,

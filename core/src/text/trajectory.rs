@@ -1,4 +1,4 @@
-//! Texts of trajectories: clients plan in SI units, so these come first, with the units of the axis in brackets.
+//! Messages of trajectories: clients plan in SI units, so these come first, with the units of the axis in brackets.
 
 use super::scale_of;
 use super::set::key;
@@ -7,7 +7,7 @@ use crate::config::MachineConfig;
 use crate::event::{Event, Kind, Number, TrajectoryPlace};
 use crate::unit::{Scale, number_to_text};
 
-/// Whether the numbers of a code answer a trajectory, and it is not one of [`reason`].
+/// Returns true if the numbers of a code answer a trajectory, and it is not one of [`reason`].
 pub(super) fn is_in_si(code: Code) -> bool {
     matches!(
         code,
@@ -22,7 +22,7 @@ pub(super) fn is_in_si(code: Code) -> bool {
     )
 }
 
-/// Why a trajectory was refused or stretched, or what it makes its axes do, at one of its points.
+/// Returns why a trajectory was refused or stretched, or the demand on its axes, at one of its points.
 pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineConfig) -> Option<String> {
     let scale = scale_of(event.source, config);
     let (asked, limit) = pair_in_si(event.asked, event.limit, &scale);
@@ -80,12 +80,12 @@ pub(super) fn reason(event: &Event, place: &TrajectoryPlace, config: &MachineCon
     })
 }
 
-/// To four decimals.
+/// Rounds up to four decimals.
 fn rounded_up(factor: f64) -> f64 {
     (factor * 1e4).ceil() / 1e4
 }
 
-/// Both values in SI units with the units of the axis in brackets, with as many digits as tell them apart.
+/// Returns both values in SI units with the units of the axis in brackets, with enough digits to differ.
 pub fn pair_in_si(asked: Number, limit: Number, scale: &Scale) -> (String, String) {
     let both = |digits: bool| {
         let text = |number| in_both_units(number, scale, digits);

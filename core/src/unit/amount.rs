@@ -1,26 +1,27 @@
 //! Amounts of a request, with or without a unit of their own.
 //!
-//! Law      a bare number is in the units of its request; what rounding to whole increments leaves is kept to 2^-32
-//! Refuses  what a scale refuses
+//! Law      a number without a unit is in the units of its request; the remainder of rounding to whole increments is
+//!          kept to 2^-32
+//! Refuses  the errors of a scale
 //! Source   contract section 7, MACS-UNIT-05
 
 use super::{AxisUnit, Fraction, Quantity, Scale, Unit, UnitError, fraction_to_f64};
 use crate::position::{Length, Position};
 
-/// In which units a request gives its bare numbers.
+/// Units of the numbers in a request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Units {
-    /// m or rad, and their derivatives by s.
+    /// m or rad, and their time derivatives.
     #[default]
     Si,
-    /// The axis unit, and its derivatives by s.
+    /// The axis unit, and its time derivatives.
     AxisUnit,
-    /// Increments, and their derivatives by s.
+    /// Increments, and their time derivatives.
     Increments,
 }
 
 impl Units {
-    /// The unit of a length with such a scale.
+    /// Returns the unit of a length for that scale.
     pub fn unit(self, scale: &Scale) -> AxisUnit {
         match self {
             Self::Si => scale.kind().dimension(0).si_unit().into(),
@@ -30,12 +31,12 @@ impl Units {
     }
 }
 
-/// A value of a request: a bare number in the request's units, or one with its own unit.
+/// A value of a request: a number in the units of the request, or one with its own unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
-    /// In the units of the request.
+    /// A number in the units of the request.
     Number(f64),
-    /// In its own.
+    /// A number with its own unit.
     Quantity(Quantity),
 }
 
@@ -46,10 +47,10 @@ impl Default for Amount {
 }
 
 impl Amount {
-    /// With its unit, as the derivative of that order.
+    /// Returns the amount with its unit, as the derivative of that order.
     ///
     /// # Errors
-    /// No finite number.
+    /// The number is not finite.
     pub fn quantity(self, units: Units, scale: &Scale, order: u8) -> Result<Quantity, UnitError> {
         match self {
             Self::Number(number) => units.unit(scale).with_order(order).times_f64(number),
@@ -57,10 +58,10 @@ impl Amount {
         }
     }
 
-    /// As a position or distance (inc).
+    /// Converts to a position or distance (inc).
     ///
     /// # Errors
-    /// No finite number, the wrong dimension, beyond 2^62 inc.
+    /// The number is not finite, has the wrong dimension, or is beyond 2^62 inc.
     pub fn length(self, units: Units, scale: &Scale) -> Result<Length, UnitError> {
         let quantity = self.quantity(units, scale, 0)?;
         let nearest = scale.position(&quantity)?;
@@ -68,16 +69,17 @@ impl Amount {
         Ok(Length { nearest, rest: rest(&exact, nearest) })
     }
 
-    /// As a velocity (order 1), acceleration (2) or jerk (3) (inc/s^order).
+    /// Converts to a velocity (order 1), acceleration (2) or jerk (3) (inc/s^order).
     ///
     /// # Errors
-    /// No finite number, the wrong dimension.
+    /// The number is not finite, or has the wrong dimension.
     pub fn rate(self, units: Units, scale: &Scale, order: u8) -> Result<f64, UnitError> {
         scale.rate(&self.quantity(units, scale, order)?, order)
     }
 }
 
-/// What rounding to `nearest` left, to 2^-32; below a half in truth it stays below a half.
+/// Returns the remainder of rounding to `nearest`, to 2^-32; a remainder slightly below a half is not rounded up to a
+/// half.
 fn rest(exact: &Fraction, nearest: i64) -> Position {
     let left = exact - Fraction::from_integer(nearest.into());
     let half = Fraction::new(1, 2);

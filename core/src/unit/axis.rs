@@ -1,14 +1,14 @@
-//! The axis unit: that of people, `mm`, or so many of one, `0.1 mm`.
+//! Axis unit: a unit such as `mm`, or a multiple of one such as `0.1 mm`.
 //!
-//! Law      a number in it is that number of its shares, exact: 9000 in `0.1 mm` are 900 mm
-//! Refuses  a share that is not above 0, what leaves 128 bits
+//! Law      a number in the axis unit is that multiple of its share, exact: 9000 in `0.1 mm` are 900 mm
+//! Refuses  a share that is not above 0, results beyond 128 bits
 //! Source   the user unit (UU) of MACS-UNIT-01 and AMC-PAR, the basic resolution of WF-MD-21
 
 use super::{Fraction, Quantity, Unit, UnitError, fraction_from_f64, fraction_to_text};
 use num_traits::{CheckedMul, One, Signed};
 use std::fmt;
 
-/// A unit, or a share of it.
+/// A unit, or a multiple of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisUnit {
     share: Fraction,
@@ -16,7 +16,7 @@ pub struct AxisUnit {
 }
 
 impl AxisUnit {
-    /// A share such as 0.1 mm.
+    /// Creates the axis unit of a share such as 0.1 mm.
     ///
     /// # Errors
     /// [`UnitError::NotPositive`].
@@ -29,23 +29,23 @@ impl AxisUnit {
         }
     }
 
-    /// The unit of which it is a share.
+    /// Returns the unit of the share.
     pub fn unit(self) -> Unit {
         self.unit
     }
 
-    /// Is it a unit by itself?
+    /// Returns true if the share is 1.
     pub fn is_whole(self) -> bool {
         self.share.is_one()
     }
 
-    /// Per second to the power `order` (0..=3).
+    /// Returns the unit per second to the power `order` (0..=3).
     #[must_use]
     pub fn with_order(self, order: u8) -> Self {
         Self { unit: self.unit.with_order(order), ..self }
     }
 
-    /// So many of it.
+    /// Returns that number of axis units as a quantity.
     ///
     /// # Errors
     /// [`UnitError::TooManyDigits`].
@@ -55,7 +55,7 @@ impl AxisUnit {
         Ok(Quantity::new(value, self.unit))
     }
 
-    /// So many of it, by the shortest decimal of an f64.
+    /// Returns that number of axis units, by the shortest decimal of an f64.
     ///
     /// # Errors
     /// [`UnitError::NotFinite`]; as [`AxisUnit::times`].
@@ -63,7 +63,7 @@ impl AxisUnit {
         self.times(fraction_from_f64(number)?)
     }
 
-    /// So many of it, for a sentence: `900 mm`, `9000 * 0.1 mm`.
+    /// Returns a number of axis units as text: `900 mm`, `9000 * 0.1 mm`.
     pub(super) fn text(self, number: &str) -> String {
         if self.is_whole() { format!("{number} {}", self.unit) } else { format!("{number} * {self}") }
     }

@@ -1,9 +1,9 @@
-//! Why a number, a unit or a scale is refused.
+//! Errors of numbers, units and scales.
 
 use super::{Dimension, Fraction, Quantity, Unit, fraction_to_text, number_to_text};
 use thiserror::Error;
 
-/// A refusal: what was given and what is allowed. [`UnitError::hint`] says how to write it instead.
+/// Error with the given value and the allowed one. [`UnitError::hint`] suggests how to write it instead.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum UnitError {
@@ -22,27 +22,27 @@ pub enum UnitError {
     /// NaN or infinite, or beyond 1e38.
     #[error("{} is not a finite number within +-1e38", number_to_text(*.value))]
     NotFinite {
-        /// The value as given.
+        /// The given value.
         value: f64,
     },
-    /// Number and unit stand together without a blank.
+    /// Number and unit without a blank between them.
     #[error("`{text}` has no blank between number and unit")]
     NoBlank {
         /// The text as given.
         text: String,
-        /// Bytes of the number at its start.
+        /// Length of the number at its start, in bytes.
         number: usize,
     },
-    /// No such unit.
+    /// Unknown unit.
     #[error("`{unit}` in `{text}` is not a unit; {} has {}", .expected.article(), .expected.units())]
     UnknownUnit {
         /// The whole text as given.
         text: String,
-        /// The part that should be a unit.
+        /// The part at the position of the unit.
         unit: String,
-        /// What was expected.
+        /// The expected dimension.
         expected: Dimension,
-        /// A unit that is probably meant.
+        /// Suggestion of a similar unit.
         meant: Option<&'static str>,
     },
     /// A unit of another dimension.
@@ -53,31 +53,32 @@ pub enum UnitError {
     WrongDimension {
         /// The quantity as given.
         given: Quantity,
-        /// What was expected.
+        /// The expected dimension.
         expected: Dimension,
-        /// The unit of the example where that of `given` does not fit: of the axis where it is known, else the most common one.
+        /// Unit of the example if the unit of `given` does not fit: that of the axis if known, otherwise the most
+        /// common one.
         usual: Unit,
     },
-    /// A position that no axis may have.
+    /// A position beyond the range of positions.
     #[error("{given} is {} increments; a position stays below 2^62 = 4611686018427387904 increments", Magnitude(.increments))]
     OutOfRange {
         /// The value as given, with its unit.
         given: String,
-        /// The increments it would be; `None` when they are beyond 128 bits.
+        /// The position in increments; `None` beyond 128 bits.
         increments: Option<Fraction>,
     },
-    /// Exact arithmetic left 128 bits.
+    /// An exact result exceeds 128 bits.
     #[error("`{given}` has too many digits to be converted exactly; fewer digits, or a smaller exponent, are allowed")]
     Inexact {
-        /// The value as given.
+        /// The given value.
         given: Quantity,
     },
-    /// A velocity, acceleration or jerk that no machine can have.
+    /// A velocity, acceleration or jerk that is too low for any machine.
     #[error("`{given}` is {rate:e} {unit}; 0, or 1e-22 {unit} and more, is allowed")]
     RateTooLow {
-        /// The value as given.
+        /// The given value.
         given: Quantity,
-        /// What it is in increments.
+        /// The value in increments.
         rate: f64,
         /// Unit of `rate`.
         unit: Unit,
@@ -85,9 +86,9 @@ pub enum UnitError {
     /// A velocity, acceleration or jerk beyond all ranges.
     #[error("`{given}` is {rate:e} {unit}; less than 1e30 {unit} is allowed")]
     RateTooHigh {
-        /// The value as given.
+        /// The given value.
         given: Quantity,
-        /// About what it is in increments.
+        /// The approximate value in increments.
         rate: f64,
         /// Unit of `rate`.
         unit: Unit,
@@ -98,20 +99,20 @@ pub enum UnitError {
         /// The time as given.
         given: Quantity,
     },
-    /// A part of a scale that must be positive is not.
+    /// A part of a scale that is not positive.
     #[error("{part} of the scale is {}; a value above 0 is allowed", fraction_to_text(.value))]
     NotPositive {
         /// `increments` or `per`.
         part: &'static str,
-        /// The value as given.
+        /// The given value.
         value: Fraction,
     },
-    /// A MACS unit factor beyond its range.
+    /// A MACS unit factor outside its range.
     #[error("{name} is {value}; 1..1073741823 is allowed")]
     MacsFactor {
-        /// The parameter.
+        /// Name of the parameter.
         name: &'static str,
-        /// The value as given.
+        /// The given value.
         value: i128,
     },
     /// A MACS position beyond +-MLONG quadcounts.
@@ -119,18 +120,19 @@ pub enum UnitError {
     MacsPosition {
         /// The position as given.
         user_units: Fraction,
-        /// The quadcounts it would be; `None` when they are beyond 128 bits.
+        /// The position in quadcounts; `None` beyond 128 bits.
         increments: Option<Fraction>,
     },
 }
 
 impl UnitError {
-    /// A quantity of another dimension; the example has the most common unit.
+    /// Returns the error of a quantity of another dimension; the example has the most common unit.
     pub(crate) fn wrong_dimension(given: Quantity, expected: Dimension) -> Self {
         Self::WrongDimension { given, expected, usual: expected.usual_unit() }
     }
 
-    /// The same error; an example that it gives is in this unit, which is that of the axis. A unit of another kind changes nothing.
+    /// Returns the same error with its example in this unit, which is that of the axis. A unit of another kind changes
+    /// nothing.
     #[must_use]
     pub fn in_unit(self, unit: Unit) -> Self {
         match self {
@@ -141,13 +143,13 @@ impl UnitError {
         }
     }
 
-    /// The error with its hint, for a line of text.
+    /// Returns the error with its hint, as text.
     pub fn sentence(&self) -> String {
         self.hint().map_or_else(|| self.to_string(), |hint| format!("{self}; {hint}"))
     }
 
-    /// The error with its hint. For a text that is no number, it has an example of what is expected instead, in this unit, which is that of
-    /// the axis.
+    /// Returns the error with its hint, as text. For a text that is no number, the hint is an example in this unit,
+    /// which is that of the axis.
     pub fn sentence_for(self, expected: Dimension, unit: Unit) -> String {
         match self {
             Self::NotANumber { .. } if self.hint().is_none() => {
@@ -157,7 +159,7 @@ impl UnitError {
         }
     }
 
-    /// How to write it instead, where that is known.
+    /// Returns a suggestion how to write it instead, if there is one.
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::NotANumber { text } if text.contains(',') => Some("write a decimal point, not a comma".to_owned()),
@@ -171,7 +173,7 @@ impl UnitError {
     }
 }
 
-/// Increments in a sentence, known or beyond all arithmetic.
+/// Increments as text, or a note that they are beyond 128 bits.
 struct Magnitude<'a>(&'a Option<Fraction>);
 
 impl std::fmt::Display for Magnitude<'_> {
@@ -183,7 +185,7 @@ impl std::fmt::Display for Magnitude<'_> {
     }
 }
 
-/// A piece of foreign text for a sentence: on one line and at most 60 characters long.
+/// Returns an excerpt of external text for a message: on one line and at most 60 characters long.
 pub fn excerpt(text: &str) -> String {
     const LONGEST: usize = 60;
     let mut piece = String::new();
@@ -192,7 +194,7 @@ pub fn excerpt(text: &str) -> String {
             piece.push_str("..");
             break;
         }
-        // U+2028 and U+2029 break lines like a control character.
+        // U+2028 and U+2029 break lines like control characters.
         if c.is_control() || matches!(c, '\u{2028}' | '\u{2029}') {
             piece.extend(c.escape_default());
         } else {

@@ -7,17 +7,17 @@ use std::fmt::Write;
 
 /// An exact number: a reduced fraction of 128-bit integers, the denominator positive.
 ///
-/// Its `+ - * /` overflow like those of integers: use the checked forms of `num_traits` with values from outside.
+/// Its `+ - * /` overflow like those of integers: use the checked forms of `num_traits` for external values.
 pub type Fraction = Ratio<i128>;
 
-/// Decimals beyond which an f64 is cut: 10^-24 m or turns is far below an increment of any scale, and cutting there lets
-/// numeric noise such as 1e-40 be zero instead of an overflow.
+/// Decimals after which an f64 is rounded: 10^-24 m or turns is far below an increment of any scale, and numeric noise
+/// such as 1e-40 becomes zero instead of an overflow.
 const F64_DECIMALS: i32 = 24;
 
 /// Reads a decimal number such as `120`, `-0.5`, `.5` or `1e-3`, exactly.
 ///
 /// # Errors
-/// [`UnitError::NotANumber`]; [`UnitError::TooManyDigits`] where 128 bits do not hold it.
+/// [`UnitError::NotANumber`]; [`UnitError::TooManyDigits`] if it exceeds 128 bits.
 pub fn parse_decimal(text: &str) -> Result<Fraction, UnitError> {
     let not_a_number = || UnitError::NotANumber { text: excerpt(text) };
     let too_many = || UnitError::TooManyDigits { text: excerpt(text) };
@@ -44,8 +44,8 @@ pub fn parse_fraction(text: &str) -> Result<Fraction, UnitError> {
         .ok_or_else(|| UnitError::TooManyDigits { text: excerpt(text) })
 }
 
-/// The fraction that an f64 means: its shortest decimal that reads back as the same f64. So 0.12 is 12/100, and a number
-/// is the same increment whether it comes from a file or through ROS. Decimals beyond the 24th are rounded away.
+/// Returns the fraction of the shortest decimal that reads back as the same f64. So 0.12 is 12/100, and a number has
+/// the same increments whether it comes from a file or through ROS. Decimals after the 24th are rounded.
 ///
 /// # Errors
 /// [`UnitError::NotFinite`] for NaN, infinities and magnitudes from 1e38 on.
@@ -67,9 +67,9 @@ pub fn fraction_from_f64(value: f64) -> Result<Fraction, UnitError> {
     Ok(Fraction::new(cut, 10_i128.pow(F64_DECIMALS.unsigned_abs())))
 }
 
-/// The nearest f64, ties to even.
+/// Returns the nearest f64, ties to even.
 pub fn fraction_to_f64(value: &Fraction) -> f64 {
-    /// Quotient bits that decide the rounding: 53 of the result, one of the half, and a sticky bit for the rest.
+    /// Quotient bits that determine the rounding: 53 of the result, one of the half, and a sticky bit for the rest.
     const BITS: u32 = 55;
     let (numerator, denominator) = (value.numer().unsigned_abs(), value.denom().unsigned_abs());
     if numerator == 0 {
@@ -86,7 +86,7 @@ pub fn fraction_to_f64(value: &Fraction) -> f64 {
         }
         exponent -= 1;
     }
-    // An odd last bit keeps the cast from taking a value just beside a tie for a tie.
+    // An odd last bit prevents the cast from treating a value near a tie as a tie.
     if rest != 0 {
         quotient |= 1;
     }
@@ -94,7 +94,7 @@ pub fn fraction_to_f64(value: &Fraction) -> f64 {
     if value.is_negative() { -magnitude } else { magnitude }
 }
 
-/// The nearest whole number, half away from zero; `None` beyond i64.
+/// Returns the nearest whole number, half away from zero; `None` beyond i64.
 pub fn round(value: &Fraction) -> Option<i64> {
     round_i128(value).and_then(|whole| i64::try_from(whole).ok())
 }
@@ -106,14 +106,15 @@ fn round_i128(value: &Fraction) -> Option<i128> {
     Some(if value.is_negative() { -magnitude } else { magnitude })
 }
 
-/// The number as people write it: the exact decimal where 15 digits hold it, else nine digits of it.
+/// Returns the number as text: the exact decimal if 15 digits suffice, otherwise nine digits.
 pub fn fraction_to_text(value: &Fraction) -> String {
     short_decimal(value).unwrap_or_else(|| nine_digits(fraction_to_f64(value)))
 }
 
-/// All digits of a decimal, however many: it reads back as what it is. As [`fraction_to_text`], where it is none.
+/// Returns all digits of a decimal, which therefore reads back as the same number. A fraction that is no decimal is
+/// written as by [`fraction_to_text`].
 pub fn fraction_to_digits(value: &Fraction) -> String {
-    /// Of 10, in 128 bits.
+    /// Largest power of 10 within 128 bits.
     const MOST: u32 = 38;
     let exact = || {
         let places = (0..=MOST).find(|&n| 10_i128.pow(n) % value.denom() == 0)?;
@@ -123,16 +124,15 @@ pub fn fraction_to_digits(value: &Fraction) -> String {
     short_decimal(value).or_else(exact).unwrap_or_else(|| fraction_to_text(value))
 }
 
-/// A number as people read it, no digit left out: with an exponent where it would have more than 20 digits, most of
-/// them zeros.
+/// Returns a number as text with all digits: with an exponent if it would have more than 20 digits, most of them zeros.
 pub fn number_to_text(value: f64) -> String {
     let is_plain = (1e-9..1e20).contains(&value.abs()) || value == 0.0 || !value.is_finite();
     if is_plain { value.to_string() } else { format!("{value:e}") }
 }
 
-/// Nine significant digits of a measured or computed value, without trailing zeros.
+/// Returns nine significant digits of a measured or computed value, without trailing zeros.
 pub(super) fn nine_digits(value: f64) -> String {
-    // Through the text and back: what reads back from nine digits prints as at most nine digits.
+    // Converted to text and back: a number of nine digits prints with at most nine digits.
     match format!("{value:.8e}").parse::<f64>() {
         Ok(0.0) => "0".to_owned(),
         Ok(rounded) => number_to_text(rounded),
@@ -140,12 +140,12 @@ pub(super) fn nine_digits(value: f64) -> String {
     }
 }
 
-/// The exact decimal, where 15 digits hold it.
+/// Returns the exact decimal if 15 digits suffice.
 pub(super) fn short_decimal(value: &Fraction) -> Option<String> {
     const DIGITS: u32 = 15;
-    /// All of a 64-bit number.
+    /// All digits of a 64-bit number.
     const WHOLE: u32 = 20;
-    // The smallest power of ten that the denominator divides, if any does.
+    // The smallest power of ten that is a multiple of the denominator, if any.
     let places = (0..=DIGITS).find(|&n| 10_i128.pow(n) % value.denom() == 0)?;
     let scaled = value.numer().checked_mul(10_i128.pow(places) / value.denom())?.unsigned_abs();
     if scaled >= 10_u128.pow(if places > 0 { DIGITS } else { WHOLE }) {
@@ -162,7 +162,7 @@ pub(super) fn short_decimal(value: &Fraction) -> Option<String> {
     Some(text)
 }
 
-/// Bytes of the decimal number that `text` starts with.
+/// Returns the length in bytes of the decimal number at the start of `text`.
 pub(super) fn number_length(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
@@ -188,7 +188,7 @@ pub(super) fn number_length(text: &str) -> Option<usize> {
     Some(end)
 }
 
-/// Splits a number into whole mantissa without trailing zeros and exponent of ten; `None` where it leaves i128.
+/// Splits a number into whole mantissa without trailing zeros and exponent of ten; `None` beyond i128.
 fn scientific(number: &str) -> Option<(i128, i32)> {
     let (digits, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
     let (mut mantissa, mut zeros, mut decimals, mut behind_point) = (0_i128, 0_u32, 0_i32, false);
@@ -278,7 +278,7 @@ mod tests {
         }
     }
 
-    /// 1e308 has 309 digits, of which one says something; 2^62 has 19, and all of them do.
+    /// 1e308 has 309 digits, of which one is significant; 2^62 has 19, all significant.
     #[test]
     fn a_large_number_is_short_and_a_whole_one_exact() {
         for (value, text) in [
@@ -385,7 +385,7 @@ mod tests {
             prop_assert_eq!(parse_decimal(&text), fraction_from_f64(text.parse().unwrap()));
         }
 
-        /// The standard library reads `n` and `n/2^k` correctly rounded; a division by a power of two stays exact.
+        /// The standard library reads `n` and `n/2^k` correctly rounded; a division by a power of two is exact.
         #[test]
         fn to_f64_rounds_to_nearest_even(n in any::<i128>().prop_map(|n| n >> 1), k in 0_u32..120) {
             let value = fraction(n, 1 << k);

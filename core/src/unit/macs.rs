@@ -1,7 +1,7 @@
-//! The unit factors of MACS.
+//! Unit factors of MACS.
 //!
 //! Law      qc = UU * (FEEDREV * POSFACT_Z * POSENCQC) / (FEEDDIST * POSFACT_N * POSENCREV)
-//! Refuses  a factor beyond 1..MLONG; a position beyond +-MLONG qc
+//! Refuses  a factor outside 1..MLONG; a position beyond +-MLONG qc
 //! Source   MACS-UNIT-01, -02, -04, -05
 
 use super::{Fraction, UnitError, round};
@@ -10,7 +10,7 @@ use num_traits::{CheckedDiv, CheckedMul, Signed};
 /// 2^30 - 1: the largest position and the largest factor of MACS.
 pub const MLONG: i64 = (1 << 30) - 1;
 
-/// The six factors by their names in MACS, each 1..MLONG; all are 1 by default but POSFACT_Z and POSFACT_N, 1000.
+/// The six factors by their names in MACS, each 1..MLONG; the defaults are 1, except POSFACT_Z and POSFACT_N with 1000.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[expect(missing_docs, reason = "the names are the documentation: MACS-UNIT-01 defines them by one formula")]
 pub struct MacsFactors {
@@ -29,13 +29,13 @@ impl Default for MacsFactors {
 }
 
 impl MacsFactors {
-    /// POSFACT_Z : POSFACT_N of a mechanism: `gear * counts * (4 if quadrature) / scaling`, reduced.
+    /// Returns POSFACT_Z : POSFACT_N of a mechanism: `gear * counts * (4 if quadrature) / scaling`, reduced.
     ///
-    /// `gear` motor revolutions per output revolution; `counts` of the encoder per motor revolution, counted fourfold unless
-    /// the encoder is absolute; `scaling` user units per output revolution. All above 0.
+    /// `gear` motor revolutions per output revolution; `counts` of the encoder per motor revolution, multiplied by four
+    /// unless the encoder is absolute; `scaling` user units per output revolution. All above 0.
     ///
     /// # Errors
-    /// [`UnitError::NotPositive`]; [`UnitError::MacsFactor`] where the reduced fraction leaves 1..MLONG.
+    /// [`UnitError::NotPositive`]; [`UnitError::MacsFactor`] if the reduced fraction is outside 1..MLONG.
     pub fn of_mechanism(gear: Fraction, counts: i64, quadrature: bool, scaling: Fraction) -> Result<Self, UnitError> {
         let counts = Fraction::from(i128::from(counts));
         for (part, value) in [("gear", gear), ("counts", counts), ("scaling", scaling)] {
@@ -54,8 +54,8 @@ impl MacsFactors {
         factors.increments_per_user_unit().map(|_| factors)
     }
 
-    /// SYNCFACTM : SYNCFACTS of a master for cams: the increments of one master unit, found as those of a user unit
-    /// (MACS-UNIT-07).
+    /// Returns SYNCFACTM : SYNCFACTS of a master for cams: the increments of one master unit, calculated like those of
+    /// a user unit (MACS-UNIT-07).
     ///
     /// # Errors
     /// As [`MacsFactors::of_mechanism`].
@@ -68,17 +68,17 @@ impl MacsFactors {
         Self::of_mechanism(gear, counts, quadrature, scaling).map(|factors| (factors.posfact_z, factors.posfact_n))
     }
 
-    /// A scale as POSFACT_Z : POSFACT_N; none where its numbers leave 1..MLONG.
+    /// Returns a scale as POSFACT_Z : POSFACT_N; `None` if its numbers are outside 1..MLONG.
     pub fn of_ratio(per_unit: &Fraction) -> Option<Self> {
         let part = |number: &i128| i64::try_from(*number).ok().filter(|number| (1..=MLONG).contains(number));
         let (posfact_z, posfact_n) = (part(per_unit.numer())?, part(per_unit.denom())?);
         Some(Self { posfact_z, posfact_n, ..Self::default() })
     }
 
-    /// Quadcounts per user unit, exact.
+    /// Returns quadcounts per user unit, exact.
     ///
     /// # Errors
-    /// [`UnitError::MacsFactor`] for the first factor beyond 1..MLONG.
+    /// [`UnitError::MacsFactor`] for the first factor outside 1..MLONG.
     pub fn increments_per_user_unit(&self) -> Result<Fraction, UnitError> {
         let above = [("FEEDREV", self.feedrev), ("POSFACT_Z", self.posfact_z), ("POSENCQC", self.posencqc)];
         let below = [("FEEDDIST", self.feeddist), ("POSFACT_N", self.posfact_n), ("POSENCREV", self.posencrev)];
@@ -86,7 +86,7 @@ impl MacsFactors {
         Ok(Fraction::new(product(above)?, product(below)?))
     }
 
-    /// Quadcounts of a position in user units: nearest, half away from zero, within +-MLONG.
+    /// Returns the quadcounts of a position in user units: nearest, half away from zero, within +-MLONG.
     ///
     /// # Errors
     /// [`UnitError::MacsPosition`]; [`UnitError::MacsFactor`].
@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(spindle.increments(&Fraction::from(1)), Ok(1000));
     }
 
-    /// A master of 512 counts, one turn of which is 360 MU: 256 qc are 45 MU, whichever way the fraction was found.
+    /// A master of 512 counts, one turn of which is 360 MU: 256 qc are 45 MU, however the fraction was calculated.
     ///
     /// Proves: MACS-UNIT-07
     #[test]
@@ -132,7 +132,7 @@ mod tests {
         assert!(MacsFactors::of_cam_master(Fraction::from(1), 0, true, Fraction::from(360)).is_err());
     }
 
-    /// The factor 4 is dropped for an absolute encoder, and the fraction stays exact.
+    /// The factor 4 does not apply to an absolute encoder, and the fraction stays exact.
     ///
     /// Proves: MACS-UNIT-02
     #[test]
@@ -168,7 +168,8 @@ mod tests {
         assert_eq!(factors.increments_per_user_unit(), Ok(Fraction::new(7, 2)));
     }
 
-    /// Halves go away from zero; eight single steps, each converted as an absolute end, arrive where one step of 8 does.
+    /// Halves are rounded away from zero; eight single steps, each converted as an absolute end, arrive at the same
+    /// position as one step of 8.
     ///
     /// Proves: MACS-UNIT-05
     #[test]

@@ -1,9 +1,9 @@
-//! The units that a file may use, and their dimensions.
+//! Units in files, and their dimensions.
 
 use super::{Fraction, Quantity};
 use std::fmt;
 
-/// What kind of quantity a number is. Lengths, angles and increments carry the order of their time derivative, 0..=3:
+/// Physical dimension of a number. Lengths, angles and increments have the order of their time derivative, 0..=3:
 /// position, velocity, acceleration, jerk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Dimension {
@@ -17,36 +17,36 @@ pub enum Dimension {
     Time,
     /// A plain number, also as percent.
     Ratio,
-    /// SI Hz.
+    /// A frequency; SI Hz.
     Frequency,
-    /// SI kg.
+    /// A mass; SI kg.
     Mass,
-    /// SI kg*m^2.
+    /// A moment of inertia; SI kg*m^2.
     Inertia,
-    /// SI N.
+    /// A force; SI N.
     Force,
-    /// SI Nm.
+    /// A torque; SI Nm.
     Torque,
-    /// SI A.
+    /// A current; SI A.
     Current,
-    /// SI V.
+    /// A voltage; SI V.
     Voltage,
-    /// Torque by twist; SI Nm/rad.
+    /// Torque per angle; SI Nm/rad.
     Stiffness,
-    /// Torque by angular velocity; SI Nm*s/rad.
+    /// Torque per angular velocity; SI Nm*s/rad.
     ViscousFriction,
-    /// SI Ohm.
+    /// A resistance; SI Ohm.
     Resistance,
-    /// SI H.
+    /// An inductance; SI H.
     Inductance,
-    /// Torque by current; SI Nm/A.
+    /// Torque per current; SI Nm/A.
     TorqueConstant,
-    /// Voltage by angular velocity; SI V*s/rad.
+    /// Voltage per angular velocity; SI V*s/rad.
     VoltageConstant,
 }
 
 impl Dimension {
-    /// The unit of a number without a unit. A derivative order above 3 counts as 3.
+    /// Returns the unit of a number without a unit. A derivative order above 3 counts as 3.
     pub fn si_unit(self) -> Unit {
         let (base, order) = match self {
             Self::Length(order) => (Base::Metre, order),
@@ -71,7 +71,7 @@ impl Dimension {
         Unit { base, rate: Rate::per_second(order) }
     }
 
-    /// The unit in which people most often write it: mm, deg, and per s, s^2, s^3; SI for everything else.
+    /// Returns the most common unit: mm, deg, and per s, s^2, s^3; SI for all others.
     pub fn usual_unit(self) -> Unit {
         match self {
             Self::Length(order) => Unit::MILLIMETRE.with_order(order),
@@ -80,19 +80,21 @@ impl Dimension {
         }
     }
 
-    /// The derivative of `unit` that is of this dimension, such as `mm/s` of `mm`; the most common unit where `unit` is of another kind.
+    /// Returns the derivative of `unit` of this dimension, such as `mm/s` of `mm`; the most common unit if `unit` is of
+    /// another kind.
     pub fn unit_like(self, unit: Unit) -> Unit {
         let like = unit.with_order(self.order());
         if like.dimension() == self { like } else { self.usual_unit() }
     }
 
-    /// The dimension with an example, for sentences: a velocity such as 1 mm/s. The example is in the unit of the axis where that is given.
+    /// Returns the dimension with an example, for messages: a velocity such as 1 mm/s. The example is in the unit of
+    /// the axis, if given.
     pub fn such_as(self, unit: Option<Unit>) -> String {
         let unit = unit.map_or_else(|| self.usual_unit(), |unit| self.unit_like(unit));
         format!("{} such as `{}`", self.article(), Quantity::new(Fraction::from(1), unit))
     }
 
-    /// The dimension with article, for sentences: `an acceleration`.
+    /// Returns the dimension with its article, for messages: `an acceleration`.
     pub fn article(self) -> &'static str {
         match self {
             Self::Length(0) => "a length",
@@ -125,7 +127,7 @@ impl Dimension {
         }
     }
 
-    /// The units of this dimension, for sentences: `nm, um, mm, cm, m`.
+    /// Returns the units of this dimension, for messages: `nm, um, mm, cm, m`.
     pub fn units(self) -> String {
         let rate = Rate::per_second(self.order());
         let units = BASES.iter().filter_map(|row| {
@@ -175,9 +177,9 @@ impl Unit {
         Self { base, rate: Rate::None }
     }
 
-    /// The unit of that name, exactly as written in the contract; `None` for any other text.
+    /// Returns the unit of that name, exactly as written in the contract; `None` for any other text.
     pub fn parse(text: &str) -> Option<Self> {
-        // A unit that has a slash of its own, and no rate.
+        // A unit that contains a slash itself, and no rate.
         if let Some(row) = BASES.iter().find(|row| row.name == text && text.contains('/')) {
             return Some(Self { base: row.base, rate: Rate::None });
         }
@@ -187,7 +189,7 @@ impl Unit {
         Some(Self { base: row.base, rate }).filter(|unit| unit.is_valid())
     }
 
-    /// What this unit measures.
+    /// Returns the dimension of this unit.
     pub fn dimension(self) -> Dimension {
         match self.row().dimension {
             Dimension::Length(order) => Dimension::Length(order + self.rate.order()),
@@ -197,8 +199,8 @@ impl Unit {
         }
     }
 
-    /// The same length, angle or increment per second to the power `order` (0..=3): `mm` with 2 is `mm/s^2`; rpm counts as
-    /// rev. Other units stay as they are.
+    /// Returns the same length, angle or increment per second to the power `order` (0..=3): `mm` with 2 is `mm/s^2`;
+    /// rpm counts as rev. Other units do not change.
     #[must_use]
     pub fn with_order(self, order: u8) -> Self {
         match self.row().dimension {
@@ -210,15 +212,15 @@ impl Unit {
         }
     }
 
-    /// One of this unit in the exact base unit of its dimension: SI, but revolutions for angles; times are per second.
-    /// `None` for radians, which have no exact ratio to a revolution.
+    /// Returns one of this unit in the exact base unit of its dimension: SI, but revolutions for angles; times are per
+    /// second. `None` for radians, which have no exact ratio to a revolution.
     pub(super) fn in_base(self) -> Option<Fraction> {
         let row = self.row();
         let (numerator, denominator) = row.in_base?;
         Some(Fraction::new(numerator, denominator * if self.rate == Rate::PerMinute { 60 } else { 1 }))
     }
 
-    /// The unit that someone most probably meant by a text that is no unit, where `expected` was expected.
+    /// Returns the unit that was probably meant by a text that is no unit, for the expected dimension.
     pub fn meant(text: &str, expected: Dimension) -> Option<&'static str> {
         let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
         let known = |name: &str| ALL_UNITS.iter().copied().find(|unit| *unit == name);
@@ -228,7 +230,7 @@ impl Unit {
         let (name, suffix) = lower.find('/').map_or((lower.as_str(), ""), |slash| lower.split_at(slash));
         let base = ALIASES.iter().find(|(alias, _)| *alias == name).map(|(_, unit)| *unit);
         let mut same: Vec<_> = ALL_UNITS.iter().copied().filter(|unit| unit.to_lowercase() == lower).collect();
-        // NM is nanometres where a length is expected, newton metres where a torque is.
+        // NM is nanometres if a length is expected, newton metres if a torque is.
         same.sort_by_key(|name| Unit::parse(name).is_none_or(|unit| unit.dimension() != expected));
         known(&plain).or(renamed).or(same.first().copied()).or_else(|| known(&format!("{}{suffix}", base?)))
     }
@@ -386,7 +388,7 @@ const ALL_UNITS: [&str; 66] = [
     "inc/s", "inc/s^2", "inc/s^3", "Nm/rad", "Nm*s/rad", "Ohm", "mH", "H", "Nm/A", "V*s/rad",
 ];
 
-/// Other spellings that people bring along, in lower case.
+/// Other common spellings, in lower case.
 const ALIASES: [(&str, &str); 31] = [
     ("µm", "um"),
     ("μm", "um"),

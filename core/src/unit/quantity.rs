@@ -17,12 +17,12 @@ pub struct Quantity {
 }
 
 impl Quantity {
-    /// `value` of `unit`.
+    /// Creates the quantity `value` in `unit`.
     pub fn new(value: Fraction, unit: Unit) -> Self {
         Self { value, unit }
     }
 
-    /// From an f64 by its shortest decimal.
+    /// Creates a quantity from an f64 by its shortest decimal.
     ///
     /// # Errors
     /// [`UnitError::NotFinite`].
@@ -30,8 +30,8 @@ impl Quantity {
         fraction_from_f64(value).map(|value| Self { value, unit })
     }
 
-    /// Reads `NUMBER UNIT`, or a bare number in the SI unit of the first of `expected` (inc for increments). The unit must
-    /// be of one of the expected dimensions; an empty `expected` counts as a plain ratio.
+    /// Reads `NUMBER UNIT`, or a number without a unit, which is in the SI unit of the first of `expected` (inc for
+    /// increments). The unit must be of one of the expected dimensions; an empty `expected` counts as a plain ratio.
     ///
     /// # Errors
     /// [`UnitError::NotANumber`], [`UnitError::TooManyDigits`], [`UnitError::NoBlank`], [`UnitError::UnknownUnit`],
@@ -60,22 +60,23 @@ impl Quantity {
         }
     }
 
-    /// The number as written.
+    /// Returns the number as written.
     pub fn value(&self) -> Fraction {
         self.value
     }
 
-    /// The unit as written.
+    /// Returns the unit as written.
     pub fn unit(&self) -> Unit {
         self.unit
     }
 
-    /// The exact value in SI, but revolutions instead of radians for angles. `None` in rad, and where it leaves 128 bits.
+    /// Returns the exact value in SI, but revolutions instead of radians for angles. `None` in rad, and beyond 128
+    /// bits.
     pub fn exact(&self) -> Option<Fraction> {
         self.value.checked_mul(&self.unit.in_base()?)
     }
 
-    /// The value in SI (angles in rad, increments in inc).
+    /// Returns the value in SI (angles in rad, increments in inc).
     pub fn si(&self) -> f64 {
         let turn = if matches!(self.unit.dimension(), Dimension::Angle(_)) { TAU } else { 1.0 };
         match (self.exact(), self.unit.in_base()) {
@@ -85,10 +86,10 @@ impl Quantity {
         }
     }
 
-    /// A time in whole nanoseconds.
+    /// Returns a time in whole nanoseconds.
     ///
     /// # Errors
-    /// [`UnitError::NotNanoseconds`] for parts of a nanosecond and beyond i64; [`UnitError::WrongDimension`].
+    /// [`UnitError::NotNanoseconds`] for fractions of a nanosecond and beyond i64; [`UnitError::WrongDimension`].
     pub fn nanoseconds(&self) -> Result<i64, UnitError> {
         if self.unit.dimension() != Dimension::Time {
             return Err(UnitError::wrong_dimension(*self, Dimension::Time));
@@ -100,8 +101,8 @@ impl Quantity {
             .ok_or(UnitError::NotNanoseconds { given: *self })
     }
 
-    /// The number in a unit of the dimension that was expected, for an error's example; one of it where this number is
-    /// none: 0, negative or long. Its unit is like the given one, else `usual`.
+    /// Returns an example for an error: the number in a unit of the expected dimension, or one of it if the number is
+    /// no good example: 0, negative or long. Its unit is derived from the given one, otherwise it is `usual`.
     pub(super) fn example(&self, expected: Dimension, usual: Unit) -> Self {
         const LONGEST: usize = 6;
         let is_example = self.value.is_positive() && fraction_to_text(&self.value).len() <= LONGEST;
@@ -111,7 +112,7 @@ impl Quantity {
     }
 }
 
-/// Exact where both sides are; between dimensions there is no order.
+/// Exact if both sides are; quantities of different dimensions have no order.
 impl PartialOrd for Quantity {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         if self.unit == other.unit {

@@ -1,4 +1,4 @@
-//! From quantities to increments and back.
+//! Conversion of quantities to increments and back.
 
 use super::fraction::{nine_digits, short_decimal};
 use super::{
@@ -10,14 +10,14 @@ use std::f64::consts::TAU;
 
 /// Positions stay below 2^62 increments.
 const LIMIT: u64 = 1 << 62;
-/// Least rate that is not 0 (inc/s^n). No machine is that slow, and above it every f64 written as its shortest decimal has a
-/// last digit that [`parse_decimal`](super::parse_decimal) still reads: a recorded rate comes back.
+/// Minimum rate other than 0 (inc/s^n). No machine is that slow. Above it every f64 written as its shortest decimal has
+/// a last digit that [`parse_decimal`](super::parse_decimal) can read, so that a recorded rate reads back unchanged.
 const LEAST_RATE: f64 = 1e-22;
 
-/// From here on a rate lies outside every range (inc/s^n).
+/// Rates from this one on are outside every range (inc/s^n).
 const BEYOND_ALL: f64 = 1e30;
 
-/// Whether an axis moves along a line (m) or turns (rad).
+/// Kind of the axis: linear (m) or rotary (rad).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ScaleKind {
     /// Lengths; SI m.
@@ -27,7 +27,7 @@ pub enum ScaleKind {
 }
 
 impl ScaleKind {
-    /// The dimension of the `order`-th derivative (0..=3) of the position.
+    /// Returns the dimension of the `order`-th derivative (0..=3) of the position.
     pub fn dimension(self, order: u8) -> Dimension {
         match self {
             Self::Linear => Dimension::Length(order),
@@ -36,24 +36,25 @@ impl ScaleKind {
     }
 }
 
-/// Increments per unit of travel, an exact positive fraction, and the axis unit in which people read the axis.
+/// Increments per unit of travel, an exact positive fraction, and the axis unit, in which users read values of the
+/// axis.
 ///
-/// Law: increments = round(value in m or revolutions * scale); f64 results are the exact fraction, rounded once. With rad,
-/// pi takes part as an f64.
+/// Law: increments = round(value in m or revolutions * scale); f64 results are the exact fraction, rounded once. Values
+/// in rad use pi as an f64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Scale {
     kind: ScaleKind,
-    /// inc/m or inc/rev.
+    /// Increments per m or per rev.
     per_base: Fraction,
     unit: AxisUnit,
 }
 
 impl Scale {
-    /// `increments` per length or angle `per`; the axis unit is m or rad until [`Scale::with_unit`].
+    /// Creates a scale of `increments` per length or angle `per`; the axis unit is m or rad until [`Scale::with_unit`].
     ///
     /// # Errors
     /// [`UnitError::NotPositive`]; [`UnitError::WrongDimension`] unless `per` is a length or an angle;
-    /// [`UnitError::Inexact`] where the fraction leaves 128 bits.
+    /// [`UnitError::Inexact`] if the fraction exceeds 128 bits.
     pub fn new(increments: Fraction, per: Quantity) -> Result<Self, UnitError> {
         for (part, value) in [("increments", increments), ("per", per.value())] {
             if !value.is_positive() {
@@ -70,12 +71,12 @@ impl Scale {
         Ok(Self { kind, per_base, unit: kind.dimension(0).si_unit().into() })
     }
 
-    /// Of an object without units: an increment stands for a metre.
+    /// Returns the scale of an object without units: one increment counts as one metre.
     pub fn increments() -> Self {
         Self { kind: ScaleKind::Linear, per_base: Fraction::from_integer(1), unit: Unit::INCREMENT.into() }
     }
 
-    /// The scale of MACS unit factors, where one user unit is `user_unit`, such as 0.1 mm.
+    /// Creates the scale of MACS unit factors, for a user unit `user_unit` such as 0.1 mm.
     ///
     /// # Errors
     /// As [`Scale::new`]; [`UnitError::MacsFactor`].
@@ -83,7 +84,8 @@ impl Scale {
         Self::new(factors.increments_per_user_unit()?, user_unit)
     }
 
-    /// The same scale, read in another axis unit: a length, an angle or inc, as the kind is, or a share of one.
+    /// Returns the same scale with another axis unit: a length, an angle or inc, according to its kind, or a multiple
+    /// of one.
     ///
     /// # Errors
     /// [`UnitError::WrongDimension`].
@@ -95,38 +97,39 @@ impl Scale {
         Err(UnitError::wrong_dimension(unit.times(Fraction::from(1))?, self.kind.dimension(0)))
     }
 
-    /// One increment, as a fraction of m or rev, and whether a machine can have such a one: 1e-18 to 1e9 of them.
+    /// Returns one increment, as a fraction of m or rev, and whether it is realistic for a machine: 1e-18 to 1e9 of
+    /// them.
     pub fn increment(&self) -> (Fraction, bool) {
         let one = self.per_base.recip();
         let least = Fraction::new(1, 1_000_000_000_000_000_000);
         (one, one >= least && one <= Fraction::from_integer(1_000_000_000))
     }
 
-    /// Linear or rotary.
+    /// Returns the kind: linear or rotary.
     pub fn kind(&self) -> ScaleKind {
         self.kind
     }
 
-    /// The axis unit.
+    /// Returns the axis unit.
     pub fn unit(&self) -> AxisUnit {
         self.unit
     }
 
-    /// Do people read it in increments?
+    /// Returns true if the axis unit is increments.
     pub fn is_in_increments(&self) -> bool {
         self.unit == Unit::INCREMENT.into()
     }
 
-    /// The dimensions that a quantity of the `order`-th derivative (0..=3) may have here, the SI one first.
+    /// Returns the dimensions of a quantity of the `order`-th derivative (0..=3), the SI one first.
     pub fn dimensions(&self, order: u8) -> [Dimension; 2] {
         [self.kind.dimension(order), Dimension::Increments(order)]
     }
 
-    /// Increments (per s^n) of a quantity, unrounded: for a modulo, which need not be whole, and for the absolute end of a
-    /// relative move. In rad: the nearest f64 of turns, taken as a decimal.
+    /// Returns the increments (per s^n) of a quantity, unrounded: for a modulo, which need not be whole, and for the
+    /// absolute end of a relative move. In rad: the nearest f64 of turns, converted to a decimal.
     ///
     /// # Errors
-    /// [`UnitError::WrongDimension`] unless it is of the scale's kind or in increments; [`UnitError::Inexact`].
+    /// [`UnitError::WrongDimension`] unless it is of the kind of the scale or in increments; [`UnitError::Inexact`].
     pub fn exact(&self, quantity: &Quantity) -> Result<Fraction, UnitError> {
         let base = in_base(quantity)?;
         match (quantity.unit().dimension(), self.kind) {
@@ -138,7 +141,7 @@ impl Scale {
         }
     }
 
-    /// Whole increments of a position: nearest, half away from zero, |result| < 2^62.
+    /// Returns the whole increments of a position: nearest, half away from zero, |result| < 2^62.
     ///
     /// # Errors
     /// As [`Scale::exact`]; a derivative is [`UnitError::WrongDimension`]; [`UnitError::OutOfRange`].
@@ -150,7 +153,7 @@ impl Scale {
             Err(UnitError::Inexact { .. }) => None,
             other => Some(other?),
         };
-        // What leaves 128 bits may still be a small number with many digits: that is inexact, not out of range.
+        // A fraction beyond 128 bits may still be a small number with many digits: that is inexact, not out of range.
         if exact.is_none() && self.rough(quantity).abs() < LIMIT as f64 {
             return Err(UnitError::Inexact { given: *quantity });
         }
@@ -160,11 +163,12 @@ impl Scale {
             .ok_or_else(|| UnitError::OutOfRange { given: format!("`{quantity}`"), increments: exact })
     }
 
-    /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order, correctly rounded from the exact fraction.
+    /// Converts a velocity, acceleration or jerk (`order` 1..=3) to inc/s^order, correctly rounded from the exact
+    /// fraction.
     ///
     /// # Errors
     /// As [`Scale::exact`]; another order is [`UnitError::WrongDimension`]; [`UnitError::RateTooLow`] between 0 and
-    /// 1e-22 inc/s^order; [`UnitError::RateTooHigh`] where it is inexact from 1e30 inc/s^order on.
+    /// 1e-22 inc/s^order; [`UnitError::RateTooHigh`] if it is inexact from 1e30 inc/s^order on.
     pub fn rate(&self, quantity: &Quantity, order: u8) -> Result<f64, UnitError> {
         if !self.dimensions(order).contains(&quantity.unit().dimension()) {
             return Err(self.wrong_dimension(quantity, order));
@@ -172,7 +176,7 @@ impl Scale {
         let rate = match self.exact(quantity) {
             Ok(exact) => fraction_to_f64(&exact),
             Err(error) => {
-                // Its size is what is wrong with it, not its digits.
+                // The error is the size of the rate, not the number of its digits.
                 let (rate, unit) = (self.rough(quantity), Unit::INCREMENT.with_order(order));
                 let is_high = matches!(error, UnitError::Inexact { .. }) && rate.abs() >= BEYOND_ALL;
                 return Err(if is_high { UnitError::RateTooHigh { given: *quantity, rate, unit } } else { error });
@@ -184,7 +188,7 @@ impl Scale {
         Ok(rate)
     }
 
-    /// [`Scale::position`] of an SI number (m or rad) by its shortest decimal.
+    /// Converts an SI number (m or rad) like [`Scale::position`], by its shortest decimal.
     ///
     /// # Errors
     /// [`UnitError::NotFinite`]; as [`Scale::position`].
@@ -192,7 +196,7 @@ impl Scale {
         self.position(&Quantity::from_f64(metres_or_radians, self.si_unit())?)
     }
 
-    /// [`Scale::position`] of a number in the axis unit by its shortest decimal.
+    /// Converts a number in the axis unit like [`Scale::position`], by its shortest decimal.
     ///
     /// # Errors
     /// As [`Scale::position_from_si`].
@@ -200,7 +204,7 @@ impl Scale {
         self.position(&self.unit.times_f64(value)?)
     }
 
-    /// [`Scale::rate`] of an SI number (m/s^order or rad/s^order, `order` 1..=3).
+    /// Converts an SI number (m/s^order or rad/s^order, `order` 1..=3) like [`Scale::rate`].
     ///
     /// # Errors
     /// [`UnitError::NotFinite`]; as [`Scale::rate`].
@@ -208,7 +212,7 @@ impl Scale {
         self.rate(&Quantity::from_f64(value, self.si_unit().with_order(order))?, order)
     }
 
-    /// [`Scale::rate`] of a number in the axis unit per s^order (`order` 1..=3).
+    /// Converts a number in the axis unit per s^order (`order` 1..=3) like [`Scale::rate`].
     ///
     /// # Errors
     /// As [`Scale::rate_from_si`].
@@ -216,33 +220,34 @@ impl Scale {
         self.rate(&self.unit.with_order(order).times_f64(value)?, order)
     }
 
-    /// A position in m or rad; `fraction` is what the floor left, 0..1 inc.
+    /// Returns a position in m or rad; `fraction` is the fraction of an increment, 0..1 inc.
     pub fn position_to_si(&self, increments: i64, fraction: f64) -> f64 {
         self.position_in(self.si_unit().into(), increments, fraction)
     }
 
-    /// A position in the axis unit; `fraction` is what the floor left, 0..1 inc.
+    /// Returns a position in the axis unit; `fraction` is the fraction of an increment, 0..1 inc.
     pub fn position_to_unit(&self, increments: i64, fraction: f64) -> f64 {
         self.position_in(self.unit, increments, fraction)
     }
 
-    /// Any derivative in inc/s^n as m/s^n or rad/s^n.
+    /// Converts any derivative in inc/s^n to m/s^n or rad/s^n.
     pub fn rate_to_si(&self, rate: f64) -> f64 {
         rate / self.per(self.si_unit().into())
     }
 
-    /// Any derivative in inc/s^n as axis unit per s^n.
+    /// Converts any derivative in inc/s^n to axis unit per s^n.
     pub fn rate_to_unit(&self, rate: f64) -> f64 {
         rate / self.per(self.unit)
     }
 
-    /// A position for a message: `900 mm`. It is exact where 6 digits hold it; else it has as few digits, 3 or more, as
-    /// read as these increments, so that a value which a user has given is shown as it was given.
+    /// Returns a position for a message: `900 mm`. It is exact if 6 digits suffice; otherwise it has as few digits, 3
+    /// or more, as are needed to read back as these increments. A value of a user is therefore shown as it was given.
     pub fn format_increments(&self, increments: i64) -> String {
         self.unit.text(&self.position_number(increments))
     }
 
-    /// [`Scale::format_increments`], with the increments in brackets where they are not exactly that: `11 mm (1153434 inc)`.
+    /// Returns a position like [`Scale::format_increments`], with the increments in brackets if the text is not exact:
+    /// `11 mm (1153434 inc)`.
     pub fn format_with_increments(&self, increments: i64) -> String {
         let number = self.position_number(increments);
         let is_exact = parse_decimal(&number).ok() == self.position_in_unit(increments);
@@ -250,9 +255,9 @@ impl Scale {
         if is_exact { text } else { format!("{text} ({increments} inc)") }
     }
 
-    /// A position in the axis unit, as a number for [`Scale::format_increments`].
+    /// Returns a position in the axis unit, as a number for [`Scale::format_increments`].
     fn position_number(&self, increments: i64) -> String {
-        /// Digits of an exact number that reads well.
+        /// Maximum digits of an exact number in a message.
         const FEW: usize = 6;
         let exact = self.position_in_unit(increments);
         if let Some(exact) = exact
@@ -269,7 +274,7 @@ impl Scale {
         }
     }
 
-    /// A position in the axis unit, exactly; `None` in rad, but for 0.
+    /// Returns a position in the axis unit, exactly; `None` in rad, except for 0.
     fn position_in_unit(&self, increments: i64) -> Option<Fraction> {
         let whole = Fraction::from(i128::from(increments));
         if increments == 0 {
@@ -278,13 +283,14 @@ impl Scale {
         self.exact_per(self.unit).and_then(|per| whole.checked_div(&per))
     }
 
-    /// A velocity, acceleration or jerk (`order` 1..=3) in inc/s^order for a message: `0.5 m/s`, at most nine digits.
+    /// Returns a velocity, acceleration or jerk (`order` 1..=3) in inc/s^order for a message: `0.5 m/s`, at most nine
+    /// digits.
     pub fn format_rate(&self, rate: f64, order: u8) -> String {
         self.unit.with_order(order).text(&nine_digits(self.rate_to_unit(rate)))
     }
 
-    /// The end of a range of rates for a message: with as few digits as read as a rate on the permitted side of `rate`,
-    /// nine or more of them.
+    /// Returns the end of a range of rates for a message: with as few digits, nine or more, as are needed to read back
+    /// as a rate on the permitted side of `rate`.
     pub fn format_bound(&self, rate: f64, order: u8, is_high: bool) -> String {
         let unit = self.unit.with_order(order);
         let exact = self.rate_to_unit(rate);
@@ -293,13 +299,14 @@ impl Scale {
             read.is_ok_and(|read| if is_high { read <= rate } else { read >= rate })
         };
         let rounded = (8..=16).filter_map(|digits| format!("{exact:.digits$e}").parse().ok());
-        // In rad the last digit may lie outside however it is rounded.
+        // In rad the last digit may be outside for any rounding.
         let inwards = if is_high { f64::next_down } else { f64::next_up };
         let beside = std::iter::successors(Some(inwards(exact)), |number| Some(inwards(*number))).take(16);
         unit.text(&number_to_text(rounded.chain(beside).find(is_inside).unwrap_or(exact)))
     }
 
-    /// [`Scale::format_rate`] with as many digits as it takes to read as `rate`, nine or more.
+    /// Returns a rate like [`Scale::format_rate`], with as many digits, nine or more, as are needed to read back as
+    /// `rate`.
     pub fn format_rate_precisely(&self, rate: f64, order: u8) -> String {
         let exact = self.rate_to_unit(rate);
         let mut rounded = (8..=16).filter_map(|digits| format!("{exact:.digits$e}").parse().ok());
@@ -307,18 +314,18 @@ impl Scale {
         self.unit.with_order(order).text(&number_to_text(number))
     }
 
-    /// The same scale with m or rad as its unit.
+    /// Returns the same scale with m or rad as its unit.
     pub fn in_si(&self) -> Self {
         self.with_unit(self.si_unit()).unwrap_or(*self)
     }
 
-    /// A text in m or rad, with that in the axis unit in brackets where this is another one: `0.5 m/s (500 mm/s)`.
+    /// Returns a text in m or rad, with the text in the axis unit in brackets if that differs: `0.5 m/s (500 mm/s)`.
     pub fn text_in_si(&self, of: impl Fn(&Self) -> String) -> String {
         let si = self.in_si();
         if si.unit() == self.unit() { of(self) } else { format!("{} ({})", of(&si), of(self)) }
     }
 
-    /// The refusal of a quantity that is no `order`-th derivative here, with an example in the axis unit.
+    /// Returns the error of a quantity that is no `order`-th derivative here, with an example in the axis unit.
     fn wrong_dimension(&self, quantity: &Quantity, order: u8) -> UnitError {
         UnitError::wrong_dimension(*quantity, self.kind.dimension(order)).in_unit(self.unit.unit())
     }
@@ -327,7 +334,7 @@ impl Scale {
         self.kind.dimension(0).si_unit()
     }
 
-    /// Increments per `unit`; `None` for rad.
+    /// Returns the increments per `unit`; `None` for rad.
     fn exact_per(&self, unit: AxisUnit) -> Option<Fraction> {
         if unit == Unit::INCREMENT.into() {
             return Some(Fraction::from(1));
@@ -335,7 +342,7 @@ impl Scale {
         self.per_base.checked_mul(&unit.unit().in_base()?)?.checked_mul(&unit.share())
     }
 
-    /// Increments per `unit`, the nearest f64.
+    /// Returns the increments per `unit`, as the nearest f64.
     fn per(&self, unit: AxisUnit) -> f64 {
         match self.exact_per(unit) {
             Some(exact) => fraction_to_f64(&exact),
@@ -355,7 +362,7 @@ impl Scale {
         }
     }
 
-    /// Increments of a position in f64, where the exact fraction leaves 128 bits.
+    /// Returns the increments of a position in f64, for the case that the exact fraction exceeds 128 bits.
     fn rough(&self, quantity: &Quantity) -> f64 {
         let plain = quantity.unit().with_order(0);
         fraction_to_f64(&quantity.value()) * if plain == Unit::INCREMENT { 1.0 } else { self.per(plain.into()) }
@@ -369,12 +376,12 @@ impl From<Scale> for SiScale {
     }
 }
 
-/// Digits of a decimal number, without the zeros that it begins with.
+/// Returns the number of digits of a decimal number, without leading zeros.
 fn significant_digits(number: &str) -> usize {
     number.trim_start_matches(['-', '0', '.']).bytes().filter(u8::is_ascii_digit).count()
 }
 
-/// The quantity in m, revolutions or increments (per s^n).
+/// Returns the quantity in m, revolutions or increments (per s^n).
 fn in_base(quantity: &Quantity) -> Result<Fraction, UnitError> {
     match (quantity.exact(), quantity.unit().in_base()) {
         (Some(exact), _) => Ok(exact),

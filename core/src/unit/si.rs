@@ -1,8 +1,8 @@
-//! A scale, prepared for many conversions to SI units: a message has several values of each axis.
+//! Scale prepared for many conversions to SI units: a message has several values of each axis.
 
 use super::{Fraction, Scale};
 
-/// Largest whole number up to which every whole number is an f64.
+/// Limit up to which every whole number is an f64.
 const EXACT: u64 = 1 << 53;
 
 /// Converts increments to m or rad, with the same result as its [`Scale`].
@@ -14,7 +14,7 @@ pub struct SiScale {
     way: Way,
 }
 
-/// How a whole number of increments is divided.
+/// Method of dividing a whole number of increments.
 #[derive(Clone, Copy, Debug)]
 enum Way {
     /// By the nearest f64: rad has no exact number of increments.
@@ -36,11 +36,11 @@ impl SiScale {
         Self { scale, nearest, way }
     }
 
-    /// As [`Scale::position_to_si`].
+    /// Converts a position like [`Scale::position_to_si`].
     pub fn position(&self, increments: i64, fraction: f64) -> f64 {
         let whole = match self.way {
             Way::Nearest => increments as f64 / self.nearest,
-            // The quotient of two numbers that are an f64 each is rounded once (IEEE 754), like the exact fraction.
+            // The quotient of two numbers that are exact in f64 is rounded once (IEEE 754), like the exact fraction.
             Way::Ratio(numerator, denominator)
                 if let Some(product) = increments.checked_mul(denominator)
                     && product.unsigned_abs() <= EXACT =>
@@ -52,7 +52,7 @@ impl SiScale {
         whole + fraction / self.nearest
     }
 
-    /// As [`Scale::rate_to_si`].
+    /// Converts a rate like [`Scale::rate_to_si`].
     pub fn rate(&self, rate: f64) -> f64 {
         rate / self.nearest
     }

@@ -1,11 +1,11 @@
-//! The vocabularies of an axis behind one door: nobody outside names one of them.
+//! All vocabularies of an axis behind one interface; other modules do not refer to a single one.
 //!
-//! Law      each is asked for its step by its owner, in the order of [`Owner::VOCABULARIES`], once anything has been asked of
-//!          it: the others take no time, and their signals stand as they began. What a step or a request asks is tried on a
-//!          copy, which is kept once the axis has judged it
-//! Reads    a [`View`] of the axis, notices of what happens to it beside them
+//! Law      the owner steps each vocabulary in the order of [`Owner::VOCABULARIES`], after its first use: unused ones
+//!          take no time, and their signals keep their initial values. A step or a request is tried on a copy, which
+//!          replaces the state once the axis has accepted the order
+//! Reads    a [`View`] of the axis, and notices of events of the axis
 //! Writes   their signals
-//! Refuses  what a vocabulary refuses
+//! Refuses  errors of the vocabularies
 
 use super::amc::{Amc, AmcSignal};
 use super::saia::{Saia, SaiaSignal};
@@ -18,44 +18,44 @@ use crate::position::Position;
 use crate::signal::{Board, Directory, Signal};
 use serde::{Deserialize, Serialize};
 
-/// What happens to an axis without a vocabulary having asked for it.
+/// Event of an axis that no vocabulary has caused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Notice {
-    /// The zero is another one, by a word of the axis itself.
+    /// The axis itself has set another zero.
     ZeroSet,
-    /// What was known of the zero does not hold any more.
+    /// The zero is no longer valid.
     ZeroLost,
-    /// Every place is `by` (inc) more from now on.
+    /// All positions change by `by` (inc).
     Shifted {
-        /// (inc)
+        /// Change of the positions (inc).
         by: i64,
     },
-    /// A new source counts on from another position: the axis stands `by` (inc) further, its places are the same.
+    /// A new source continues at another position: the axis has moved by `by` (inc) in unchanged coordinates.
     Displaced {
-        /// (inc)
+        /// Distance (inc).
         by: i64,
     },
-    /// The raw coordinate was set anew: the position has another number.
+    /// The raw coordinate was set: the position has a new value.
     Jumped,
-    /// The axis counts the other way from now on, and stands where it is.
+    /// The direction of counting of the axis was inverted at rest.
     Turned,
-    /// The error of the axis is cleared.
+    /// The error of the axis was reset.
     Reset,
-    /// Supervision has raised that alarm, and the drive is off already.
+    /// Supervision raised that alarm; the drive is already off.
     Alarm(u8),
 }
 
-/// Which have been asked for anything.
+/// Vocabularies that have been used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Awake {
     amc: bool,
     saia: bool,
     wf: bool,
-    /// The signals have been written once.
+    /// Whether the signals have been written once.
     shown: bool,
 }
 
-/// Whose signals are to be written.
+/// Vocabularies whose signals are to be written.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shown {
     amc: bool,
@@ -63,7 +63,7 @@ pub(crate) struct Shown {
     wf: bool,
 }
 
-/// The state machines of one axis.
+/// The vocabularies of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Vocabularies {
     amc: Amc,
@@ -73,12 +73,12 @@ pub struct Vocabularies {
 }
 
 impl Vocabularies {
-    /// Has any of them been asked for anything?
+    /// Returns true if any vocabulary has been used.
     pub(crate) fn are_awake(&self) -> bool {
         self.awake.amc || self.awake.saia || self.awake.wf
     }
 
-    /// Is a step due, as something was asked of it before, or by these parameters now?
+    /// Returns true if a step is due, because the vocabulary was used before or is used by these parameters.
     pub(crate) fn wakes(&mut self, owner: Owner, parameters: &AxisParameters) -> bool {
         match owner {
             Owner::Native => false,
@@ -94,7 +94,7 @@ impl Vocabularies {
         }
     }
 
-    /// A copy, to be tried.
+    /// Returns a copy for a trial.
     pub(crate) fn copy(&self, owner: Owner) -> Option<Vocabulary> {
         match owner {
             Owner::Native => None,
@@ -104,7 +104,7 @@ impl Vocabularies {
         }
     }
 
-    /// What was tried is so from now on.
+    /// Replaces the state by a tried copy.
     pub(crate) fn keep(&mut self, tried: &Vocabulary) {
         match tried {
             Vocabulary::Amc(amc) => self.amc = *amc,
@@ -113,7 +113,7 @@ impl Vocabularies {
         }
     }
 
-    /// Something was asked of it, whatever comes of that.
+    /// Marks a vocabulary as used, whatever the result of the request.
     pub(crate) fn rouse(&mut self, owner: Owner) {
         match owner {
             Owner::Native => {}
@@ -123,10 +123,11 @@ impl Vocabularies {
         }
     }
 
-    /// What a request does to a copy; the view has the parameters that it writes. `barred`: why nothing may begin.
+    /// Applies a request to a copy; the view contains the parameters that the request writes. `barred`: the reason why
+    /// no motion may begin.
     ///
     /// # Errors
-    /// What the vocabulary refuses.
+    /// An error of the vocabulary.
     pub(crate) fn ask(
         &self,
         request: &Request,
@@ -149,10 +150,10 @@ impl Vocabularies {
         }
     }
 
-    /// What a request does to a copy where its order is not done.
+    /// Applies a request to a copy whose order was rejected.
     ///
     /// # Errors
-    /// Nothing: it is refused for the same reason.
+    /// The same error, if the request as a whole fails.
     pub(crate) fn ask_instead(
         &self,
         request: &Request,
@@ -161,9 +162,9 @@ impl Vocabularies {
     ) -> Result<(Vocabulary, Outcome), Refusal> {
         match request {
             Request::Saia(_) if view.parameters.vocabularies.saia.refuses() => Err(refusal),
-            // The start fails, what stands beside it does not.
+            // The start fails; the other parts of the request take effect.
             Request::Saia(_) => self.ask(request, view, Some(refusal)),
-            // What cannot begin keeps nothing running that was let go (WF-SET-02).
+            // A request that cannot begin still stops a motion whose release it includes (WF-SET-02).
             Request::Wf(request) => {
                 let mut wf = self.wf;
                 let stop = wf.release(request, view).ok_or(refusal)?;
@@ -172,53 +173,55 @@ impl Vocabularies {
         }
     }
 
-    /// The one that parameters alone command.
+    /// Returns a copy of the vocabulary that parameters alone command.
     pub(crate) fn by_parameters(&self) -> (Owner, Vocabulary) {
         (Owner::Amc, Vocabulary::Amc(self.amc))
     }
 
-    /// Does any watch how the cycle ends?
+    /// Returns true if a vocabulary needs the state at the end of the cycle.
     #[inline]
     pub(crate) fn watches_end(&self) -> bool {
         self.awake.amc
     }
 
-    /// The axis is locked: what was selected is so no more. What is written by that.
+    /// Deselects the reference because the axis is locked. Returns the parameter to write.
     pub(crate) fn give_up(&mut self) -> super::Writes {
         Vocabulary::written(self.amc.give_up())
     }
 
-    /// A copy of the owner, where homing is under way for its sake.
+    /// Returns a copy of the owner if its homing runs.
     pub(crate) fn homes(&self, owner: Owner) -> Option<Vocabulary> {
         (owner == Owner::Amc && self.amc.homes()).then_some(Vocabulary::Amc(self.amc))
     }
 
-    /// The deceleration cam that requests tell of.
+    /// Returns the deceleration cam, which requests set.
     pub(crate) fn cam(&self) -> bool {
         self.wf.cam()
     }
 
-    /// What they ask of the outputs of an axis without a position loop.
+    /// Returns the commanded outputs of an axis without a position loop.
     pub(crate) fn switching(&self) -> Switching {
         self.wf.switching()
     }
 
-    /// One cycle of the integer PID that closes the loop of the axis, awake or not: its output, -1 to 1.
+    /// Executes one cycle of the integer PID that closes the loop of the axis, even if the vocabulary is unused.
+    /// Returns the output, -1 to 1.
     pub(crate) fn close_loop(&mut self, parameters: &AxisParameters, cycle_ns: u64, error: i64) -> f64 {
         self.saia.close_loop(&parameters.vocabularies.saia, cycle_ns, error)
     }
 
-    /// The axis is off: that PID has no output and no past.
+    /// Resets output and state of the PID, because the axis is off.
     pub(crate) fn open_loop(&mut self) {
         self.saia.open_loop();
     }
 
-    /// That PID was not stepped while the axis was held: it goes on with its sum, and no change of the error.
+    /// Continues the PID with its sum but without a change of the error, because it was not stepped while the axis was
+    /// held.
     pub(crate) fn forget_loop_past(&mut self) {
         self.saia.forget_loop_past();
     }
 
-    /// Tells all whom it concerns.
+    /// Passes a notice to all vocabularies that it concerns.
     pub(crate) fn notice(&mut self, notice: Notice) {
         match notice {
             Notice::ZeroSet => {
@@ -234,7 +237,7 @@ impl Vocabularies {
             Notice::Jumped => self.saia.note_jump(),
             Notice::Turned => {
                 self.amc.turn_over();
-                // As after the power came on: their zeros and targets were those of the other sense.
+                // As after power-on: their zeros and targets belonged to the other direction.
                 (self.saia, self.wf) = (Saia::default(), Wf::default());
             }
             Notice::Reset => self.wf.take_reset(),
@@ -245,20 +248,20 @@ impl Vocabularies {
         }
     }
 
-    /// Could their state have come about? One that was read from outside may hold anything.
+    /// Returns true if restored states are valid.
     pub(crate) fn is_sound(&self) -> bool {
         self.amc.is_sound() && self.saia.is_sound() && self.wf.is_sound()
     }
 
-    /// Whose signals are to be written in this cycle, if any.
+    /// Returns the vocabularies whose signals are to be written in this cycle, if any.
     pub(crate) fn begin_publishing(&mut self) -> Option<Shown> {
         let all = !std::mem::replace(&mut self.awake.shown, true);
         let Awake { amc, saia, wf, .. } = self.awake;
         (all || amc || saia || wf).then_some(Shown { amc: all || amc, saia: all || saia, wf: all || wf })
     }
 
-    /// Writes signals, in the order of [`add_signals`]. `view` is that of the first vocabulary; `allow`: what the axis lets
-    /// through of what is asked of its outputs.
+    /// Writes signals, in the order of [`add_signals`]. `view` is that of the first vocabulary; `allow` are the
+    /// commanded outputs that the axis allows.
     pub(crate) fn publish(
         &self,
         shown: Shown,
@@ -284,7 +287,7 @@ impl Vocabularies {
     }
 }
 
-/// Adds the signals of all vocabularies on an axis, right behind its own.
+/// Adds the signals of all vocabularies to an axis, directly after its own.
 pub(crate) fn add_signals(directory: &mut Directory, axis: &str) {
     AmcSignal::add_all(directory, axis);
     SaiaSignal::add_all(directory, axis);
@@ -295,7 +298,7 @@ pub(crate) fn add_signals(directory: &mut Directory, axis: &str) {
 mod tests {
     use super::*;
 
-    /// Zeros, targets and alarms of before were those of the other sense.
+    /// Zeros, targets and alarms belonged to the other direction.
     #[test]
     fn a_turned_axis_begins_as_after_its_power_came_on() {
         let mut turned = Vocabularies::default();

@@ -1,11 +1,11 @@
-//! The vocabularies of the source systems: state machines that turn their own commands and registers into orders to the
-//! axis (contract section 9).
+//! Vocabularies of the source systems: state machines that convert their commands and registers to orders to the axis
+//! (contract section 9).
 //!
-//! Law      each cycle: commands of the cycle, then one step; what they ask becomes an [`Order`], which the axis does with
-//!          the same profiles, limits and stops as a goal of its own
+//! Law      each cycle: commands of the cycle, then one step; their result is an [`Order`], which the axis executes
+//!          with the same profiles, limits and stops as a goal
 //! Reads    a [`View`] of the axis
 //! Writes   orders, its own signals; never the axis itself
-//! Refuses  what the source refuses, by a code and the numbers of its sentence; its state is unchanged then
+//! Refuses  requests that the source rejects, with a code and the numbers of the message; the state is unchanged then
 
 mod all;
 pub mod amc;
@@ -33,23 +33,24 @@ use crate::state::Reference;
 use crate::sync::Leads;
 use serde::{Deserialize, Serialize};
 
-/// Does the integer PID damp a loop without another one below it?
+/// Checks that the integer PID damps a loop without an inner loop.
 ///
 /// # Errors
-/// The key that does not, and why.
+/// The key of the invalid parameter, and the reason.
 pub(crate) fn check_damping(parameters: &AxisParameters) -> Result<(), (&'static str, Code)> {
     saia::check_damping(&parameters.vocabularies.saia)
 }
 
-/// Can the integer PID close the loop of an axis with these?
+/// Checks that the integer PID can close the loop of an axis with these parameters.
 ///
 /// # Errors
-/// The key that cannot be, and why.
+/// The key of the invalid parameter, and the reason.
 pub(crate) fn check_loop(parameters: &AxisParameters) -> Result<(), (&'static str, Code)> {
     saia::check_loop(&parameters.vocabularies.saia)
 }
 
-/// Who commands an axis. Goals, halt, quick_stop and errors take it from a vocabulary; an order takes it back.
+/// Owner of an axis. Goals, halt, quick_stop and errors take the axis over from a vocabulary; an order of the
+/// vocabulary takes it over again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Owner {
     /// Goals of the contract.
@@ -67,18 +68,18 @@ impl Owner {
     /// The vocabularies, in the order of their steps.
     pub(crate) const VOCABULARIES: [Self; 3] = [Self::Amc, Self::Saia, Self::Wf];
 
-    /// Does another order of its own end the homing that it has asked for?
+    /// Returns true if another order of the owner ends the homing that it started.
     pub(crate) fn leaves_homing(self) -> bool {
         self == Self::Amc
     }
 
-    /// Do outputs of an axis without a position loop show what it orders?
+    /// Returns true if outputs of an axis without a position loop follow the orders of the owner.
     pub(crate) fn switches(self) -> bool {
         self == Self::Wf
     }
 }
 
-/// What the vocabularies of an axis are wired to; fixed by the cell.
+/// Connections of the vocabularies of an axis; fixed by the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Wiring {
     /// The reference selector.
@@ -86,41 +87,41 @@ pub struct Wiring {
 }
 
 impl Wiring {
-    /// The leader to which a vocabulary may couple the axis at any time.
+    /// Returns the leader to which a vocabulary may couple the axis at any time.
     pub fn master(&self) -> Option<Leader> {
         self.amc.master
     }
 }
 
-/// A place in a table.
+/// A position in a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CamPoint {
-    /// Place of the table among those of the machine.
+    /// Index of the table in the machine.
     pub table: u16,
-    /// Its point, from 0.
+    /// Index of the point, from 0.
     pub point: usize,
-    /// Behind that (inc of the master).
+    /// Distance after the point (inc of the master).
     pub behind: i64,
 }
 
 /// A latch of this cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Latched {
-    /// What latched.
+    /// The object that latched.
     pub object: Object,
-    /// On the rising edge.
+    /// Whether the edge was rising.
     pub rising: bool,
-    /// Before t_k (ns).
+    /// Time before t_k (ns).
     pub age_ns: u32,
-    /// What the device captured of its own position; none where it captured only the instant.
+    /// Position that the device captured; `None` if it captured only the time.
     pub captured: Option<Position>,
-    /// Where an axis or encoder stood then; 0 for others.
+    /// Position of an axis or encoder at that time; 0 for other objects.
     pub position: Position,
 }
 
 impl Latched {
-    /// The way of a leader from the instant of the latch to t_k: from what the leader's own device captured, else on the straight line of
-    /// its change in this cycle.
+    /// Returns the travel of a leader from the time of the latch to t_k: from the captured position if the device of
+    /// the leader captured it, otherwise by linear interpolation in this cycle.
     pub(crate) fn way_since(&self, leader: Leader, lead: Lead, cycle_ns: u64) -> Position {
         let is_its_own = match (leader, self.object) {
             (Leader::Encoder(encoder), Object::Encoder(object)) => encoder == object,
@@ -138,166 +139,167 @@ impl Latched {
     }
 }
 
-/// What a vocabulary sees of its axis at t_k: the generator has advanced, the following error is that of the last cycle.
+/// State of an axis at t_k for its vocabularies: the generator has advanced, the following error is that of the
+/// previous cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
     /// The axis.
     pub object: Object,
-    /// k
+    /// Number k of the cycle.
     pub cycle: u64,
-    /// T (ns)
+    /// Cycle time T (ns).
     pub cycle_ns: u64,
-    /// It gave the last order, and nothing has taken the axis over since.
+    /// Whether the vocabulary gave the last order, and the axis was not taken over since.
     pub owns: bool,
-    /// It did until an error of this cycle, known before the commands, took the axis over.
+    /// Whether it did so until an error of this cycle, detected before the commands, took the axis over.
     pub owned: bool,
-    /// The axis can be moved: on, without error and lock.
+    /// Whether the axis can be moved: on, without error and lock.
     pub free: bool,
-    /// The drive is on, and its brake open.
+    /// Whether the drive is on and its brake open.
     pub on: bool,
-    /// Its brake closes; then it is switched off.
+    /// Whether the brake is closing before the drive is switched off.
     pub closing: bool,
-    /// An error or a quick stop holds the axis until reset_errors, or an open contact one that is on.
+    /// Whether an error or a quick stop holds the axis until reset_errors, or an open contact holds an enabled axis.
     pub locked: bool,
-    /// An error stopped the axis.
+    /// Whether an error stopped the axis.
     pub in_error: bool,
     /// The error that stopped it.
     pub error: Code,
-    /// The contact of the cell that is open: nothing may be switched on or begin.
+    /// Open contact of the cell: nothing may be switched on or begin.
     pub contact: Code,
-    /// Homing is under way.
+    /// Whether homing runs.
     pub homing: bool,
-    /// At which homing looks for its reference, signed by the way (inc/s); 0 where it does not.
+    /// Velocity of the search for the reference during homing, with its direction (inc/s); otherwise 0.
     pub search_speed: f64,
-    /// The axis knows its zero.
+    /// Whether the axis is homed.
     pub homed: bool,
-    /// The command of this cycle.
+    /// Command of this cycle.
     pub command: Motion,
-    /// The same as a profile goes on from it: what is left of a coupling's acceleration is none of its own.
+    /// Command from which a profile continues: without the acceleration of a coupling.
     pub present: Motion,
-    /// Nothing moves the command.
+    /// Whether the command is at rest.
     pub rests: bool,
-    /// It stands, with nothing to do.
+    /// Whether the axis rests without any motion or order.
     pub idle: bool,
-    /// A profile moves the command, and it ends at rest.
+    /// Whether a profile moves the command, and ends at rest.
     pub has_end: bool,
-    /// Where the motion under way ends; where the gear wants a coupled axis; else the command position.
+    /// End of the present motion; target of the gear for a coupled axis; otherwise the command position.
     pub target: Position,
     /// Actual position, its change in this cycle, actual velocity.
     pub actual: Lead,
-    /// (inc)
+    /// Following error (inc).
     pub following_error: i64,
-    /// The command stands at a software limit or beyond, or the axis stands on a limit switch.
+    /// Whether the command is at or beyond a software limit, or the axis is on a limit switch.
     pub at_limit: bool,
     /// Length of a turn.
     pub modulo: Option<Modulo>,
     /// Increments per axis unit.
     pub unit: f64,
-    /// How the drive is commanded; none for a virtual axis.
+    /// Command interface of the drive; `None` for a virtual axis.
     pub interface: Option<Interface>,
-    /// The regulator of the vocabulary closes the loop of the axis.
+    /// Whether the controller of the vocabulary closes the loop of the axis.
     pub regulates: bool,
-    /// What the vocabularies are wired to.
+    /// Connections of the vocabularies.
     pub wiring: Wiring,
-    /// Parameters in force, those of the vocabularies among them.
+    /// Active parameters, including those of the vocabularies.
     pub parameters: &'a AxisParameters,
-    /// The leaders, as far as this cycle has come.
+    /// The leaders, as far as this cycle has updated them.
     pub leads: &'a Leads,
-    /// The latches of this cycle.
+    /// Latches of this cycle.
     pub latches: &'a [Latched],
-    /// Where the index of its encoder came in this cycle.
+    /// Position of the index of its encoder in this cycle.
     pub index: Option<Position>,
 }
 
 impl View<'_> {
-    /// Limits at the maxima of the axis, with its profile.
+    /// Returns limits at the maxima of the axis, with its profile.
     pub fn largest_limits(&self) -> Limits {
         self.parameters.largest_limits()
     }
 }
 
-/// Reference travel, as the positioning modules ask for it.
+/// Reference travel of the positioning modules.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Travel {
     /// 1 or -1.
     pub direction: i8,
-    /// It turns round on the cam: the zero mark lies on the side that it comes from.
+    /// Whether it reverses on the cam: the zero mark is on the side from which the axis came.
     pub back: bool,
-    /// To the cam, on it, beside it to the zero mark (inc/s).
+    /// Velocities to the cam, on the cam, and next to it to the zero mark (inc/s).
     pub speeds: [f64; 3],
-    /// Of all of its motions.
+    /// Limits of all of its motions.
     pub limits: Limits,
-    /// From the zero mark to the reference point (inc).
+    /// Distance from the zero mark to the reference point (inc).
     pub shift: i64,
     /// Position of the reference point (inc).
     pub value: i64,
 }
 
-/// What a vocabulary asks of its axis.
+/// Order of a vocabulary to its axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Order {
-    /// To a position, from the present motion.
+    /// Moves to a position, from the present motion.
     Position {
-        /// (inc), before rounding to whole increments.
+        /// Target position (inc), before rounding to whole increments.
         target: Position,
-        /// Of the motion.
+        /// Limits of the motion.
         limits: Limits,
-        /// What `reference` shows.
+        /// Value of `reference`.
         reference: Reference,
     },
-    /// At a velocity, without end.
+    /// Moves at a velocity, without end.
     Velocity {
-        /// (inc/s), signed; 0 stops.
+        /// Velocity (inc/s), signed; 0 stops.
         velocity: f64,
-        /// Of the motion.
+        /// Limits of the motion.
         limits: Limits,
     },
-    /// To rest, wherever that is.
+    /// Stops at any position.
     Stop {
-        /// Of the stop.
+        /// Limits of the stop.
         limits: Limits,
     },
-    /// The actual position becomes the command, at rest and at once: no ramp.
+    /// Sets the command to the actual position, at once and at rest, without a ramp.
     StandOnActual,
-    /// Follows the master of its vocabulary through the gear of the axis.
+    /// Follows the master of the vocabulary through the gear of the axis.
     Gear {
-        /// Way of the leader that is past already and counts (inc): from the freeze point to t_k.
+        /// Travel of the leader to include (inc): from the freeze point to t_k.
         past: Position,
     },
-    /// Follows it through a cam.
+    /// Follows the master through a cam.
     Cam {
-        /// Where it starts, wherever master and slave are.
+        /// Start of the cam, for any position of master and slave.
         from: CamPoint,
-        /// As of a gear.
+        /// Travel of the leader to include (inc): from the freeze point to t_k.
         past: Position,
     },
-    /// Homing as configured.
+    /// Homes as configured.
     Home,
-    /// Reference travel, as long as nothing else is ordered.
+    /// Reference travel, until the next order.
     ReferenceTravel(Travel),
     /// Open loop: the drive runs at this speed (inc/s), signed; 0 switches its output off, and it coasts.
     Speed {
-        /// (inc/s)
+        /// Speed (inc/s).
         velocity: f64,
     },
-    /// The drive on.
+    /// Switches the drive on.
     SwitchOn,
-    /// The drive off, at once: it coasts.
+    /// Switches the drive off at once: it coasts.
     SwitchOff,
-    /// An alarm of the vocabulary: the axis does what its `error_reaction` says, and nobody owns it then.
+    /// An alarm of the vocabulary: the axis reacts by its `error_reaction`, and has no owner then.
     Fail {
-        /// Which.
+        /// Code of the alarm.
         code: Code,
-        /// What was found.
+        /// Value that was found.
         found: Number,
-        /// What is allowed.
+        /// Allowed value.
         allowed: Number,
     },
-    /// The alarm is acknowledged: the axis, at rest, leaves the error that [`Order::Fail`] made, and no other one.
+    /// Acknowledges the alarm: the axis, at rest, leaves the error of [`Order::Fail`], but no other error.
     Reset,
-    /// An error of the axis, with its drive off at once.
+    /// An error of the axis that switches its drive off at once.
     FailOff {
-        /// Why, with its numbers.
+        /// Reason, with its numbers.
         refusal: Refusal,
     },
 }

@@ -1,4 +1,4 @@
-//! One vocabulary, whichever it is: a copy on which a step or a request is tried.
+//! A single vocabulary of any type: a copy on which a step or a request is tried.
 
 use super::amc::Amc;
 use super::saia::Saia;
@@ -8,7 +8,7 @@ use crate::event::Refusal;
 use crate::parameter::{Row, Value};
 use crate::state::Reference;
 
-/// A copy of one.
+/// A copy of one vocabulary.
 #[allow(clippy::large_enum_variant, reason = "a box would take memory in the cycle")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Vocabulary {
@@ -17,25 +17,25 @@ pub(crate) enum Vocabulary {
     Wf(Wf),
 }
 
-/// A parameter as a vocabulary has it from now on.
+/// A parameter that a vocabulary has changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Writes {
-    /// Place of its row.
+    /// Index of its row.
     pub row: u16,
-    /// Its value.
+    /// New value.
     pub value: Value,
-    /// What `reference` shows by it, where the vocabulary owns the axis.
+    /// Value of `reference`, if the vocabulary owns the axis.
     pub reference: Reference,
 }
 
-/// What a step asks.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Asked {
-    /// What the axis has to do.
+    /// Order to the axis.
     pub order: Option<Order>,
-    /// What could not be asked of the axis at all.
+    /// Error that prevents an order.
     pub problem: Option<Problem>,
-    /// What it writes, where that is its own to write.
+    /// Parameter to write, if it belongs to the vocabulary.
     pub writes: Option<Writes>,
 }
 
@@ -46,7 +46,7 @@ impl Asked {
 }
 
 impl Vocabulary {
-    /// One step at t_k, after the commands of the cycle.
+    /// Executes one step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Asked {
         match self {
             Self::Amc(amc) => {
@@ -58,7 +58,7 @@ impl Vocabulary {
         }
     }
 
-    /// The axis could not do what the step asked. Gives what is written then, and another order.
+    /// Handles an order that the axis rejected. Returns the parameter to write, and another order.
     pub(crate) fn order_failed(
         &mut self,
         before: Option<&Self>,
@@ -86,24 +86,24 @@ impl Vocabulary {
         }
     }
 
-    /// What the order of the step has made of the motion.
+    /// Updates the state after the order of the step has changed the motion.
     pub(crate) fn follow(&mut self, view: &View<'_>) {
         if let Self::Amc(amc) = self {
             amc.follow_input(view);
         }
     }
 
-    /// Does homing that it asked for wait for the axis to stand?
+    /// Returns true if its homing waits for the axis to come to rest.
     pub(crate) fn waits(&self) -> bool {
         matches!(self, Self::Amc(amc) if amc.waits())
     }
 
-    /// Did a velocity stay in force since that one?
+    /// Returns true if a velocity has been active since then.
     pub(crate) fn keeps_speed(&self, before: &Self) -> bool {
         matches!((self, before), (Self::Amc(amc), Self::Amc(before)) if amc.keeps_speed(before))
     }
 
-    /// The homing that it asked for is done. Gives its last order and what it writes.
+    /// Handles the end of its homing. Returns the last order and the parameter to write.
     pub(crate) fn end_homing(&mut self, view: &View<'_>) -> (Option<Order>, Option<Writes>) {
         match self {
             Self::Amc(amc) => (Some(amc.end_homing(view)), Some(Self::written(0))),
@@ -111,7 +111,7 @@ impl Vocabulary {
         }
     }
 
-    /// The reference that is selected from now on.
+    /// Returns the change of the selected reference.
     pub(super) fn written(select: i64) -> Writes {
         let row = const { Row::place("amc.reference_select") };
         Writes { row, value: Value::Int(select), reference: Reference::selected(select) }

@@ -1,10 +1,10 @@
-//! What commands ask of a vocabulary, and what comes of that.
+//! Requests of commands to a vocabulary, and their outcomes.
 
 use super::{Order, Owner, saia, wf};
 use crate::event::Refusal;
 use crate::parameter::Value;
 
-/// A verb of a vocabulary, for one axis.
+/// A request to a vocabulary, for one axis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// Registers and command flags (SAIA-CMD).
@@ -14,7 +14,7 @@ pub enum Request {
 }
 
 impl Request {
-    /// The axis.
+    /// Returns the axis.
     pub fn axis(&self) -> u16 {
         match self {
             Self::Saia(request) => request.axis,
@@ -22,7 +22,7 @@ impl Request {
         }
     }
 
-    /// Whose verb it is.
+    /// Returns the vocabulary of the request.
     pub(crate) fn owner(&self) -> Owner {
         match self {
             Self::Saia(_) => Owner::Saia,
@@ -30,7 +30,7 @@ impl Request {
         }
     }
 
-    /// The parameters that it writes, by the places of their rows.
+    /// Returns the parameters that it writes, by the indices of their rows.
     pub(crate) fn writes(&self) -> impl Iterator<Item = (u16, Value)> + Clone + '_ {
         let registers = match self {
             Self::Saia(request) => Some(request.registers()),
@@ -52,21 +52,21 @@ impl From<wf::Request> for Request {
     }
 }
 
-/// What a request did.
+/// Outcome of a request.
 #[derive(Clone, Copy, Debug)]
 pub struct Outcome {
-    /// What it asks of the axis.
+    /// Order to the axis.
     pub order: Option<Order>,
-    /// The motion of its start, where that waits for the drive.
+    /// Motion of a start that waits for the drive.
     pub coming: Option<Order>,
-    /// Why it does something else than it was asked for.
+    /// Reason why it does something else than requested.
     pub warning: Option<Refusal>,
-    /// Why parts of it were not done, in their order.
+    /// Errors of parts that were not executed, in their order.
     pub errors: [Option<Refusal>; saia::MOST],
 }
 
 impl Outcome {
-    /// An order, and nothing to tell.
+    /// Returns an outcome with an order only.
     pub(super) fn of(order: Option<Order>) -> Self {
         Self { order, coming: None, warning: None, errors: [None; saia::MOST] }
     }

@@ -1,4 +1,4 @@
-//! Why bytes were refused.
+//! Errors of decoding.
 
 use std::fmt;
 
@@ -6,43 +6,43 @@ use serde::de;
 
 use super::MAX_PADDING;
 
-/// Bytes that are no value of the type that was asked for.
+/// Error of bytes that are no value of the requested type.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DecodeError {
-    /// ROS 2 name of the type, empty when the bytes were refused before a type was begun.
+    /// ROS 2 name of the type; empty if the error occurred before the type.
     pub type_name: &'static str,
-    /// Field in which it happened, for instance `axes[3].name`; empty: the value as a whole.
+    /// Field of the error, such as `axes[3].name`; empty: the value as a whole.
     pub field: String,
-    /// Byte at which it was noticed, from 0, not counting an encapsulation header.
+    /// Byte offset of the error, from 0, without an encapsulation header.
     pub at: usize,
-    /// What was wrong.
+    /// The problem.
     pub problem: Problem,
 }
 
-/// What was wrong with the bytes.
+/// Problem of the bytes.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Problem {
     /// The bytes end within a value.
     #[error("{needed} bytes are needed, {left} are left")]
     TooShort {
-        /// Bytes that the value needs, its alignment among them.
+        /// Bytes that the value needs, including its alignment.
         needed: usize,
-        /// Bytes that are there.
+        /// Remaining bytes.
         left: usize,
     },
-    /// The bytes go on behind the last field.
+    /// There are bytes after the last field.
     #[error("{left} bytes are left over, at most {MAX_PADDING} are allowed")]
     LeftOver {
-        /// Bytes behind the last field.
+        /// Number of bytes after the last field.
         left: usize,
     },
     /// A bool that is neither false nor true.
     #[error("a bool is {value}, only 0 and 1 are allowed")]
     Bool {
-        /// Byte that was found.
+        /// The byte.
         value: u8,
     },
-    /// A string of length 0, where the terminating zero has no place.
+    /// A string of length 0, which has no room for the terminating zero.
     #[error("a string has length 0, at least 1 is needed for the zero at its end")]
     NoRoomForZero,
     /// A string whose last byte is not zero.
@@ -51,49 +51,49 @@ pub enum Problem {
         /// Last byte of the string.
         last: u8,
     },
-    /// A string that is no UTF-8.
+    /// A string that is not UTF-8.
     #[error("a string is no UTF-8 from its byte {valid} on")]
     Utf8 {
-        /// Bytes that are good.
+        /// Number of valid bytes.
         valid: usize,
     },
-    /// A sequence that announces more elements than there are bytes.
+    /// A sequence that announces more elements than the remaining bytes.
     #[error("a sequence announces {length} elements, {left} bytes are left")]
     SequenceLength {
-        /// Elements that are announced.
+        /// Announced elements.
         length: u32,
-        /// Bytes that are left for them.
+        /// Remaining bytes.
         left: usize,
     },
     /// The encapsulation header is not that of plain CDR.
     #[error("the header is {start:02x?}, only [00, 00, ..] and [00, 01, ..] of four bytes are allowed")]
     Header {
-        /// The bytes that stand in its place.
+        /// The bytes in its place.
         start: Vec<u8>,
     },
-    /// The type holds something that ROS 2 messages cannot.
+    /// The type contains something that ROS 2 messages cannot contain.
     #[error("{what} cannot stand in a message")]
     Unsupported {
-        /// What it holds.
+        /// Kind of the content.
         what: &'static str,
     },
-    /// The type itself refused the value; a bound for instance.
+    /// The type itself rejected the value, for example because of a bound.
     #[error("{0}")]
     Refused(String),
 }
 
 impl DecodeError {
-    /// A problem; [`of`](Self::of) and [`within`](Self::within) say where, on the way out.
+    /// Creates an error; [`of`](Self::of) and [`within`](Self::within) add its location on the way up.
     pub(super) fn new(problem: Problem) -> Self {
         Self { type_name: "", field: String::new(), at: 0, problem }
     }
 
-    /// The same, of a type and at a byte.
+    /// Returns the error with its type and byte offset.
     pub(super) fn of(self, type_name: &'static str, at: usize) -> Self {
         Self { type_name, at, ..self }
     }
 
-    /// The same, within a field of what it was within so far.
+    /// Returns the error with the enclosing field before its location.
     pub(super) fn within(mut self, field: &str) -> Self {
         let dot = if self.field.is_empty() || self.field.starts_with('[') { "" } else { "." };
         self.field = format!("{field}{dot}{}", self.field);

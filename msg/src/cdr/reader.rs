@@ -1,8 +1,8 @@
-//! The strict CDR reader.
+//! Strict CDR reader.
 //!
-//! Law      a number of n bytes starts at a multiple of n, counted from the first byte; a string is its length with the
-//!          terminating zero (u32), its bytes, the zero; a sequence is its length (u32) and its elements; an array or a
-//!          struct is its elements or fields alone; a bool is one byte
+//! Law      a number of n bytes starts at a multiple of n, counted from the first byte; a string is its length
+//!          including the terminating zero (u32), its bytes, the zero; a sequence is its length (u32) and its elements;
+//!          an array or a struct is only its elements or fields; a bool is one byte
 //! Refuses  see [`decode`](super::decode)
 
 use serde::de::{DeserializeSeed, Deserializer, SeqAccess, Visitor};
@@ -22,17 +22,17 @@ impl<'a> Reader<'a> {
         Self { bytes, at: 0, endian, type_name: None }
     }
 
-    /// Bytes that were read.
+    /// Returns the number of bytes read.
     pub(super) fn at(&self) -> usize {
         self.at
     }
 
-    /// Bytes that were not read.
+    /// Returns the number of remaining bytes.
     pub(super) fn left(&self) -> usize {
         self.bytes.len() - self.at
     }
 
-    /// Name of the outermost struct.
+    /// Returns the name of the outermost struct.
     pub(super) fn type_name(&self) -> &'static str {
         self.type_name.unwrap_or_default()
     }
@@ -49,7 +49,7 @@ impl<'a> Reader<'a> {
         Ok(&self.bytes[start..self.at])
     }
 
-    /// A number of `N` bytes, least significant byte first.
+    /// Reads a number of `N` bytes. Returns its bytes, least significant first.
     fn number<const N: usize>(&mut self) -> Result<[u8; N], DecodeError> {
         let mut number = [0; N];
         number.copy_from_slice(self.take(N, N)?);
@@ -64,7 +64,7 @@ impl<'a> Reader<'a> {
     }
 
     fn text(&mut self) -> Result<&'a str, DecodeError> {
-        // A length beyond usize cannot be there either.
+        // A length beyond usize cannot be available either.
         let length = usize::try_from(self.length()?).unwrap_or(usize::MAX);
         let bytes = self.take(1, length)?;
         match bytes.split_last() {
@@ -81,12 +81,12 @@ struct Elements<'r, 'a> {
     reader: &'r mut Reader<'a>,
     next: usize,
     end: usize,
-    /// None: numbered elements.
+    /// Field names; `None`: numbered elements.
     fields: Option<&'static [&'static str]>,
 }
 
 impl Elements<'_, '_> {
-    /// How the element before `next` is called in an error.
+    /// Returns the name of the element before `next`, for an error.
     fn name(&self) -> String {
         let index = self.next - 1;
         match self.fields.and_then(|fields| fields.get(index)) {
@@ -110,7 +110,7 @@ impl<'de> SeqAccess<'de> for Elements<'_, '_> {
         }
     }
 
-    /// Not above the bytes that are left, because a longer sequence was refused.
+    /// At most the remaining bytes, because a longer sequence was rejected.
     fn size_hint(&self) -> Option<usize> {
         Some(self.end - self.next)
     }
@@ -162,7 +162,7 @@ impl<'de> Deserializer<'de> for &mut Reader<'_> {
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, DecodeError> {
         let length = self.length()?;
         let left = self.left();
-        // Nothing in a message is shorter than one byte.
+        // No element of a message is shorter than one byte.
         match usize::try_from(length) {
             Ok(end) if end <= left => visitor.visit_seq(Elements { reader: self, next: 0, end, fields: None }),
             _ => Err(DecodeError::new(Problem::SequenceLength { length, left })),

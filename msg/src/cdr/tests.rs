@@ -45,7 +45,7 @@ fn a_string_ends_in_its_zero_and_is_utf8() {
 
 #[test]
 fn padding_that_is_missing_is_counted_among_the_bytes_needed() {
-    // A string of 6 bytes, then a f64 at byte 16.
+    // A string of 6 bytes, then an f64 at byte 16.
     let error = refusal::<crate::srv::SetPositionRequest>(&[2, 0, 0, 0, 120, 0, 0]);
     assert_eq!(
         (error.field.as_str(), error.at, error.problem),
@@ -86,7 +86,7 @@ fn a_sequence_is_not_longer_than_the_bytes_that_are_left() {
     assert_eq!(error.to_string(), sentence);
 }
 
-/// Remembers how many elements it was told to make room for.
+/// Stores the number of elements for which it should allocate memory.
 #[derive(Debug)]
 struct Room(usize);
 
@@ -119,7 +119,7 @@ fn no_more_room_is_asked_for_than_there_are_bytes() {
 
 #[test]
 fn a_long_sequence_that_fails_early_has_taken_little() {
-    // A megabyte that announces a million strings of 24 bytes each in memory; the first one is refused.
+    // A megabyte that announces a million strings of 24 bytes each in memory; the first one is rejected.
     let mut bytes = encode(&CycleInputs::default());
     let place = bytes.len() - 11 * 4;
     bytes[place..place + 4].copy_from_slice(&1_000_000_u32.to_le_bytes());
@@ -131,7 +131,7 @@ fn a_long_sequence_that_fails_early_has_taken_little() {
 #[test]
 fn bounds_hold_for_arrays_and_strings() {
     let range = FloatingPointRange { from_value: 0.0, to_value: 1.0, step: 0.0 };
-    // The unbounded twin of the end of ParameterDescriptor writes what a careless sender would.
+    // The unbounded equivalent of the end of ParameterDescriptor, as a faulty sender would write it.
     let mut bytes = encode(&ParameterDescriptor::default());
     bytes.truncate(bytes.len() - 8);
     bytes.extend(2_u32.to_le_bytes());
@@ -162,7 +162,7 @@ fn nan_is_for_the_caller_to_refuse() {
 fn a_header_says_the_order_of_the_bytes() {
     let text = Text { data: "hi".to_owned() };
     assert_eq!(decode_with_header::<Text>(&[0, 0, 0, 0, 0, 0, 0, 3, 104, 105, 0]).as_ref(), Ok(&text));
-    // The last header byte of some senders counts the padding at the end.
+    // Some senders put the number of padding bytes into the last header byte.
     assert_eq!(decode_with_header::<Text>(&[0, 1, 0, 1, 3, 0, 0, 0, 104, 105, 0, 0]), Ok(text));
     let error = decode_with_header::<Text>(&[0, 7, 0, 0, 3, 0, 0, 0, 104, 105, 0]).unwrap_err();
     let sentence = "the header is [00, 07, 00, 00], only [00, 00, ..] and [00, 01, ..] of four bytes are allowed";

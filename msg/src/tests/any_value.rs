@@ -1,11 +1,11 @@
-//! Any value of any message, made of bytes: a serde deserializer for which every input is good.
+//! Any value of any message, made of bytes: a serde deserializer that accepts every input.
 
 use serde::Deserialize;
 use serde::de::value::Error;
 use serde::de::{DeserializeSeed, Deserializer, Error as _, SeqAccess, Visitor};
 
-/// A value of `T` that the bytes decide on; missing bytes count as zeros. A value that `T` refuses (too long for its
-/// bound) becomes the default.
+/// Returns a value of `T` determined by the bytes; missing bytes count as zeros. A value that `T` rejects (too long for
+/// its bound) becomes the default.
 pub(super) fn any_value<T: for<'de> Deserialize<'de> + Default>(bytes: &[u8]) -> T {
     T::deserialize(&mut Dice(bytes.iter())).unwrap_or_default()
 }
@@ -21,7 +21,7 @@ impl Dice<'_> {
         std::array::from_fn(|_| self.byte())
     }
 
-    /// Mostly 0 or 1, sometimes more, so that alignment changes and bounds are often kept.
+    /// Mostly 0 or 1, sometimes more, so that alignment varies and bounds are mostly kept.
     fn length(&mut self) -> usize {
         match self.byte() {
             low @ 0..=159 => usize::from(low & 1),
@@ -49,7 +49,7 @@ impl<'de> Deserializer<'de> for &mut Dice<'_> {
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
         let value = f64::from_le_bytes(self.bytes());
-        // NaN is not equal to itself, so no round trip could be seen.
+        // NaN is not equal to itself, so a round trip could not be checked.
         visitor.visit_f64(if value.is_nan() { 0.0 } else { value })
     }
 

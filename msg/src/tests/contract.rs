@@ -1,4 +1,4 @@
-//! The interface files against the contract: names, order, types and constants, written down here a second time.
+//! The interface files against the contract: names, order, types and constants, listed here a second time.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::interface::{Field, Interface, Section};
 use crate::msg::{AxisState, CycleInputs, Event};
 use crate::srv::{CommandFunctionRequest, ExportParametersRequest, ResetParametersRequest};
 
-/// Type and then its names, as section 7 of the contract packs them; `---` between the parts.
+/// Types with their names, as in section 7 of the contract; `---` between the parts.
 const OWN_INTERFACES: [(&str, &str); 37] = [
     (
         "msg/AxisState",
@@ -436,7 +436,7 @@ const OWN_INTERFACES: [(&str, &str); 37] = [
     ),
 ];
 
-/// The layouts of other packages that are easy to get wrong, in the same form.
+/// Layouts of other packages in which errors are likely, in the same form.
 const FOREIGN_INTERFACES: [(&str, &str, &str); 30] = [
     (
         "control_msgs",
@@ -627,7 +627,7 @@ fn interfaces() -> Vec<Interface> {
     read_all(Path::new(env!("CARGO_MANIFEST_DIR"))).expect("every file parses")
 }
 
-/// `type name` or `type NAME=value`, constants first, one list per part.
+/// Returns `type name` or `type NAME=value`, constants first, one list per part.
 fn declared(interface: &Interface) -> Vec<Vec<String>> {
     let part = |section: &Section| {
         let constants = section.constants.iter().map(|c| format!("{} {}={}", c.primitive.name, c.name, c.value));

@@ -1,5 +1,5 @@
 //! Bytes written by hand from the rules of CDR: a number of n bytes starts at a multiple of n; the length of a string
-//! counts its zero; an empty sequence has no padding behind its length; an empty struct is one byte.
+//! includes its zero; an empty sequence has no padding after its length; an empty struct is one byte.
 
 use std::fmt::Debug;
 
@@ -18,7 +18,7 @@ use crate::msg::{AxisState, AxisStates, CycleInputs, Event};
 use crate::srv::{SetOutputRequest, SetPositionRequest};
 use crate::{Bounded, SendGoalRequest};
 
-/// Pairs of hexadecimal digits; everything else only shows the places.
+/// Parses pairs of hexadecimal digits; all other characters only show the positions.
 fn bytes(text: &str) -> Vec<u8> {
     let digits: Vec<u8> = text.chars().filter_map(|c| c.to_digit(16)).map(|digit| digit as u8).collect();
     digits.chunks(2).map(|pair| pair[0] << 4 | pair[1]).collect()
@@ -89,7 +89,7 @@ fn a_parameter_value_has_all_its_fields() {
     let value =
         ParameterValue { r#type: ParameterType::PARAMETER_INTEGER, integer_value: 5, ..ParameterValue::default() };
     let parameter = Parameter { name: "abc".to_owned(), value };
-    // The value's own bytes shift with the name in front of them: its type is at 8, its integer at 16.
+    // The bytes of the value shift with the name before them: its type is at 8, its integer at 16.
     let expected = "04000000 61 62 63 00 | 02 00 | 000000000000 | 0500000000000000 0000000000000000
         01000000 00 | 000000 | 00000000 00000000 00000000 00000000 00000000";
     is_on_the_wire(parameter, expected);
@@ -154,7 +154,7 @@ fn a_status_array_aligns_each_element() {
         status,
     };
     let message = GoalStatusArray { status_list: vec![status(2), status(GoalStatus::STATUS_ABORTED)] };
-    // The identifier of the second goal follows at once (bytes), its stamp at 48 (numbers of four).
+    // The identifier of the second goal follows directly (bytes), its stamp is at 48 (numbers of four bytes).
     let expected = "02000000 0101010101010101 0101010101010101 03000000 04000000 02
         0101010101010101 0101010101010101 | 000000 | 03000000 04000000 06";
     is_on_the_wire(message, expected);

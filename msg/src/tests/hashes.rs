@@ -1,4 +1,4 @@
-//! Type hashes, held against those of ROS 2.
+//! Type hashes, compared with those of ROS 2.
 
 use crate::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal};
 use crate::files::OWN;
@@ -8,7 +8,7 @@ use crate::foreign::std_srvs::srv::{Trigger, TriggerRequest, TriggerResponse};
 use crate::srv::{SetPosition, SetPositionRequest, SetPositionResponse};
 use crate::{Action, GetResult, Message, SendGoal, Service, TYPE_HASHES};
 
-/// Names and hashes, and the source of them.
+/// Names and hashes, with their source.
 const KNOWN: &str = include_str!("hashes.txt");
 
 fn computed(name: &str) -> &'static str {
@@ -27,7 +27,7 @@ fn type_hashes_of_other_packages_are_those_of_ros_2() {
     for (name, hash) in &known {
         assert_eq!(computed(name), *hash, "{name}");
     }
-    // An event has a hash too, which is part of that of its service.
+    // An event has a hash too, which is part of the hash of its service.
     let foreign = TYPE_HASHES.iter().map(|(name, _)| *name).filter(|name| !name.starts_with(OWN));
     let missing: Vec<_> =
         foreign.filter(|name| !name.ends_with("_Event") && known.iter().all(|(known, _)| known != name)).collect();

@@ -1,4 +1,4 @@
-//! Lengths that lie, in every message, request, response, goal, result and feedback.
+//! Wrong lengths in every message, request, response, goal, result and feedback.
 
 use std::fs;
 
@@ -6,10 +6,10 @@ use super::any_value::any_value;
 use crate::Message;
 use crate::cdr::{Endian, decode, encode};
 
-/// Longest sentence about bytes that are no message (bytes).
+/// Maximum length of the message about invalid bytes (bytes).
 const LONGEST_SENTENCE: usize = 600;
 
-/// Each word of a good value in turn is a length of 4 GiB, of 2 GiB, and of as many bytes as there are.
+/// Replaces each word of a valid value in turn by a length of 4 GiB, of 2 GiB, and of the number of bytes.
 fn lies<T: Message>() {
     let good = encode(&any_value::<T>(&[161; 300]));
     for place in (0..good.len().saturating_sub(3)).step_by(4) {
@@ -26,7 +26,7 @@ fn lies<T: Message>() {
     }
 }
 
-/// Most memory that this process has asked for so far (kB), also of what it did not touch.
+/// Returns the peak of memory that this process has requested (kB), including memory that it did not access.
 fn asked_for() -> u64 {
     let status = fs::read_to_string("/proc/self/status").expect("Linux");
     let line = status.lines().find_map(|line| line.strip_prefix("VmPeak:")).expect("a line of every process");
@@ -43,7 +43,7 @@ fn no_length_takes_memory_that_no_bytes_stand_for() {
     }
     for_every_struct!(call);
     let after = asked_for();
-    // The other tests of this process ask for some MB; one length believed would be 2 GiB at least.
+    // The other tests of this process request some MB; a single wrong length that is used would be at least 2 GiB.
     assert!(after - before < 1_000_000, "{before} kB before, {after} kB after");
 }
 

@@ -1,4 +1,4 @@
-//! Names and bag schemas as ROS 2 spells them.
+//! Names and bag schemas as in ROS 2.
 
 use crate::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal};
 use crate::foreign::action_msgs::srv::CancelGoal;
@@ -44,7 +44,7 @@ fn actions_have_the_names_of_their_parts() {
     }
 }
 
-/// The declarations of a schema, without comments and blank lines.
+/// Returns the declarations of a schema, without comments and blank lines.
 fn declarations(schema: &str) -> Vec<&str> {
     schema
         .lines()

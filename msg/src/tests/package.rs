@@ -1,4 +1,4 @@
-//! What colcon reads agrees with the files.
+//! The data for colcon agrees with the files.
 
 use std::fs;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! Laws of the byte form, for every message, request, response, goal, result and feedback.
+//! Laws of the encoding, for every message, request, response, goal, result and feedback.
 
 use std::fmt::Debug;
 
@@ -9,7 +9,7 @@ use super::any_value::any_value;
 use crate::cdr::{Endian, MAX_PADDING, Problem, decode, decode_with_header, encode, encode_with_header};
 use crate::{Action, FeedbackMessage, GetResultResponse, Message, SendGoalRequest};
 
-/// What goes out comes back, in both byte orders, with and without header.
+/// An encoded value decodes to the same value, in both byte orders, with and without header.
 fn comes_back<T: Message>(bytes: &[u8]) {
     let value = any_value::<T>(bytes);
     let little = encode(&value);
@@ -21,7 +21,7 @@ fn comes_back<T: Message>(bytes: &[u8]) {
     assert_eq!(decode_with_header::<T>(&with_header), Ok(value));
 }
 
-/// Not a byte may be missing; up to three may follow.
+/// No byte may be missing; up to three may follow.
 fn knows_its_length<T: Message>(bytes: &[u8]) {
     let value = any_value::<T>(bytes);
     let mut good = encode(&value);
@@ -40,7 +40,7 @@ fn knows_its_length<T: Message>(bytes: &[u8]) {
     }
 }
 
-/// Any bytes are either refused or are a value that is written as it was read.
+/// Any bytes are either rejected or are a value that is encoded as it was read.
 fn survives<T: Message>(bytes: &[u8]) {
     for endian in [Endian::Little, Endian::Big] {
         if let Ok(value) = decode::<T>(bytes, endian) {
@@ -52,7 +52,7 @@ fn survives<T: Message>(bytes: &[u8]) {
     }
 }
 
-/// A good value with one byte changed.
+/// A valid value with one byte changed.
 fn survives_a_changed_byte<T: Message>(bytes: &[u8], place: usize, change: u8) {
     let mut changed = encode(&any_value::<T>(bytes));
     let place = place % changed.len();

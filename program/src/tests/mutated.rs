@@ -1,12 +1,12 @@
-//! Broken modules load or are refused; what loads stays within its fuel.
+//! Broken modules are loaded or rejected; loaded ones stay within their fuel.
 
 use super::{bytes, call, load, program};
 use crate::{Instance, Module};
 
-/// Modules that are tried.
+/// Number of modules.
 const MODULES: u64 = 10_000;
 
-/// A program with most of what there is.
+/// A program with most of the features.
 fn rich() -> Vec<u8> {
     let text = program(
         "(type $f (func (param i32 i64) (result i64)))
@@ -77,19 +77,19 @@ fn a_loop_without_end_takes_its_fuel_and_no_more() {
     assert_eq!(call(&mut instance, &module, 1234), Err((crate::Trap::OutOfFuel, 1234)));
 }
 
-/// What moves a MiB costs as many instructions as it takes their time.
+/// Moving a MiB costs as many instructions as can be executed in the same time.
 #[test]
 fn moving_memory_costs_by_its_length() {
     let module =
         load(&program("(func (export \"cycle\") (memory.fill (i32.const 0) (i32.const 0) (i32.const 65536)))"));
     let mut instance = Instance::new(&module, 1);
-    // 65536 / 32 and five instructions: three constants, the fill, the return. It writes over the size of its image.
+    // 65536 / 32 and five instructions: three constants, the fill, the return. It overwrites the size of its image.
     assert_eq!(call(&mut instance, &module, 5000), Err((crate::Trap::ImageOverwritten, 2053)));
     let mut instance = Instance::new(&module, 1);
     assert_eq!(call(&mut instance, &module, 2000), Err((crate::Trap::OutOfFuel, 2000)));
 }
 
-/// 4096 locals are 32 KiB that become 0.
+/// 4096 locals are 32 KiB that are set to 0.
 #[test]
 fn large_frames_cost_by_their_size() {
     let locals = "i64 ".repeat(4000);

@@ -1,10 +1,10 @@
-//! Arithmetic at its edges, by the numbers of the WebAssembly and IEEE 754 standards.
+//! Arithmetic at its limits, with the numbers of the WebAssembly and IEEE 754 standards.
 
 use super::sink_of;
 use crate::Trap;
 use proptest::prelude::*;
 
-/// The sink as the result of an expression of i64.
+/// Returns the sink for an expression of i64.
 fn whole(expression: &str) -> Result<i64, Trap> {
     sink_of(&format!("(i64.store (i32.const 40) {expression})"))
 }
@@ -98,14 +98,14 @@ fn memory_ends_where_it_ends() {
     assert_eq!(copy(65536, 0, 0), Ok(0));
     assert_eq!(copy(65537, 0, 0), Err(Trap::MemoryOutOfBounds));
     assert_eq!(copy(2000, 65535, 2), Err(Trap::MemoryOutOfBounds));
-    // 4 GiB cost more than there is.
+    // 4 GiB cost more than the available fuel.
     assert_eq!(copy(2000, 3000, -1), Err(Trap::OutOfFuel));
     assert_eq!(whole("(i64.extend_i32_s (memory.grow (i32.const 1)))"), Ok(-1));
     assert_eq!(whole("(i64.extend_i32_s (memory.grow (i32.const 0)))"), Ok(1));
     assert_eq!(whole("(i64.extend_i32_s (memory.size))"), Ok(1));
 }
 
-/// Both ways of an `if` reach the local that takes its result.
+/// Both branches of an `if` set the local that takes its result.
 #[test]
 fn what_meets_behind_two_ways_is_that_of_the_way_taken() {
     for (condition, expected) in [(1, 5), (0, 6)] {
@@ -118,7 +118,7 @@ fn what_meets_behind_two_ways_is_that_of_the_way_taken() {
     }
 }
 
-/// A branch takes its result along from above what it leaves behind.
+/// A branch keeps its result from above the operands that it drops.
 #[test]
 fn a_branch_takes_along_what_is_on_top() {
     for (condition, expected) in [(1, 9), (0, 1)] {
@@ -130,7 +130,7 @@ fn a_branch_takes_along_what_is_on_top() {
     }
 }
 
-/// A copy that overlaps is one of what was there.
+/// An overlapping copy copies the previous contents.
 #[test]
 fn copies_may_overlap() {
     let text = "(i64.store (i32.const 2000) (i64.const 0x0807060504030201)) \
@@ -139,7 +139,7 @@ fn copies_may_overlap() {
 }
 
 proptest! {
-    /// What locals hold while others are set, wherever the operands stand.
+    /// Pushed locals keep their values while the locals are set, wherever the operands are.
     #[test]
     fn an_operand_keeps_what_its_local_had(a in any::<i64>(), b in any::<i64>()) {
         let text = format!(

@@ -1,4 +1,4 @@
-//! What no program may be is refused, and the sentence says what.
+//! Invalid programs are rejected with the reason.
 
 use super::program;
 use crate::Module;
@@ -36,7 +36,7 @@ fn a_module_without_entry_or_image_is_refused() {
     assert_eq!(image(&at(0), ""), "its image is at 0; an address above 0 that 8 divides is needed");
     assert_eq!(image(&at(65536), ""), "its image is outside its memory");
     assert_eq!(image(&at(16), ""), "the first word of its image, its size, is 0; 944 to 17328 bytes are possible");
-    // 943 bytes: one less than what the slot writes.
+    // 943 bytes: one less than the slot writes.
     assert_eq!(
         image(&at(16), "(data (i32.const 16) \"\\af\\03\")"),
         "the first word of its image, its size, is 943; 944 to 17328 bytes are possible"
@@ -73,7 +73,7 @@ fn what_is_not_the_same_everywhere_is_refused() {
     assert_eq!(refusal(&locals), "function 0: it has 4097 locals; at most 4096 are possible");
 }
 
-/// What would take gigabytes, or minutes, is refused before it does.
+/// A module that would need gigabytes or minutes is rejected before that.
 #[test]
 fn a_hostile_module_is_refused_soon() {
     let begun = |text: &str| refusal(&program(text));
@@ -86,7 +86,7 @@ fn a_hostile_module_is_refused_soon() {
     assert_eq!(begun(&tables), "it has more than 16 tables");
     let import = format!("(module (import \"{0}\" \"{0}\" (func)))", "x".repeat(50_000));
     assert!(refusal(&import).len() < 400);
-    // Blocks and locals over as many operands as may be.
+    // Blocks and locals with the maximum number of operands.
     let operands = "i32.const 0 ".repeat(1000);
     let blocks = "block end i32.const 0 local.set 0 ".repeat(50_000);
     let text = program(&format!("(func (export \"cycle\") (local i32) {operands} {blocks} unreachable)"));

@@ -1,4 +1,4 @@
-//! Random programs do what another interpreter says that they do, take no memory, and end within their fuel.
+//! Random programs have the same results as in another interpreter, do not allocate, and end within their fuel.
 
 use super::{FUEL, bytes};
 use crate::module::{Module, PAGE};
@@ -8,7 +8,7 @@ use assert_no_alloc::assert_no_alloc;
 use wasm_smith::{Config, Module as Random};
 use wasmi::{Engine, Linker, Store, StoreLimits, StoreLimitsBuilder};
 
-/// Programs that are tried.
+/// Number of programs.
 const PROGRAMS: u64 = 10_000;
 
 fn config(has_bulk: bool) -> Config {
@@ -34,7 +34,7 @@ fn config(has_bulk: bool) -> Config {
         extended_const_enabled: false,
         compact_imports_enabled: false,
         max_imports: 0,
-        // That of the exports is one.
+        // The memory of the exports is the only one.
         max_memories: 0,
         max_memory32_bytes: 2 * PAGE as u64,
         max_table_elements: 100,
@@ -43,7 +43,7 @@ fn config(has_bulk: bool) -> Config {
     }
 }
 
-/// A random program that ends.
+/// Returns a random program that ends.
 fn random(seed: u64, has_bulk: bool) -> Option<Vec<u8>> {
     let bytes = bytes(seed, 2000);
     let mut random = Random::new(config(has_bulk), &mut arbitrary::Unstructured::new(&bytes)).ok()?;
@@ -51,17 +51,17 @@ fn random(seed: u64, has_bulk: bool) -> Option<Vec<u8>> {
     Some(random.to_bytes())
 }
 
-/// What a call came to.
+/// Result of a call.
 #[derive(Debug, PartialEq)]
 enum End {
     Done,
     Trapped,
-    /// The stacks of the two differ.
+    /// The stacks of the two interpreters have different sizes.
     Overflowed,
     Spent,
 }
 
-/// Memory after each of two calls of each function; none where it cannot be instantiated.
+/// Returns the memory after each of two calls of each function; `None` if the module cannot be instantiated.
 fn reference(wasm: &[u8], pages: usize) -> Option<Vec<(End, Vec<u8>)>> {
     let engine = Engine::default();
     let module = wasmi::Module::new(&engine, wasm).ok()?;
@@ -93,7 +93,8 @@ fn random_programs_do_what_another_interpreter_does() {
         let (mut module, exports) = match Module::read(&wasm) {
             Ok(read) => read,
             Err(refusal) => {
-                // What changes tables is refused, and what cannot begin: the other one cannot either.
+                // Modules that change tables are rejected, and so are modules that cannot be instantiated: the other
+                // interpreter cannot either.
                 refused += 1;
                 assert!(has_bulk || reference(&wasm, 2).is_none(), "seed {seed}: {refusal}");
                 continue;

@@ -1,9 +1,9 @@
-//! State is plain data: a copy, and what was written and read, go on as the original does.
+//! State is plain data: a copy, and a serialized and restored state, continue like the original.
 
 use super::{FUEL, call, load, program};
 use crate::{Image, Instance, Module};
 
-/// Counts in a global, in its own part of the image, and gives the product as sink; -(2^31) in each third call.
+/// Counts in a global and in its own part of the image, and outputs the product as sink; -(2^31) in each third call.
 const COUNTS: &str = "(global $n (mut i32) (i32.const 3))
     (func (export \"cycle\")
       (global.set $n (i32.add (global.get $n) (i32.const 1)))
@@ -26,7 +26,7 @@ fn a_copy_goes_on_as_the_original_does() {
     let written = postcard::to_allocvec(&instance).unwrap();
     let mut read: Instance = postcard::from_bytes(&written).unwrap();
     assert!(read == instance && read.is_of(&module));
-    // All but what is not 0 is left out: the image is 960 bytes long.
+    // Trailing zeros are not stored: the image is 960 bytes long.
     assert!(written.len() < 1000, "{}", written.len());
     let mut other = Instance::new(&module, 2);
     assert_no_alloc::assert_no_alloc(|| other.clone_from(&instance));
@@ -54,7 +54,7 @@ fn what_was_read_may_be_anything() {
         }
     }
     assert!(taken > 0);
-    // A global of 32 bits with more, a memory of another size, the image's size overwritten.
+    // A global of 32 bits with more bits, a memory of another size, an overwritten size of the image.
     let other = load(
         "(module (memory 2) (global (export \"image\") i32 (i32.const 16)) (data (i32.const 16) \"\\b0\\03\") (func (export \"cycle\")))",
     );
@@ -79,13 +79,13 @@ fn an_exchange_keeps_the_programs_own_part_and_begins_all_else_anew() {
     sink(&mut instance, &module, 7);
     assert!(assert_no_alloc::assert_no_alloc(|| instance.exchange((&next, &module), true)));
     assert_eq!(sink(&mut instance, &next, 1), 80);
-    // Of another length it is refused, and nothing changes.
+    // A module with another length is rejected, and nothing changes.
     let longer = load(&program(COUNTS).replace("\\c0\\03", "\\c8\\03"));
     let before = instance.clone();
     assert!(!instance.exchange((&longer, &next), true) && instance == before);
 }
 
-/// A state that failed may have been read with any memory.
+/// A failed state may have been restored with any memory.
 #[test]
 fn an_exchange_of_what_has_no_memory_begins_anew() {
     let module = load(&program(COUNTS));

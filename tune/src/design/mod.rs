@@ -1,16 +1,19 @@
-//! Gains by stated margins.
+//! Design of gains for given stability margins.
 //!
-//! Law      as stiff, by its proportional gain, as the margins of the rounded gains, the delays and a resonance let: the crossover alone
-//!          would end at a derivative part without a position. A velocity loop is designed first, the position loop around it. The integral part begins [`INTEGRAL`] (position) or [`INNER_INTEGRAL`] (velocity) below the
-//!          crossover. Feed-forward is the inverse of the model at low frequencies
-//! Reads    a model, what is wished
+//! Law      the proportional gain is as high as the margins of the rounded gains, the delays and a resonance allow; an
+//!          optimum of the crossover alone would give a derivative term without a proportional one. The velocity loop
+//!          is designed first, then the position loop around it. The integral term begins [`INTEGRAL`] (position) or
+//!          [`INNER_INTEGRAL`] (velocity) below the crossover. Feed-forward is the inverse of the model at low
+//!          frequencies
+//! Reads    a model, the requirements
 //! Writes   loops, their margins
-//! Refuses  targets beyond their range, structures that do not suit the drive, margins that no gains within their ranges keep
+//! Refuses  targets outside their range, structures that do not suit the drive, margins that no gains within their
+//!          ranges reach
 //! Source   MACS-REG-01, MACS-REG-05, MACS-REG-09, MACS-REG-10, MACS-AMP-01, MACS-AMP-04, WF-CLC-03
 //!
-//! An axis that may have play has more regimes than one (`regimes.rs`), and the gains keep their margins in each.
+//! An axis that may have backlash has more than one regime (`regimes.rs`), and the gains keep their margins in each.
 //!
-//! An encoder that is coarse limits the gain as well: one increment may move the output by [`Targets::ripple`].
+//! A coarse encoder limits the gain as well: one increment may change the output by [`Targets::ripple`].
 
 mod position;
 mod regimes;
@@ -25,93 +28,93 @@ use crate::response::frequency::Margins;
 use lineshaft_core::regulator::VelocityMethod;
 use serde::{Deserialize, Serialize};
 
-/// What the loops have to keep.
+/// Requirements of the loops.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Targets {
-    /// Degrees: 20 to 85.
+    /// Phase margin in degrees: 20 to 85.
     pub phase_margin: f64,
-    /// dB, upwards and downwards: 3 to 40.
+    /// Gain margin in dB, for increase and reduction: 3 to 40.
     pub gain_margin: f64,
-    /// Largest part of the full output that one increment moves: 0.0001 to 1.
+    /// Maximum change of the output per increment, as a fraction of the full output: 0.0001 to 1.
     pub ripple: f64,
-    /// Is an integral part wished, where the law has one?
+    /// Whether an integral term is wanted, if the law has one.
     pub integral: bool,
 }
 
 impl Default for Targets {
-    /// 60 degrees, 6 dB, a tenth of the output, with an integral part.
+    /// Returns 60 degrees, 6 dB, a tenth of the output, with an integral term.
     fn default() -> Self {
         Self { phase_margin: 60.0, gain_margin: 6.0, ripple: 0.1, integral: true }
     }
 }
 
-/// The law of the position loop.
+/// Law of the position loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Law {
-    /// kv
+    /// Proportional, with kv.
     Proportional,
-    /// The PID of MACS.
+    /// PID of MACS.
     Pid {
-        /// TIMER (ms)
+        /// Sampling time TIMER (ms).
         timer: u32,
     },
 }
 
-/// What is to be designed.
+/// Specification of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Wish {
-    /// Of the position loop.
+    /// Law of the position loop.
     pub law: Law,
-    /// A velocity loop below it (AMPMODE 0), and how it knows its velocity; none: AMPMODE 2, or a drive of velocities.
+    /// Method of finding the velocity for a velocity loop (AMPMODE 0); `None`: AMPMODE 2, or a velocity drive.
     pub velocity: Option<VelocityMethod>,
-    /// VELMAX (inc/s): what the output 1 of the position loop asks a velocity for. Of a drive of velocities it is the full
-    /// reference.
+    /// VELMAX (inc/s): the velocity for output 1 of the position loop. For a velocity drive it is the full reference.
     pub max_velocity: f64,
-    /// What FFACC refers to (inc/s^2).
+    /// Acceleration to which FFACC refers (inc/s^2).
     pub max_acceleration: f64,
-    /// Inertia of the load in parts of the motor's, of an axis that may have play between them: 0 to 1000, 0 where none is told.
+    /// Inertia of the load relative to that of the motor, for an axis that may have backlash between them: 0 to 1000; 0
+    /// if it is not given.
     pub inertia_ratio: f64,
-    /// What the loops have to keep.
+    /// Requirements of the loops.
     pub targets: Targets,
 }
 
 /// Loops with their margins.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Design {
-    /// With gains as they can be set.
+    /// Loops with rounded gains.
     pub loops: Loops,
-    /// Of the position loop with these gains, the worse ones of all regimes.
+    /// Margins of the position loop with these gains, the worst of all regimes.
     pub position: Margins,
-    /// Of the velocity loop with these gains, likewise; none where there is none.
+    /// Margins of the velocity loop with these gains, likewise; `None` without a velocity loop.
     pub velocity: Option<Margins>,
 }
 
-/// Why there are no gains.
+/// Error of a design.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
-    /// A structure that does not suit.
+    /// A structure that does not suit the drive.
     #[error(transparent)]
     Loop(#[from] LoopError),
     /// TIMER is no whole number of cycles.
     #[error("timer is {timer} ms; a whole number of cycles of {cycle} ms, up to 1000 ms, is permitted")]
     Timer {
-        /// ms
+        /// TIMER (ms).
         timer: u32,
-        /// ms
+        /// Cycle time (ms).
         cycle: f64,
     },
-    /// None keeps them.
+    /// No gains keep the margins.
     #[error(
         "no gains of the {which} loop within their ranges keep a phase margin of {phase} deg and a gain margin of {gain} dB{regimes}"
     )]
     Unreachable {
-        /// Which.
+        /// Name of the loop.
         which: &'static str,
-        /// Degrees.
+        /// Phase margin in degrees.
         phase: f64,
-        /// dB
+        /// Gain margin in dB.
         gain: f64,
-        /// Empty where there is one alone.
+        /// Text about the regimes; empty for a single one.
         regimes: &'static str,
     },
 }
@@ -122,10 +125,10 @@ impl From<ModelError> for DesignError {
     }
 }
 
-/// Crossover of a position loop in parts of the frequency where its integral part begins.
+/// Ratio of the crossover of a position loop to the frequency at which its integral term begins.
 pub const INTEGRAL: f64 = 12.0;
 
-/// Crossover of a velocity loop in parts of the frequency where its integral part begins.
+/// Ratio of the crossover of a velocity loop to the frequency at which its integral term begins.
 pub const INNER_INTEGRAL: f64 = 6.0;
 
 impl Targets {
@@ -152,7 +155,7 @@ impl Wish {
 }
 
 impl Law {
-    /// Cycles of the machine in its period.
+    /// Returns the cycles of the machine in its period.
     fn cycles(self, cycle: f64) -> Result<u32, DesignError> {
         let Self::Pid { timer } = self else { return Ok(1) };
         let count = (f64::from(timer) / (1000.0 * cycle)).round();
@@ -167,7 +170,7 @@ impl Law {
 /// Designs the loops.
 ///
 /// # Errors
-/// Why there are none.
+/// The reason why there is no design.
 pub fn design(model: &Model, wish: &Wish) -> Result<Design, DesignError> {
     model.check()?;
     wish.targets.check()?;

@@ -1,4 +1,4 @@
-//! The position loop: kv, or KPROP, KDER, KINT, KILIM, FFVEL, FFACC.
+//! Design of the position loop: kv, or KPROP, KDER, KINT, KILIM, FFVEL, FFACC.
 
 use super::search::{Found, Search};
 use super::{DesignError, INTEGRAL, Law, Targets, Wish, regimes};
@@ -9,22 +9,23 @@ use crate::response::frequency::{Margins, grid};
 use core::f64::consts::TAU;
 use lineshaft_core::regulator::{K_OUT, PidGains, Window};
 
-/// Largest KPROP, KDER, KINT and KILIM.
+/// Maximum KPROP, KDER, KINT and KILIM.
 const MOST: f64 = 65_000.0;
 
-/// Largest FFVEL and FFACC.
+/// Maximum FFVEL and FFACC.
 const MOST_FORWARD: f64 = 100_000.0;
 
-/// Derivative times that are tried for a drive of efforts (samples): so many per octave, over so many octaves.
+/// Derivative times that are tried for a drive with effort interface (samples): number per octave, and number of
+/// octaves.
 const TIMES: (u32, u32) = (3, 12);
 
-/// Part of the stiffness that an integral part may cost where its gain would be less than 1.
+/// Fraction of the proportional gain that an integral term may cost if its gain would be less than 1.
 const INTEGRAL_WORTH: f64 = 0.5;
 
-/// Output that the integral part may hold beside what friction and load need, and how much more of that.
+/// Output of the integral term in addition to friction and load, and the factor on these.
 const RESERVE: (f64, f64) = (0.05, 1.5);
 
-/// Of the regimes, the first of which is the model.
+/// Designs the loop for the regimes, the first of which is the model.
 pub(super) fn design(
     model: &Model,
     models: &[Model],
@@ -70,7 +71,7 @@ fn with_pid(
     timer: u32,
 ) -> Option<Found<PositionLaw>> {
     let targets = &wish.targets;
-    // Below a velocity loop a swing is that loop's matter.
+    // With a velocity loop, oscillations of the coupling are handled by that loop.
     let swing = if loops.velocity.is_some() { None } else { regimes::most_imaginary(wish) };
     let laws = [pid(1.0, 0.0, 0.0), pid(0.0, 1.0, 0.0), pid(0.0, 0.0, 1.0)];
     let search = Search::new(grid, period, axes, &laws, targets, swing);
@@ -101,18 +102,18 @@ fn with_pid(
     if !targets.integral {
         return free;
     }
-    // The least integral part there is may be too much, or cost too much.
+    // The smallest integral term may be too large, or cost too much.
     let price = INTEGRAL_WORTH * free.as_ref().map_or(0.0, |free| free.weight);
     best(1.0).filter(|whole| whole.weight >= price).or(free)
 }
 
-/// Largest magnitude of a pole of the loops that are closed.
+/// Returns the largest magnitude of a pole of the closed loops.
 fn poles(law: &PositionLaw, axes: &[Discrete], wish: &Wish) -> f64 {
     let law = law.law(wish.max_velocity);
     axes.iter().fold(0.0_f64, |most, axis| most.max(radius(&law.then(axis).closed())))
 }
 
-/// Derivative times (samples).
+/// Returns the derivative times (samples).
 fn times(model: &Model, loops: &Loops, period: f64) -> Vec<f64> {
     match (model.dynamics, loops.velocity) {
         (Dynamics::Effort { .. }, None) => {
@@ -127,7 +128,7 @@ fn times(model: &Model, loops: &Loops, period: f64) -> Vec<f64> {
     }
 }
 
-/// The gains with these weights, KINT no smaller than `least`.
+/// Returns the gains of these weights, with KINT not below `least`.
 fn rounded(
     weights: &[f64],
     least: f64,
@@ -153,10 +154,10 @@ fn rounded(
     (fits && is_calm).then_some((PositionLaw::Pid { gains, cycles }, weights))
 }
 
-/// What the integral part has to be able to hold (parts of the output).
+/// Returns the output that the integral term must be able to hold (fraction of the full output).
 fn need(model: &Model, loops: &Loops) -> f64 {
     let part = match (model.dynamics, loops.velocity) {
-        // The velocity loop holds friction and load itself.
+        // The velocity loop itself compensates friction and load.
         (Dynamics::Effort { .. }, Some(_)) => 0.0,
         (Dynamics::Effort { acceleration, coulomb, load, .. }, None) => (coulomb + load.abs()) / acceleration,
         (Dynamics::Velocity { gain, offset, .. }, _) => offset.abs() / gain,
@@ -164,7 +165,7 @@ fn need(model: &Model, loops: &Loops) -> f64 {
     (RESERVE.0 + RESERVE.1 * part).min(1.0)
 }
 
-/// FFVEL and FFACC.
+/// Returns FFVEL and FFACC.
 fn forward(model: &Model, loops: &Loops, axes: &[Discrete], period: f64) -> PidGains {
     let per = |value: f64| (1000.0 * value).round().clamp(0.0, MOST_FORWARD) as i64;
     let (velocity, acceleration) = match (model.dynamics, loops.velocity) {
@@ -173,7 +174,7 @@ fn forward(model: &Model, loops: &Loops, axes: &[Discrete], period: f64) -> PidG
         }
         _ => {
             let Some(axis) = axes.first() else { return PidGains::default() };
-            // At a low frequency what takes velocities is a gain and a delay.
+            // At a low frequency a velocity drive is a gain and a delay.
             let omega = TAU * 1e-3 * 0.5 / period;
             let seen = axis.at(turn(omega * period)) * crate::discrete::C64::new(0.0, omega);
             let (gain, delay) = (crate::discrete::size(seen), -libm::atan2(seen.im, seen.re) / omega);

@@ -1,44 +1,45 @@
-//! The fastest gains of a law that keep their margins.
+//! Search for the fastest gains of a law that keep their margins.
 //!
-//! Law      for each shape of a law its gain is set for one crossover after the other, from high to low, and rounded as its rows want it;
-//!          the first one whose rounded gains are stable and keep all margins in each regime of the axis is the shape's best. The crossover is
-//!          that of the first regime
-//! Reads    what each part of the law makes of each regime, over frequency
+//! Law      for each shape of a law its gain is set for one crossover after the other, from high to low, and rounded
+//!          for its parameters; the first one whose rounded gains are stable and keep all margins in each regime of the
+//!          axis is the best of the shape. The crossover is that of the first regime
+//! Reads    the frequency response of each term of the law with each regime
 //! Writes   gains
-//! Refuses  nothing: where none keeps them, there is none
+//! Refuses  nothing: returns `None` if no gains keep the margins
 
 use super::Targets;
 use crate::discrete::{C64, Discrete, size};
 use crate::response::frequency::{Margins, margins, sampled};
 
-/// Highest crossover in parts of the sampling frequency.
+/// Maximum crossover relative to the sampling frequency.
 const HIGHEST: f64 = 0.25;
 
-/// Points of the grid between two crossovers that are tried first.
+/// Grid points between two crossovers that are tried first.
 const STRIDE: usize = 4;
 
-/// What a law is tried on.
+/// Data of a search.
 pub(super) struct Search<'a> {
     pub(super) grid: &'a [f64],
     pub(super) period: f64,
-    /// For each regime what each part of the law with the gain 1 makes of the axis, at each frequency.
+    /// Frequency responses of the axis with each term of the law at gain 1: for each regime, for each term, at each
+    /// frequency.
     pub(super) regimes: Vec<Vec<Vec<C64>>>,
     pub(super) targets: &'a Targets,
-    /// Largest imaginary part of the open loop of a motor alone beyond its crossover; none where there is no such regime.
+    /// Maximum imaginary part of the open loop of a motor alone beyond its crossover; `None` without such a regime.
     pub(super) most: Option<f64>,
 }
 
 /// Gains with their margins.
 pub(super) struct Found<G> {
     pub(super) gains: G,
-    /// The first of its weights.
+    /// Weight of the first term.
     pub(super) weight: f64,
-    /// The worse ones of all regimes, the crossover of the first.
+    /// Worst margins of all regimes, with the crossover of the first.
     pub(super) margins: Margins,
 }
 
 impl<'a> Search<'a> {
-    /// `axes` are the regimes.
+    /// Creates a search; `axes` are the regimes.
     pub(super) fn new(
         grid: &'a [f64],
         period: f64,
@@ -59,13 +60,14 @@ impl<'a> Search<'a> {
         parts.iter().zip(weights).fold(C64::new(0.0, 0.0), |sum, (part, weight)| sum + part[at] * *weight)
     }
 
-    /// Of the first regime.
+    /// Returns the open loop of the first regime.
     fn first(&self, weights: &[f64], at: usize) -> C64 {
         self.regimes.first().map_or(C64::new(0.0, 0.0), |parts| Self::open(parts, weights, at))
     }
 
-    /// `shape` gives the weights of the parts at a crossover (rad per sample); `rounded` what can be set of them, with its
-    /// weights; `poles` the largest magnitude of a pole of the loops that they close. A first weight of `softer` or less is not looked for.
+    /// Returns the fastest gains. `shape` returns the weights of the terms for a crossover (rad per sample); `rounded`
+    /// the gains that can be set, with their weights; `poles` the largest magnitude of a pole of the closed loops. The
+    /// search ends at a first weight of `softer` or less.
     pub(super) fn fastest<G: Copy>(
         &self,
         shape: impl Fn(f64) -> Vec<f64>,
@@ -81,14 +83,14 @@ impl<'a> Search<'a> {
                 return None;
             }
             if let Some(found) = attempt(at) {
-                // Between this one and the one before it there may be a faster one.
+                // There may be a faster one between this one and the previous one.
                 return (at + 1..(at + STRIDE).min(highest + 1)).rev().find_map(attempt).or(Some(found));
             }
             at = at.checked_sub(STRIDE)?;
         }
     }
 
-    /// For a crossover at that point of the grid.
+    /// Returns the weights for a crossover at that grid point.
     fn weights(&self, at: usize, shape: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
         let mut weights = shape(core::f64::consts::TAU * self.grid[at] * self.period);
         let size = size(self.first(&weights, at));
@@ -104,7 +106,7 @@ impl<'a> Search<'a> {
         poles: impl Fn(&G) -> f64,
     ) -> Option<Found<G>> {
         let weights = self.weights(at, shape);
-        // Far from its margin before it is rounded: not worth the rest.
+        // Far from the margin even before rounding: not worth the further checks.
         if self.angle(self.first(&weights, at)) < self.targets.phase_margin - 5.0 {
             return None;
         }
@@ -123,13 +125,13 @@ impl<'a> Search<'a> {
         margins.is_stable().then_some(Found { gains, weight, margins })
     }
 
-    /// May a coupling swing it, however stiff it is?
+    /// Returns true if a coupling of some stiffness may oscillate.
     fn swings(&self, open: &[C64], crossover: f64) -> bool {
         let beyond = self.grid.iter().zip(open).filter(|(f, _)| **f > crossover);
         self.most.is_some_and(|most| beyond.into_iter().any(|(_, open)| open.im > most))
     }
 
-    /// From -1 (degrees, 0 to 180).
+    /// Returns the angle to -1 (degrees, 0 to 180).
     fn angle(&self, open: C64) -> f64 {
         libm::atan2(-open.im, -open.re).abs() * 180.0 / core::f64::consts::PI
     }

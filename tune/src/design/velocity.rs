@@ -1,4 +1,4 @@
-//! The velocity loop: VELKPROP, VELKINT, VELKILIM.
+//! Design of the velocity loop: VELKPROP, VELKINT, VELKILIM.
 
 use super::search::Search;
 use super::{DesignError, INNER_INTEGRAL, Wish, regimes};
@@ -8,10 +8,10 @@ use crate::model::Model;
 use crate::response::frequency::{Margins, grid, velocity_radius};
 use lineshaft_core::regulator::{VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, VelocityMethod};
 
-/// Largest magnitude of each gain.
+/// Maximum magnitude of each gain.
 const MOST: f64 = 32_767.0;
 
-/// Gains whose integral part alone can hold the whole output.
+/// Returns gains whose integral term can hold the whole output.
 fn gains(proportional: f64, integral: f64, cycle: f64) -> Option<VelocityGains> {
     if !(1.0..=MOST).contains(&proportional) || !(0.0..=MOST).contains(&integral) {
         return None;
@@ -25,7 +25,7 @@ fn gains(proportional: f64, integral: f64, cycle: f64) -> Option<VelocityGains> 
     })
 }
 
-/// Of the regimes, the first of which is the model.
+/// Designs the loop for the regimes, the first of which is the model.
 pub(super) fn design(
     model: &Model,
     models: &[Model],
@@ -34,7 +34,7 @@ pub(super) fn design(
 ) -> Result<(Inner, Margins), DesignError> {
     let (targets, cycle) = (&wish.targets, model.cycle);
     let estimator = Discrete::estimator(method, cycle).map_err(LoopError::from)?;
-    // What one increment does at once.
+    // Immediate effect of one increment.
     let per_increment = estimator.d.abs() * VELOCITY_GAIN / wish.max_velocity;
     let seen = |model| Discrete::of(model).then(&estimator).scaled(1.0 / wish.max_velocity);
     let seen: Vec<Discrete> = models.iter().map(seen).collect();
@@ -45,7 +45,8 @@ pub(super) fn design(
         let integral = if targets.integral { crossover / INNER_INTEGRAL } else { 0.0 };
         vec![1.0, integral]
     };
-    // Gains that one motor alone bounds are small ones: without an integral part friction would keep the axis where it stands.
+    // Gains that the motor alone limits are small: without an integral term friction would stop the axis before its
+    // target.
     let least = if targets.integral && models.len() > 1 { 1.0 } else { 0.0 };
     let rounded = |weights: &[f64]| {
         let [proportional, integral] = *weights else { return None };

@@ -13,7 +13,7 @@ const PERMITTED: Permitted = Permitted {
     seed: 7,
 };
 
-/// An axis without inertia: its velocity is the command beyond its friction.
+/// An axis without inertia: its velocity is the command minus its friction.
 fn follows(permitted: Permitted, cycles: usize) -> Vec<(f64, Drive)> {
     let mut excitation = Excitation::new(permitted).unwrap();
     let (mut place, mut velocity) = (0.0, 0.0);
@@ -48,7 +48,7 @@ fn the_same_seed_is_the_same_excitation() {
     assert_ne!(of(1), of(2));
 }
 
-/// Steps last one to eight cycles, and are as often up as down, with the seed that meets its own mask as well.
+/// Steps last one to eight cycles and have both signs equally often, also with the seed that equals its own mask.
 #[test]
 fn steps_are_random_with_each_seed() {
     for seed in [0, 1, SEED, u64::MAX] {
@@ -57,12 +57,12 @@ fn steps_are_random_with_each_seed() {
         let sum: f64 = bits.iter().sum();
         assert!(sum.abs() < 1500.0, "{seed}: {sum}");
         let changes = bits.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        // 20000 / 4.5 steps, of which half differ from the one before.
+        // 20000 / 4.5 steps, of which half differ from the previous one.
         assert!((1900..2600).contains(&changes), "{seed}: {changes}");
     }
 }
 
-/// It is nowhere beyond what is permitted, comes back, and stays over once it is.
+/// It never exceeds the permitted values, returns, and stays ended.
 #[test]
 fn it_goes_to_and_fro_and_comes_back() {
     for takes in [Takes::Effort, Takes::Velocity] {
@@ -91,7 +91,7 @@ fn progress_never_falls() {
     assert_eq!(excitation.progress(), 1.0);
 }
 
-/// Beyond travel and margin it ends in that very cycle, with 0, and stays so.
+/// Beyond travel and margin it aborts in that cycle, with 0, and stays aborted.
 #[test]
 fn beyond_its_margin_it_aborts_and_stays_aborted() {
     let mut excitation = Excitation::new(PERMITTED).unwrap();
@@ -103,7 +103,7 @@ fn beyond_its_margin_it_aborts_and_stays_aborted() {
     assert_eq!(abort.to_string(), "the axis is -1101 inc from its start; within 1100 inc are permitted");
 }
 
-/// It has turned at 600 inc, and still goes outwards at 850: half of what is permitted brakes it.
+/// It has reversed at 600 inc, and still moves outwards at 850: half of the permitted command brakes it.
 #[test]
 fn a_turn_that_comes_late_is_braked() {
     let mut excitation = Excitation::new(PERMITTED).unwrap();
@@ -112,12 +112,12 @@ fn a_turn_that_comes_late_is_braked() {
     assert_eq!(excitation.next(850.0, 1000.0), Drive::Command(-0.2));
     assert_eq!(excitation.next(750.0, 1000.0), Drive::Command(-0.125));
     assert_eq!(excitation.next(-850.0, -1000.0), Drive::Command(0.2));
-    // Too fast, wherever it is.
+    // Too fast, at any position.
     assert_eq!(excitation.next(0.0, 4800.0), Drive::Command(-0.2));
 }
 
 proptest! {
-    /// Whatever comes in, what goes out is within what is permitted, and it ends.
+    /// For any input the output is within the permitted command, and the excitation ends.
     #[test]
     fn no_input_makes_a_command_beyond_what_is_permitted(
         command in 0.01..1.0_f64,
@@ -129,7 +129,7 @@ proptest! {
         let mut excitation = Excitation::new(Permitted { command, takes, seed, ..PERMITTED }).unwrap();
         for k in 0..10_000_usize {
             let (wild, place, velocity, kind) = inputs[k / 7 % inputs.len()];
-            // Mostly what an axis may do; now and then what none does.
+            // Mostly possible values of an axis, sometimes impossible ones.
             let (place, velocity) = match kind {
                 0 if k > 3000 => (wild, velocity),
                 1 => (place / 10.0, wild),

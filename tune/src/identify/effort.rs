@@ -1,4 +1,5 @@
-//! A drive that takes efforts: acceleration, frictions, load, delay, and a resonance where there is one.
+//! Identification of a drive with effort interface: acceleration, frictions, load, delay, and a resonance if there is
+//! one.
 
 use super::fit::{Beginning, Fit, Stretches, least};
 use super::{Deviation, Identified, Refusal, Squares, WORTH};
@@ -8,40 +9,41 @@ use crate::record::Record;
 use core::f64::consts::TAU;
 use core::ops::Range;
 
-/// Longest stretch (s): a position forgets its beginning no sooner than that.
+/// Maximum length of a stretch (s): the position depends on its initial state for at most that time.
 const STRETCH: f64 = 0.2;
 
-/// Shortest stretch (cycles).
+/// Minimum length of a stretch (cycles).
 const LEAST_STRETCH: usize = 24;
 
-/// Time over which the sense of a motion is judged, either way (s), and the least of it (cycles).
+/// Half of the window in which the direction of motion is evaluated (s), and its minimum (cycles).
 const SENSE: (f64, usize) = (0.01, 4);
 
-/// Way within that time, there and back, from which on the sense is known (inc).
+/// Distance in that window from which on the direction is known (inc).
 const SENSE_WAY: f64 = 3.0;
 
-/// Way of two cycles from which on it is told (inc), and the part of it below which an axis hesitates.
+/// Distance in two cycles from which on hesitation is detected (inc), and the fraction of it below which an axis
+/// hesitates.
 const HESITATES: (f64, f64) = (4.0, 0.25);
 
-/// Longest delay of the search (cycles).
+/// Maximum delay of the search (cycles).
 const MOST_DELAY: f64 = 20.0;
 
-/// Dampings at which the search for a resonance begins.
+/// Initial dampings of the search for a resonance.
 const DAMPINGS: [f64; 2] = [0.02, 0.1];
 
-/// Frequencies at which it begins, per octave.
+/// Initial frequencies of that search, per octave.
 const PER_OCTAVE: f64 = 8.0;
 
 struct Search<'a> {
     record: &'a Record,
     way: Vec<f64>,
-    /// As they are without a resonance.
+    /// Stretches without a resonance.
     stretches: Stretches,
-    /// Of viscous friction, Coulomb friction and the load.
+    /// Columns of viscous friction, Coulomb friction and the load.
     resisting: [Vec<f64>; 3],
 }
 
-/// Where the sense is known, and which it is.
+/// Returns the direction of motion in each cycle; 0 if it is unknown.
 fn senses(record: &Record, way: &[f64]) -> Vec<f64> {
     let reach = ((SENSE.0 / record.cycle) as usize).max(SENSE.1);
     let sense = |k: usize| {
@@ -49,14 +51,14 @@ fn senses(record: &Record, way: &[f64]) -> Vec<f64> {
             return 0.0;
         };
         let moved = after - before;
-        // A motor on a spring may stand for a moment, or turn, while all of it goes on.
+        // A motor on a spring may rest for a moment, or reverse, while the whole axis continues.
         let (Some(last), Some(next)) = (k.checked_sub(1).and_then(|k| way.get(k)), way.get(k + 1)) else { return 0.0 };
         let (usual, here) = (moved.abs() / reach as f64, moved.signum() * (next - last));
         let hesitates = usual >= HESITATES.0 && here < HESITATES.1 * usual;
         if moved.abs() < SENSE_WAY || hesitates { 0.0 } else { moved.signum() }
     };
     let rough: Vec<f64> = (0..way.len()).map(sense).collect();
-    // Near a turn the window has seen both senses.
+    // Near a reversal the window contains both directions.
     let is_sure = |k: usize| {
         let from = k.saturating_sub(reach);
         rough.get(from..=k + reach).is_some_and(|near| near.iter().all(|s| *s == rough[k]))
@@ -64,7 +66,7 @@ fn senses(record: &Record, way: &[f64]) -> Vec<f64> {
     (0..way.len()).map(|k| if is_sure(k) { rough[k] } else { 0.0 }).collect()
 }
 
-/// Stretches in one known sense, none longer than `longest`.
+/// Returns stretches with one known direction, none longer than `longest`.
 fn one_way(senses: &[f64], longest: usize) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
     let mut from = 0;
@@ -89,7 +91,7 @@ impl<'a> Search<'a> {
             ((STRETCH / cycle) as usize).clamp(2 * LEAST_STRETCH, record.positions.len().max(2 * LEAST_STRETCH));
         let mut ranges = one_way(&senses, longest);
         if ranges.is_empty() {
-            // Too short a motion for its friction: what is left is whether it reacts, and in which sense.
+            // The motion is too short for its friction: only its reaction and direction can be checked.
             ranges.push(0..record.positions.len());
             senses.fill(0.0);
         }
@@ -104,7 +106,8 @@ impl<'a> Search<'a> {
             })
             .collect();
         let passed: Vec<f64> = core::iter::once(0.0).chain(passed).collect();
-        // A constant that acts over a whole stretch: where in the record it began to is left to the beginning of the stretch.
+        // A constant that acts over a whole stretch: the time at which it began is part of the initial state of the
+        // stretch.
         let square = |k: usize| -0.5 * (k as f64 * cycle) * (k as f64 * cycle);
         let load: Vec<f64> = (0..way.len()).map(square).collect();
         let coulomb: Vec<f64> = load.iter().zip(&senses).map(|(x, s)| x * s).collect();
@@ -116,13 +119,14 @@ impl<'a> Search<'a> {
         at.abs().min(MOST_DELAY) * self.record.cycle
     }
 
-    /// Frequency (rad/s) and damping of a place of the search: their logarithms.
+    /// Returns frequency (rad/s) and damping of a search point, which contains their logarithms.
     fn resonance(&self, at: &[f64]) -> (f64, f64) {
         let most = 0.95 * core::f64::consts::PI / self.record.cycle;
         (libm::exp(at[1]).min(most), libm::exp(at[2]).clamp(1e-4, 0.9))
     }
 
-    /// Acceleration, viscous and Coulomb friction, load, and with three places the share of the resonance.
+    /// Returns the columns of acceleration, viscous and Coulomb friction, load, and with three coordinates of the
+    /// resonance.
     fn columns(&self, at: &[f64]) -> Vec<Vec<f64>> {
         let of = |system| Delayed::of(&system, self.record.cycle, self.delay(at[0])).response(self.record.inputs());
         let mut columns = vec![of(first_order(1.0, 0.0))];
@@ -134,7 +138,7 @@ impl<'a> Search<'a> {
         columns
     }
 
-    /// Stretches that know nothing of how their swing began.
+    /// Returns stretches whose initial state includes an oscillation.
     fn stretches(&self, at: &[f64]) -> Stretches {
         let beginning = if at.len() > 1 {
             let (omega, damping) = self.resonance(at);
@@ -169,7 +173,7 @@ impl<'a> Search<'a> {
         least(&best.0, &[0.3], 25, |at| self.fit(at).left)
     }
 
-    /// From the delay that a rigid axis would have: half a resonance may hide in it.
+    /// Searches from the delay of a rigid axis: half of a resonance may appear as delay.
     fn with_resonance(&self, delay: f64) -> (Vec<f64>, f64) {
         let cycle = self.record.cycle;
         let (low, high) = (4.0 / STRETCH.min(self.stretches.len() as f64 * cycle), 0.4 / cycle);
@@ -185,12 +189,12 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        // Twice: a simplex may lie down before it is there.
+        // Twice, because a simplex may collapse before it reaches the minimum.
         let (at, _) = least(&best.0, &[0.3, 0.05, 0.5], 70, |at| self.fit(at).left);
         least(&at, &[-0.2, 0.02, 0.2], 50, |at| self.fit(at).left)
     }
 
-    /// What is left changes by that where one of the search's places does: delay (s), frequency (Hz), damping.
+    /// Returns the change of the residual per coordinate of the search: delay (s), frequency (Hz), damping.
     fn slopes(&self, at: &[f64], fit: &Fit) -> Vec<Vec<f64>> {
         let step = 1e-3;
         let predicted = |at: &[f64]| {
@@ -221,7 +225,7 @@ pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
     let (swinging, left) = search.with_resonance(at[0]);
     let found = search.fit(&swinging);
     let ratio = found.figures[4] / found.figures[0];
-    // A ratio that is none belongs to something else than two masses.
+    // A ratio outside this range does not come from two masses.
     let has_resonance = left < WORTH * rigid_left && found.figures[0] > 0.0 && (0.02..1000.0).contains(&ratio);
     if has_resonance {
         at = swinging;
@@ -285,7 +289,7 @@ mod tests {
         senses(&record, &record.way())
     }
 
-    /// Up to 200, down behind it; 20 cycles beside the turn and at both ends are not sure.
+    /// Up to 200, then down; 20 cycles around the reversal and at both ends are unknown.
     #[test]
     fn a_sense_is_known_away_from_its_turns() {
         let senses = of(|k| 20.0 * k.min(400.0 - k));
@@ -301,18 +305,19 @@ mod tests {
         assert!(of(|_| 0.0).iter().all(|sense| *sense == 0.0));
     }
 
-    /// A coarse encoder counts once in many cycles and goes on all the same.
+    /// A coarse encoder counts only once in many cycles, but the motion continues.
     #[test]
     fn a_coarse_encoder_does_not_hesitate() {
         assert!(of(|k| 0.3 * k)[30..370].iter().all(|sense| *sense == 1.0));
     }
 
-    /// All of it goes on at 20 inc per cycle, but the motor swings by as much and stands for a moment in each period.
+    /// The axis moves at 20 inc per cycle, but the motor oscillates with the same amplitude and rests for a moment in
+    /// each period.
     #[test]
     fn a_motor_that_swings_hesitates() {
         let senses = of(|k| 20.0 * k + 60.0 * libm::sin(k / 3.0));
         assert!(senses[30..370].contains(&0.0));
-        // A swing of half of that never stands.
+        // An oscillation of half that amplitude never rests.
         assert!(of(|k| 20.0 * k + 25.0 * libm::sin(k / 3.0))[30..370].iter().all(|sense| *sense == 1.0));
     }
 }

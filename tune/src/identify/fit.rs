@@ -1,39 +1,40 @@
 //! Least squares on stretches of a record.
 //!
-//! Law      in each stretch, what an unknown beginning adds (a constant; with slopes a constant velocity; with a swing one that fades) is
-//!          taken out of the measured positions and of each column; over all stretches the sum of squares that is left becomes the least
-//! Reads    measured positions, columns: what one of each figure would add to them
-//! Writes   figures, their covariance, the variance that is explained
-//! Refuses  nothing: no column that says nothing gets a weight
+//! Law      in each stretch, the effect of an unknown initial state (a constant; with friction a constant velocity;
+//!          with a resonance a decaying oscillation) is removed from the measured positions and from each column; the
+//!          sum of squares of the residual over all stretches is minimized
+//! Reads    measured positions, columns: the effect of a unit of each figure
+//! Writes   figures, their covariance, the explained variance
+//! Refuses  nothing: a column without information gets the weight 0
 
 use core::ops::Range;
 use nalgebra::{DMatrix, DVector, SVD};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// After so many rounds singular values are not found any more.
+/// Maximum iterations of the singular value decomposition.
 const ROUNDS: usize = 10_000;
 
-/// What the beginning of a stretch adds to its positions.
+/// Unknown initial state of a stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Beginning {
-    /// A place.
+    /// A position.
     Place,
-    /// A place and a velocity.
+    /// A position and a velocity.
     Motion,
-    /// Both, and a swing: its frequency (rad per cycle), its damping in parts of the critical one.
+    /// Both, and an oscillation: its frequency (rad per cycle), its damping relative to the critical one.
     Swing(f64, f64),
 }
 
-/// What is left of the record.
+/// Stretches of a record.
 pub(crate) struct Stretches {
     ranges: Vec<Range<usize>>,
-    /// For each length of a stretch: what its beginning adds, at right angles to each other, of the size 1.
+    /// For each length of a stretch: orthonormal basis of the effects of its initial state.
     bases: BTreeMap<usize, Vec<Vec<f64>>>,
     measured: Vec<f64>,
 }
 
 impl Beginning {
-    /// At right angles to each other, of the size 1.
+    /// Returns an orthonormal basis.
     fn basis(self, length: usize) -> Vec<Vec<f64>> {
         let of = |law: &dyn Fn(f64) -> f64| (0..length).map(|k| law(k as f64)).collect::<Vec<f64>>();
         let mut laws = vec![of(&|_| 1.0)];
@@ -50,7 +51,7 @@ impl Beginning {
             let whole = product(&law, &law);
             take_out(&mut law, &basis);
             let left = product(&law, &law);
-            // What the ones before it make as well is no part.
+            // A function that depends on the previous ones is omitted.
             if left > 1e-12 * whole {
                 let size = left.sqrt();
                 law.iter_mut().for_each(|x| *x /= size);
@@ -74,11 +75,11 @@ fn take_out(part: &mut [f64], basis: &[Vec<f64>]) {
 
 /// Figures that explain the measured positions best.
 pub(crate) struct Fit {
-    /// One for each column.
+    /// One figure for each column.
     pub(crate) figures: Vec<f64>,
-    /// Sum of squares that is left (inc^2).
+    /// Residual sum of squares (inc^2).
     pub(crate) left: f64,
-    /// What is left of each sample (inc).
+    /// Residual of each sample (inc).
     pub(crate) residual: DVector<f64>,
 }
 
@@ -91,29 +92,29 @@ impl Stretches {
         stretches
     }
 
-    /// The same stretches with another beginning.
+    /// Returns the same stretches with another type of initial state.
     pub(crate) fn beginning_with(&self, beginning: Beginning, positions: &[f64]) -> Self {
         Self::new(self.ranges.clone(), beginning, positions)
     }
 
-    /// Samples in all of them.
+    /// Returns the number of samples in all of them.
     pub(crate) fn len(&self) -> usize {
         self.measured.len()
     }
 
-    /// Sum of squares of what has to be explained (inc^2).
+    /// Returns the sum of squares to explain (inc^2).
     pub(crate) fn whole(&self) -> f64 {
         self.measured.iter().map(|x| x * x).sum()
     }
 
-    /// Without what the beginning of each stretch explains.
+    /// Returns a column without the effects of the initial states.
     pub(crate) fn reduced(&self, column: &[f64]) -> Vec<f64> {
         let mut all = Vec::with_capacity(column.len());
         for range in &self.ranges {
             let from = all.len();
             all.extend_from_slice(column.get(range.clone()).unwrap_or_default());
             if let (Some(part), Some(basis)) = (all.get_mut(from..), self.bases.get(&range.len())) {
-                // The mean first: what is far from 0 would leave its rounding behind.
+                // The mean first: values far from 0 would cause rounding errors.
                 let mean = part.iter().sum::<f64>() / part.len().max(1) as f64;
                 part.iter_mut().for_each(|x| *x -= mean);
                 take_out(part, basis);
@@ -122,7 +123,7 @@ impl Stretches {
         all
     }
 
-    /// Columns are reduced already.
+    /// Fits reduced columns.
     pub(crate) fn fit(&self, columns: &[Vec<f64>]) -> Fit {
         let measured = DVector::from_column_slice(&self.measured);
         let (matrix, sizes) = scaled(columns, self.len());
@@ -140,7 +141,7 @@ impl Stretches {
         Fit { figures, left: residual.norm_squared(), residual }
     }
 
-    /// Standard deviation of each figure whose column stands there, where `fit` is what they leave.
+    /// Returns the standard deviation of each figure from its column, with the residual of `fit`.
     pub(crate) fn deviations(&self, columns: &[Vec<f64>], fit: &Fit) -> Vec<f64> {
         let (matrix, sizes) = scaled(columns, self.len());
         let unknown = vec![f64::INFINITY; sizes.len()];
@@ -148,7 +149,7 @@ impl Stretches {
         let most = svd.singular_values.iter().fold(0.0_f64, |most, &x| most.max(x));
         let parts: f64 = self.ranges.iter().map(|range| self.bases.get(&range.len()).map_or(0, Vec::len) as f64).sum();
         let freedom = (self.len() as f64 - columns.len() as f64 - parts).max(1.0);
-        // What is left of neighbours goes together, so that they say less than as many that do not.
+        // Residuals of neighbours are correlated, so that they contain less information than independent ones.
         let r = &fit.residual;
         let next: f64 = r.iter().zip(r.iter().skip(1)).map(|(a, b)| a * b).sum();
         let likeness = if fit.left > 0.0 { (next / fit.left).clamp(0.0, 0.99) } else { 0.0 };
@@ -164,7 +165,7 @@ impl Stretches {
     }
 }
 
-/// Columns of the size 1, and their sizes.
+/// Returns the columns scaled to length 1, and their lengths.
 fn scaled(columns: &[Vec<f64>], rows: usize) -> (DMatrix<f64>, Vec<f64>) {
     let size = |column: &Vec<f64>| column.iter().map(|x| x * x).sum::<f64>().sqrt();
     let sizes: Vec<f64> = columns.iter().map(size).map(|s| if s > 0.0 { s } else { 1.0 }).collect();
@@ -172,7 +173,7 @@ fn scaled(columns: &[Vec<f64>], rows: usize) -> (DMatrix<f64>, Vec<f64>) {
     (matrix, sizes)
 }
 
-/// The place of the least value of `cost` near `start`, by a simplex with edges `step`.
+/// Returns the minimum of `cost` near `start`, by a simplex with edges `step`.
 pub(crate) fn least(
     start: &[f64],
     step: &[f64],
@@ -236,7 +237,7 @@ mod tests {
     #[test]
     fn what_each_stretch_begins_with_does_not_count() {
         let column = line(|k| 1e-3 * k * k);
-        // Another place and another velocity from 100 on, and from 200 on.
+        // Another position and another velocity from 100 on, and from 200 on.
         let jump = |k: f64| (k / 100.0).floor() * (1e6 - 33.0 * k);
         let measured = line(|k| 7e-3 * k * k + jump(k));
         let stretches = Stretches::new(vec![0..100, 100..200, 200..300], Beginning::Motion, &measured);
@@ -257,7 +258,7 @@ mod tests {
         assert!(stretches(Beginning::Motion).whole() > 1.0);
     }
 
-    /// Columns that are the same share their figure, and what says nothing has none.
+    /// Equal columns share their figure, and a column without information has none.
     #[test]
     fn columns_that_say_nothing_break_nothing() {
         let column = line(libm::sin);
@@ -269,13 +270,13 @@ mod tests {
         assert!(stretches.deviations(&[column], &fit)[0] < 1e-9);
     }
 
-    /// The standard deviation of 200 fits is the one that is stated.
+    /// The standard deviation of 200 fits is the stated one.
     #[test]
     fn a_deviation_is_that_of_many_fits() {
         let column = line(|k| libm::sin(0.1 * k));
         let mut random = 88_172_645_463_325_252_u64;
         let mut noise = || {
-            // Twelve uniform numbers are a normal one.
+            // The sum of twelve uniform numbers is nearly normal.
             (0..12).fold(-6.0, |sum, _| {
                 random ^= random << 13;
                 random ^= random >> 7;
@@ -283,7 +284,7 @@ mod tests {
                 sum + (random >> 11) as f64 / (1_u64 << 53) as f64
             })
         };
-        // Noise that is new each time, and noise of which 0.8 stay: there neighbours go together.
+        // Independent noise, and noise with a correlation of 0.8: there neighbours are correlated.
         for (stays, least, most) in [(0.0, 0.9, 1.1), (0.8, 0.6, 1.2)] {
             let (mut squares, mut stated, mut last) = (0.0, 0.0, 0.0);
             for _ in 0..200 {

@@ -1,15 +1,16 @@
-//! The model of an axis from a record of its excitation.
+//! Identification of the model of an axis from a record of its excitation.
 //!
-//! Law      positions are explained by what integrals of the command, of the friction's sign and of the position itself add to them:
-//!          no measured value is differentiated, so that a coarse encoder adds no more than its rounding. What enters
-//!          linearly (gain, frictions, load, share of the resonance) comes from least squares, the rest (delay, time constant,
-//!          frequency, damping) from a search around it
+//! Law      positions are explained by integrals of the command, of the sign of friction and of the position itself: no
+//!          measured value is differentiated, so that a coarse encoder adds only its rounding. Linear figures (gain,
+//!          frictions, load, weight of the resonance) are found by least squares, the others (delay, time constant,
+//!          frequency, damping) by a search around it
 //! Reads    a [`Record`]
-//! Writes   a [`Model`], the standard deviation of each figure, how much is explained
-//! Refuses  [`Refusal`]: an axis that is stuck, does not react, moves against the command, moves too little, or otherwise
+//! Writes   a [`Model`], the standard deviation of each figure, the explained fraction
+//! Refuses  [`Refusal`]: an axis that is stuck, does not react, moves against the command, moves too little, or differs
+//!          from the model
 //!
-//! Friction needs a sense that is known: stretches count in which the axis moves one way. A resonance counts where it
-//! leaves less than [`WORTH`] of what is left without it.
+//! Friction needs a known direction: only stretches in which the axis moves in one direction are used. A resonance is
+//! accepted if its residual is less than [`WORTH`] of the residual without it.
 
 mod effort;
 mod fit;
@@ -22,75 +23,76 @@ use crate::model::{Model, Takes};
 use crate::record::Record;
 use serde::{Deserialize, Serialize};
 
-/// A model and how well it is known.
+/// A model and its accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Identified {
-    /// What was found.
+    /// The identified model.
     pub model: Model,
-    /// Standard deviations of its figures, each in the unit of the figure; 0 for a figure that it does not have.
+    /// Standard deviations of its figures, each in the unit of the figure; 0 for a figure that the model does not have.
     pub deviation: Deviation,
-    /// Of the motion that is not explained by where each stretch begins, what the model explains (%).
+    /// Explained part (%) of the motion, apart from the initial states of the stretches.
     pub explained: f64,
-    /// Root of the mean square that is left, in parts of that of the motion.
+    /// Root mean square of the residual, relative to that of the motion.
     pub nrmse: f64,
 }
 
 /// Standard deviations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Deviation {
-    /// s
+    /// Delay (s).
     pub delay: f64,
-    /// Velocity at the command 1 (inc/s), acceleration at the command 1 (inc/s^2).
+    /// Velocity at command 1 (inc/s), or acceleration at command 1 (inc/s^2).
     pub gain: f64,
-    /// s
+    /// Time constant (s).
     pub time_constant: f64,
-    /// inc/s
+    /// Offset of the velocity (inc/s).
     pub offset: f64,
-    /// 1/s
+    /// Viscous friction (1/s).
     pub viscous: f64,
-    /// inc/s^2
+    /// Coulomb friction (inc/s^2).
     pub coulomb: f64,
-    /// inc/s^2
+    /// Load (inc/s^2).
     pub load: f64,
-    /// Hz
+    /// Frequency of the resonance (Hz).
     pub frequency: f64,
-    /// Of the critical damping.
+    /// Damping, relative to the critical one.
     pub damping: f64,
-    /// Of the ratio of inertias.
+    /// Ratio of inertias.
     pub inertia_ratio: f64,
 }
 
-/// Standard deviations of a delay that count where play may hide some of it.
+/// Standard deviations of the delay to add if backlash may hide a part of it.
 const HIDDEN: f64 = 3.0;
 
 impl Identified {
-    /// The model for gains of an axis whose ratio of inertias is told (above 0): a motor that is alone within its play answers sooner than with
-    /// its load, which hides a part of the delay, and the delay becomes three of its deviations longer. Without a ratio the model as it is.
+    /// Returns the model for the design of gains of an axis with a given ratio of inertias (above 0): a motor that
+    /// turns alone within the backlash responds sooner than with its load, which hides a part of the delay. The delay
+    /// is therefore increased by three of its standard deviations. Without a ratio the model is returned unchanged.
     pub fn for_design(&self, inertia_ratio: f64) -> Model {
         let hidden = if inertia_ratio > 0.0 { HIDDEN * self.deviation.delay } else { 0.0 };
         Model { delay: self.model.delay + hidden, ..self.model }
     }
 }
 
-/// Below this way (inc) an axis is stuck.
+/// Distance (inc) below which an axis is stuck.
 pub const LEAST_MOTION: i64 = 3;
 
-/// Below this way (inc) an encoder tells too little.
+/// Distance (inc) below which an encoder gives too little information.
 pub const LEAST_WAY: i64 = 100;
 
-/// The least that a model explains (%).
+/// Minimum explained part of a model (%).
 pub const LEAST_EXPLAINED: f64 = 80.0;
 
-/// The least that the command explains of what is left without it (%).
+/// Minimum part of the remaining motion that the command explains (%).
 pub const LEAST_REACTION: f64 = 25.0;
 
-/// What a resonance leaves at most of the squares that are left without it.
+/// Maximum ratio of the residual squares with a resonance to those without it.
 pub const WORTH: f64 = 0.7;
 
-/// Finds the model.
+/// Identifies the model.
 ///
 /// # Errors
-/// Why there is none.
+/// The reason why there is no model.
 pub fn identify(record: &Record) -> Result<Identified, Refusal> {
     record.check()?;
     let command = record.commands.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
@@ -113,21 +115,23 @@ pub fn identify(record: &Record) -> Result<Identified, Refusal> {
 
 /// Sums of squares of a fit.
 struct Squares {
-    /// Of the motion.
+    /// Sum of the motion.
     whole: f64,
-    /// Left without the command.
+    /// Residual without the command.
     without: f64,
-    /// Left with it.
+    /// Residual with the command.
     left: f64,
 }
 
 impl Squares {
-    /// Refuses what does not react, reacts the other way round, or is not explained; else how much is (%), and the NRMSE.
+    /// Returns an error for an axis that does not react, reacts in the wrong direction, or is not explained; otherwise
+    /// the explained part (%), and the NRMSE.
     fn judge(&self, figure: f64, unit: &'static str) -> Result<(f64, f64), Refusal> {
         let part = |left: f64, of: f64| if of > 0.0 { (100.0 * (1.0 - left / of)).clamp(0.0, 100.0) } else { 0.0 };
         let reaction = part(self.left, self.without);
         let explained = part(self.left, self.whole);
-        // What is left of an encoder's rounding alone reacts to nothing any more, and is explained.
+        // A residual that is only the rounding of the encoder would not depend on the command, but then the motion is
+        // explained.
         if reaction < LEAST_REACTION {
             return Err(Refusal::NoReaction { percent: reaction, least: LEAST_REACTION });
         }

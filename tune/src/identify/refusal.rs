@@ -1,93 +1,93 @@
-//! Why nothing is known of an axis.
+//! Errors of an identification.
 
 use crate::model::ModelError;
 
-/// Why a record says nothing of its axis.
+/// Error of a record from which its axis cannot be identified.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// A value that is none.
+    /// A value outside its range.
     #[error(transparent)]
     Value(#[from] ModelError),
-    /// The lists do not belong together.
+    /// Lists of different lengths.
     #[error(
         "the record has {commands} commands, {positions} positions and {efforts} efforts; as many of each are expected, or no effort"
     )]
     Uneven {
-        /// How many.
+        /// Number of commands.
         commands: usize,
-        /// How many.
+        /// Number of positions.
         positions: usize,
-        /// How many.
+        /// Number of efforts.
         efforts: usize,
     },
-    /// Too little time.
+    /// A record that is too short.
     #[error("the record has {cycles} cycles; at least {least} are expected")]
     Short {
-        /// How many.
+        /// Number of cycles.
         cycles: usize,
-        /// How many there should be.
+        /// Required number.
         least: usize,
     },
-    /// Nothing was asked.
+    /// All commands are 0.
     #[error("the largest command is {command}; above 0 is expected")]
     NoCommand {
         /// Largest magnitude.
         command: f64,
     },
-    /// It stands.
+    /// The axis does not move.
     #[error(
         "the axis is stuck: it moved {increments} inc at a command of up to {command:.3}; at least {least} inc are expected"
     )]
     Stuck {
-        /// From the lowest to the highest position.
+        /// Distance from the lowest to the highest position.
         increments: i64,
         /// Largest magnitude.
         command: f64,
-        /// How many there should be.
+        /// Required distance.
         least: i64,
     },
-    /// Too coarse.
+    /// The motion is too small for the encoder.
     #[error("the axis moved {increments} inc; for this encoder at least {least} inc are expected")]
     Little {
-        /// From the lowest to the highest position.
+        /// Distance from the lowest to the highest position.
         increments: i64,
-        /// How many there should be.
+        /// Required distance.
         least: i64,
     },
-    /// What moves it is not the command: a phase is open, or another axis is wired.
+    /// The command does not move the axis: a phase is open, or another axis is wired.
     #[error(
         "the axis moves, but not with the command, which explains {percent:.0} % of its motion; at least {least:.0} % are expected"
     )]
     NoReaction {
-        /// Of what else is not explained.
+        /// Explained part of the remaining motion.
         percent: f64,
-        /// How much there should be.
+        /// Required part.
         least: f64,
     },
-    /// The other way round.
+    /// The axis moves in the opposite direction.
     #[error("the axis moves against the command: {figure:.3} {unit} at the command 1; above 0 is expected")]
     Reversed {
-        /// Velocity or acceleration at the command 1.
+        /// Velocity or acceleration at command 1.
         figure: f64,
-        /// Of it.
+        /// Its unit.
         unit: &'static str,
     },
-    /// The model is not that of this axis.
+    /// The model does not fit this axis.
     #[error("the model explains {percent:.0} % of the motion; at least {least:.0} % are expected")]
     PoorFit {
-        /// Of the variance.
+        /// Explained part of the variance.
         percent: f64,
-        /// How much there should be.
+        /// Required part.
         least: f64,
     },
-    /// It is explained as a whole, and not where it matters to a loop.
+    /// The motion as a whole is explained, but not as accurately as a loop needs.
     #[error(
         "half of the positions deviate by more than {left:.1} inc from those of the model, {most:.1} inc are permitted: there is play before the load, or something else that the model does not know"
     )]
     Misfit {
-        /// The median (inc).
+        /// Median of the deviation (inc).
         left: f64,
-        /// Largest one (inc).
+        /// Maximum deviation (inc).
         most: f64,
     },
 }

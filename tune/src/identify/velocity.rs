@@ -1,4 +1,4 @@
-//! A drive that takes velocities: gain, offset, time constant, delay.
+//! Identification of a velocity drive: gain, offset, time constant, delay.
 
 use super::fit::{Beginning, Fit, Stretches, least};
 use super::{Deviation, Identified, Refusal, Squares};
@@ -6,10 +6,11 @@ use crate::discrete::Delayed;
 use crate::model::{Dynamics, Model, first_order};
 use crate::record::Record;
 
-/// Longest stretch (s): what a drive does beside its model adds up in a position no longer than that.
+/// Maximum length of a stretch (s): deviations of a drive from its model accumulate in the position for at most that
+/// time.
 const STRETCH: f64 = 0.5;
 
-/// Longest delay of the search (cycles).
+/// Maximum delay of the search (cycles).
 const MOST_DELAY: f64 = 20.0;
 
 struct Search<'a> {
@@ -19,7 +20,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Time constant and delay (s) of a place of the search: both in cycles, neither below 0.
+    /// Returns time constant and delay (s) of a search point, which has both in cycles; neither is below 0.
     fn figures(&self, at: &[f64]) -> (f64, f64) {
         let cycle = self.record.cycle;
         (at[0].abs().max(0.02) * cycle, at[1].abs().min(MOST_DELAY) * cycle)
@@ -45,7 +46,7 @@ pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
     let time: Vec<f64> = (0..count).map(|k| k as f64 * cycle).collect();
     let time = stretches.reduced(&time);
     let search = Search { record, stretches, time };
-    // Rough places first: the squares have more than one dale.
+    // Coarse points first: the squares have several local minima.
     let mut best = (vec![1.0, 0.0], f64::INFINITY);
     for lag in [0.1, 1.0, 3.0, 10.0, 30.0, 100.0] {
         for delay in [0.0, 1.0, 2.0, 4.0, 7.0, 11.0, 16.0] {
@@ -73,7 +74,7 @@ pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
         let (up, down) = (search.column(&up), search.column(&down));
         up.iter().zip(&down).map(|(u, d)| gain * (u - d) / reach).collect::<Vec<f64>>()
     };
-    // A delay near 0 has no other side.
+    // A delay near 0 has no values on the other side.
     let columns = [search.column(&at), search.time.clone(), slope([0.01, 0.0]), {
         let (near, far) = (search.column(&at), search.column(&[at[0], at[1].abs() + 0.01]));
         far.iter().zip(&near).map(|(f, n)| gain * (f - n) / (0.01 * cycle)).collect()

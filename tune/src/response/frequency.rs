@@ -1,13 +1,13 @@
 //! Frequency response of a loop, and its margins.
 //!
-//! Law      phase margin: the least angle between the open loop and -1 where its magnitude is 1; gain margin: the least factor above 1
-//!          that brings it to -1, gain reduction: the least one below 1; sensitivity: the largest |1 / (1 + L)|.
-//!          Stable: all poles of the closed loop inside the unit circle
+//! Law      phase margin: the smallest angle between the open loop and -1 where its magnitude is 1; gain margin: the
+//!          smallest factor above 1 that brings it to -1, gain reduction: the largest one below 1; sensitivity: the
+//!          largest |1 / (1 + L)|. Stable: all poles of the closed loop are inside the unit circle
 //! Reads    loops, a model
 //! Writes   points on a grid up to half the sampling frequency, margins
 //! Refuses  loops that do not suit the model
 //!
-//! Between two points logarithm and angle are taken for straight.
+//! Between two points logarithm and angle are interpolated linearly.
 
 use crate::discrete::{C64, Discrete, poles, radius, size, turn};
 use crate::loops::{LoopError, Loops};
@@ -19,13 +19,13 @@ use serde::{Deserialize, Serialize};
 /// Margins of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Margins {
-    /// Highest frequency at which the magnitude of the open loop is 1 (Hz); 0 where there is none.
+    /// Highest frequency at which the magnitude of the open loop is 1 (Hz); 0 without a crossover.
     pub crossover: f64,
-    /// Degrees, 0 to 180.
+    /// Phase margin in degrees, 0 to 180.
     pub phase: f64,
-    /// dB; infinite where no gain is too much.
+    /// Gain margin in dB; infinite if no gain is too high.
     pub gain: f64,
-    /// dB by which the gain may fall; infinite where none is too little.
+    /// Permitted reduction of the gain in dB; infinite if no gain is too low.
     pub reduction: f64,
     /// Largest sensitivity, 1 or more.
     pub sensitivity: f64,
@@ -34,12 +34,12 @@ pub struct Margins {
 }
 
 impl Margins {
-    /// Are all poles inside the unit circle?
+    /// Returns true if all poles are inside the unit circle.
     pub fn is_stable(&self) -> bool {
         self.radius < 1.0
     }
 
-    /// The worse of both for each margin; the crossover is that of the first.
+    /// Returns the worse of both values for each margin, with the crossover of the first.
     #[must_use]
     pub fn worse(&self, other: &Self) -> Self {
         Self {
@@ -56,43 +56,43 @@ impl Margins {
 /// A frequency of the response.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
-    /// Hz
+    /// Frequency (Hz).
     pub frequency: f64,
-    /// Of the open loop (dB).
+    /// Gain of the open loop (dB).
     pub open_gain: f64,
-    /// Of the open loop (degrees), going on from the point before.
+    /// Phase of the open loop (degrees), continuous from the previous point.
     pub open_phase: f64,
-    /// Of the closed loop (dB).
+    /// Gain of the closed loop (dB).
     pub closed_gain: f64,
-    /// Of the closed loop (degrees), going on from the point before.
+    /// Phase of the closed loop (degrees), continuous from the previous point.
     pub closed_phase: f64,
 }
 
 /// The response of a loop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Bode {
-    /// From low to high.
+    /// Points, from low to high frequency.
     pub points: Vec<Point>,
-    /// Of the loop.
+    /// Margins of the loop.
     pub margins: Margins,
 }
 
 impl Bode {
-    /// Where the phase margin is: the magnitude is 1, and the angle to -1 the least.
+    /// Returns the point of the phase margin: magnitude 1 with the smallest angle to -1.
     pub fn at_phase_margin(&self) -> Option<Point> {
         let found = self.pairs().filter(|(a, b)| (a.open_gain > 0.0) != (b.open_gain > 0.0));
         let found = found.map(|(a, b)| a.towards(b, a.open_gain / (a.open_gain - b.open_gain)));
         found.min_by(|a, b| a.margin().abs().total_cmp(&b.margin().abs()))
     }
 
-    /// Where the gain margin is: the direction is that of -1, the magnitude below 1 and the largest such one.
+    /// Returns the point of the gain margin: the direction of -1 with the largest magnitude below 1.
     pub fn at_gain_margin(&self) -> Option<Point> {
         let crossed = self.pairs().filter_map(|(a, b)| {
             let (from, to) = (a.margin(), a.margin() + b.open_phase - a.open_phase);
             let crosses = from.abs() < 90.0 && (from > 0.0) != (to > 0.0);
             crosses.then(|| a.towards(b, from / (from - to)))
         });
-        // At half the sampling frequency all is real.
+        // At half the sampling frequency all values are real.
         let last = self.points.last().filter(|last| last.margin().abs() < 90.0).copied();
         crossed.chain(last).filter(|at| at.open_gain < 0.0).max_by(|a, b| a.open_gain.total_cmp(&b.open_gain))
     }
@@ -103,12 +103,12 @@ impl Bode {
 }
 
 impl Point {
-    /// From -1 on (degrees, -180 to 180).
+    /// Returns the angle from -1 (degrees, -180 to 180).
     fn margin(&self) -> f64 {
         to_180((self.open_phase + 180.0) * PI / 180.0)
     }
 
-    /// So far on the way to another one: the frequency by its logarithm.
+    /// Interpolates to another point, with the frequency by its logarithm.
     fn towards(&self, to: &Self, part: f64) -> Self {
         let between = |from: f64, to: f64| from + part * (to - from);
         Self {
@@ -121,16 +121,16 @@ impl Point {
     }
 }
 
-/// Points of a grid without a resonance.
+/// Grid points without a resonance.
 const POINTS: u32 = 500;
 
-/// Points around a resonance, and how far they go in parts of its frequency.
+/// Grid points around a resonance, and their range relative to its frequency.
 const NEAR: (u32, f64) = (200, 0.3);
 
 /// Decades of a grid.
 const DECADES: f64 = 5.0;
 
-/// Frequencies (Hz) up to half the sampling frequency.
+/// Returns the frequencies (Hz) up to half the sampling frequency.
 pub(crate) fn grid(model: &Model, period: f64) -> Vec<f64> {
     let highest = 0.5 / period;
     let spread = |k: u32| highest * libm::exp10(DECADES * (f64::from(k) / f64::from(POINTS) - 1.0));
@@ -147,12 +147,12 @@ pub(crate) fn grid(model: &Model, period: f64) -> Vec<f64> {
     grid
 }
 
-/// Of a system at each frequency.
+/// Returns the response of a system at each frequency.
 pub(crate) fn sampled(system: &Discrete, grid: &[f64], period: f64) -> Vec<C64> {
     grid.iter().map(|frequency| system.at(turn(2.0 * PI * frequency * period))).collect()
 }
 
-/// All margins but the poles.
+/// Returns all margins except the poles.
 pub(crate) fn margins(grid: &[f64], open: &[C64]) -> Margins {
     let mut margins = Margins {
         crossover: 0.0,
@@ -175,13 +175,13 @@ pub(crate) fn margins(grid: &[f64], open: &[C64]) -> Margins {
             let angle = from + part * (to - from);
             margins.phase = margins.phase.min(to_180(angle).abs());
         }
-        // 0 is the direction of -1 itself.
+        // Angle 0 is the direction of -1 itself.
         if from.abs() < PI / 2.0 && (from > 0.0) != (to > 0.0) {
             let part = from / (from - to);
             margins.cross(high + part * (low - high));
         }
     }
-    // At half the sampling frequency all is real.
+    // At half the sampling frequency all values are real.
     if let Some(last) = open.last().filter(|last| last.re < 0.0) {
         margins.cross(libm::log(size(*last)));
     }
@@ -199,14 +199,14 @@ impl Margins {
     }
 }
 
-/// Angles of two neighbours, from -1 on, the second one on the nearer way from the first (rad).
+/// Returns the angles of two neighbours from -1, the second one by the shorter path from the first (rad).
 fn angles(l0: C64, l1: C64) -> (f64, f64) {
     let from = libm::atan2(-l0.im, -l0.re);
     let way = l1 * l0.conj();
     (from, from + libm::atan2(way.im, way.re))
 }
 
-/// Degrees of an angle, -180 to 180.
+/// Returns an angle in degrees, -180 to 180.
 fn to_180(angle: f64) -> f64 {
     libm::atan2(libm::sin(angle), libm::cos(angle)) * 180.0 / PI
 }
@@ -232,7 +232,7 @@ fn response(grid: &[f64], open: &[C64], radius: f64) -> Bode {
     Bode { points, margins: Margins { radius, ..margins(grid, open) } }
 }
 
-/// The response of the position loop.
+/// Returns the response of the position loop.
 ///
 /// # Errors
 /// Loops that do not suit the model.
@@ -244,7 +244,7 @@ pub fn bode(model: &Model, loops: &Loops) -> Result<Bode, LoopError> {
     Ok(response(&grid, &sampled(&chain, &grid, period), radius(&chain.closed())))
 }
 
-/// The response of the velocity loop; none where there is none.
+/// Returns the response of the velocity loop; `None` without a velocity loop.
 ///
 /// # Errors
 /// Loops that do not suit the model.
@@ -256,7 +256,7 @@ pub fn velocity_bode(model: &Model, loops: &Loops) -> Result<Option<Bode>, LoopE
     Ok(Some(response(&grid, &sampled(&chain, &grid, model.cycle), velocity_radius(&chain.closed()))))
 }
 
-/// A velocity loop does not see where its axis is: one pole at 1 is the position's, not the loop's.
+/// A velocity loop does not depend on the position of its axis: one pole at 1 is that of the position, not of the loop.
 pub(crate) fn velocity_radius(closed: &DMatrix<f64>) -> f64 {
     let mut all = poles(closed);
     let far = |z: &C64| size(z - 1.0);
@@ -291,14 +291,14 @@ mod tests {
         near(at.frequency, angle / (2.0 * PI * 1e-3));
         near(at.open_phase, -90.0 - 1.5 * angle * 180.0 / PI);
         near(bode.margins.phase, 90.0 - 1.5 * angle * 180.0 / PI);
-        // Where a + a/2 is 90 deg the magnitude is 0.1.
+        // At a + a/2 = 90 deg the magnitude is 0.1.
         let at = bode.at_gain_margin().unwrap();
         near(at.frequency, 1000.0 / 6.0);
         near(at.open_gain, -20.0);
         near(bode.margins.gain, 20.0);
     }
 
-    /// Without a delay the direction of -1 is first that of half the sampling frequency.
+    /// Without a delay the direction of -1 is first reached at half the sampling frequency.
     #[test]
     fn the_last_frequency_may_be_that_of_the_gain_margin() {
         let at = integrator(0.0).at_gain_margin().unwrap();

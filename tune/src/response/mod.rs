@@ -1,7 +1,7 @@
-//! How an axis answers with given loops: over frequency, and in time.
+//! Response of an axis with given loops, in frequency and in time.
 //!
 //! Law      `frequency.rs`: open and closed loop, margins, sensitivity. `time.rs`: the laws of the core on the model.
-//!          `retrace.rs`: a record as its model would have moved
+//!          `retrace.rs`: the motion of the model for a record
 //! Reads    a model, loops
 //! Writes   points, figures
 //! Refuses  loops that do not suit the model

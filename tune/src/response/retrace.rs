@@ -1,12 +1,12 @@
-//! A record as its model would have moved.
+//! Motion of a model for the inputs of a record.
 //!
-//! Law      stretch by stretch the model gets what acted on the axis; place and velocity at the beginning of a stretch are those with which
-//!          it comes nearest to what was measured, by least squares
+//! Law      the model gets the inputs of the axis in one stretch after the other; its position and velocity at the
+//!          beginning of a stretch are those of the best fit to the measurement, by least squares
 //! Reads    a model, a record
 //! Writes   a position for each cycle of the record (inc)
-//! Refuses  models and records that are none; a model that is too far from its record ([`check_fit`])
+//! Refuses  invalid models and records; a model that deviates too far from its record ([`check_fit`])
 //!
-//! A stretch is short: what friction does at a turn, and what pushes from elsewhere, adds up in a position without an end.
+//! A stretch is short, because friction at a reversal and external forces accumulate in a position without limit.
 
 use super::time::Plant;
 use crate::identify::Refusal;
@@ -14,16 +14,16 @@ use crate::model::{Model, Takes};
 use crate::record::Record;
 use core::ops::Range;
 
-/// Longest stretch (s), shortest one (cycles).
+/// Maximum length of a stretch (s), minimum length (cycles).
 const STRETCH: (f64, usize) = (0.5, 32);
 
-/// Steps towards the nearest beginning.
+/// Iterations towards the best initial state.
 const STEPS: u32 = 4;
 
-/// Positions of the model for each cycle of a record, since its first position (inc).
+/// Returns the positions of the model for each cycle of a record, relative to its first position (inc).
 ///
 /// # Errors
-/// A model or a record that is none.
+/// An invalid model or record.
 pub fn retrace(model: &Model, record: &Record) -> Result<Vec<f64>, Refusal> {
     record.check()?;
     model.check()?;
@@ -33,7 +33,7 @@ pub fn retrace(model: &Model, record: &Record) -> Result<Vec<f64>, Refusal> {
     let mut found = Vec::with_capacity(count);
     let mut from = 0;
     while from < count {
-        // A rest that is too short for a stretch of its own belongs to the one before it.
+        // A remainder that is too short for a stretch belongs to the previous one.
         let to = if count - from < longest + STRETCH.1 { count } else { from + longest };
         found.extend(trial.nearest(from..to));
         from = to;
@@ -41,21 +41,22 @@ pub fn retrace(model: &Model, record: &Record) -> Result<Vec<f64>, Refusal> {
     Ok(found)
 }
 
-/// What may be left at the median: of the way from the lowest to the highest position, and inc.
+/// Maximum median of the deviation: relative to the distance from the lowest to the highest position, and in inc.
 ///
-/// An encoder that rounds leaves a quarter of an increment. Play leaves its own size around the turns of the motor, more often than turns are:
-/// within it the motor is alone, and ahead of a model that carries the load. A drive of velocities carries its motor through play by its own
-/// loop, which is of more than the first order: ten times as much is left of it.
+/// Rounding of the encoder causes a quarter of an increment. Backlash causes its own size around the reversals of the
+/// motor, and more often than there are reversals: within it the motor turns alone, and ahead of a model that moves the
+/// load. A velocity drive moves its motor through backlash by its own loop, which is of higher than first order: its
+/// deviation is ten times as large.
 const LEFT: (f64, f64) = (1e-4, 1.0);
 const LEFT_OF_VELOCITY: f64 = 1e-3;
 
-/// Is the model near enough to the record for gains that follow from it?
+/// Checks that the model fits the record well enough for the design of gains.
 ///
-/// What is explained of a motion of many turns says little of some increments, which are all that a loop sees at rest. The median counts:
-/// a stiction that is no Coulomb friction shows at turns alone.
+/// The explained part of a motion of many turns says little about single increments, which matter for a loop at rest.
+/// The median is used: static friction that differs from Coulomb friction appears at reversals only.
 ///
 /// # Errors
-/// [`Refusal::Misfit`]; a model or a record that is none.
+/// [`Refusal::Misfit`]; an invalid model or record.
 pub fn check_fit(model: &Model, record: &Record) -> Result<(), Refusal> {
     let (found, way) = (retrace(model, record)?, record.way());
     let mut left: Vec<f64> = way.iter().zip(&found).map(|(way, found)| (way - found).abs()).collect();
@@ -83,7 +84,7 @@ impl Trial<'_> {
             if reach == 0 || range.start == 0 { 0.0 } else { (way[reach] - place) / (reach as f64 * cycle) };
         let mut best = self.run(range.clone(), place, velocity);
         let mut left = squares(way, &best);
-        // One increment in a cycle.
+        // One increment per cycle.
         let nudge = 1.0 / cycle;
         for _ in 0..STEPS {
             let other = self.run(range.clone(), place, velocity + nudge);
@@ -91,7 +92,7 @@ impl Trial<'_> {
             let (place_then, velocity_then) = (place + by_place, velocity + by_velocity * nudge);
             let then = self.run(range.clone(), place_then, velocity_then);
             let left_then = squares(way, &then);
-            // Friction has corners, at which a step may lead astray.
+            // Friction has corners, at which a step may increase the deviation.
             if left_then >= left {
                 break;
             }
@@ -100,7 +101,7 @@ impl Trial<'_> {
         best
     }
 
-    /// The model from there on.
+    /// Runs the model over a stretch from that position and velocity.
     fn run(&self, range: Range<usize>, place: f64, velocity: f64) -> Vec<f64> {
         let mut plant = Plant::new(self.model);
         let before = |back: usize| range.start.checked_sub(back + 1).and_then(|at| self.inputs.get(at)).copied();
@@ -108,7 +109,7 @@ impl Trial<'_> {
             *past = before(back).unwrap_or(0.0);
         }
         plant.state[0] = place;
-        // Of the motor, and of a load behind a spring.
+        // Velocity of the motor, and of a load on a spring.
         for of in [1, 3] {
             if let Some(state) = plant.state.get_mut(of) {
                 *state = velocity;
@@ -130,7 +131,7 @@ fn squares(way: &[f64], found: &[f64]) -> f64 {
     way.iter().zip(found).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// By how much place and velocity (in nudges) are to change; `other` is `found` with one nudge more.
+/// Returns the changes of position and velocity (in nudges); `other` is `found` with one nudge more.
 fn correction(way: &[f64], found: &[f64], other: &[f64]) -> (f64, f64) {
     let (mut n, mut s, mut ss, mut e, mut es) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for ((way, found), other) in way.iter().zip(found).zip(other) {
@@ -142,7 +143,7 @@ fn correction(way: &[f64], found: &[f64], other: &[f64]) -> (f64, f64) {
         es += error * slope;
     }
     let whole = n * ss - s * s;
-    // A model without a velocity of its own has one place to choose.
+    // For a model without a velocity state only the position can be chosen.
     if whole <= 1e-9 * n * ss || ss == 0.0 {
         return (e / n, 0.0);
     }
@@ -181,7 +182,7 @@ mod tests {
         }
     }
 
-    /// A gain that is a fifth too large leaves what it adds within a stretch.
+    /// A gain that is a fifth too large causes its deviation within a stretch.
     #[test]
     fn a_wrong_model_shows() {
         let record = record();

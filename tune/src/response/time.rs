@@ -1,10 +1,11 @@
-//! Steps and moves of a model behind the loops of the core.
+//! Steps and moves of a model with the loops of the core.
 //!
-//! Law      in each cycle: the position is counted, the core's own loops make a command of it, the model moves on by a cycle,
-//!          exactly but for Coulomb friction, which acts between parts of a cycle and holds what it can stop
+//! Law      in each cycle the position is counted, the loops of the core compute the command, and the model advances by
+//!          a cycle; this is exact apart from Coulomb friction, which acts between parts of a cycle and holds what it
+//!          can stop
 //! Reads    a model, loops, a move
 //! Writes   a sample for each cycle, figures
-//! Refuses  loops that do not suit the model, moves that are none
+//! Refuses  loops that do not suit the model, invalid moves
 
 use crate::discrete::held;
 use crate::loops::{LoopError, Loops, PositionLaw};
@@ -14,78 +15,78 @@ use lineshaft_core::regulator::{Pid, PidInput, Proportional, VelocityEstimator, 
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-/// What is commanded.
+/// Commanded motion.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Move {
-    /// At once.
+    /// A step.
     Step {
-        /// inc
+        /// Distance (inc).
         distance: f64,
     },
-    /// With a constant acceleration, as far as it goes a constant velocity, and the same deceleration.
+    /// A trapezoid: constant acceleration, constant velocity if the distance allows it, and the same deceleration.
     Trapezoid {
-        /// inc
+        /// Distance (inc).
         distance: f64,
-        /// inc/s
+        /// Velocity (inc/s).
         velocity: f64,
-        /// inc/s^2
+        /// Acceleration (inc/s^2).
         acceleration: f64,
     },
 }
 
-/// A cycle.
+/// Values of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
-    /// Since the beginning of the move (s).
+    /// Time since the beginning of the move (s).
     pub time: f64,
-    /// inc
+    /// Command position (inc).
     pub command: f64,
-    /// inc, not rounded
+    /// Position (inc), not rounded.
     pub position: f64,
-    /// To the drive, -1 to 1.
+    /// Output to the drive, -1 to 1.
     pub output: f64,
 }
 
-/// What a move came to.
+/// Figures of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
-    /// Beyond the target (% of the distance).
+    /// Overshoot (% of the distance).
     pub overshoot: f64,
-    /// From 10 to 90 % of the distance (s); none where it does not get there.
+    /// Rise time from 10 to 90 % of the distance (s); `None` if it is not reached.
     pub rise: Option<f64>,
-    /// From the end of the command until it stays within the window (s); none where it does not.
+    /// Settling time from the end of the command until it stays within the window (s); `None` if it does not.
     pub settling: Option<f64>,
-    /// Largest magnitude of command minus position (inc).
+    /// Largest following error, as magnitude of command minus position (inc).
     pub following_error: f64,
 }
 
-/// A move.
+/// Trace of a move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
-    /// One for each cycle.
+    /// One sample for each cycle.
     pub samples: Vec<Sample>,
-    /// Of all of them.
+    /// Figures of all samples.
     pub figures: Figures,
 }
 
-/// Parts of a cycle, before and behind the change of the input.
+/// Parts of a cycle, before and after the change of the input.
 const PARTS: u32 = 4;
 
-/// Longest simulation (cycles).
+/// Maximum length of a simulation (cycles).
 const MOST_CYCLES: f64 = 1e7;
 
-/// Command, its velocity and its acceleration.
+/// Command position, its velocity and its acceleration.
 type Command = (f64, f64, f64);
 
 impl Move {
-    /// inc
+    /// Returns the distance (inc).
     pub fn distance(&self) -> f64 {
         match *self {
             Self::Step { distance } | Self::Trapezoid { distance, .. } => distance,
         }
     }
 
-    /// Time of the acceleration, of all of it (s).
+    /// Returns the time of the acceleration, and of the whole move (s).
     fn times(&self) -> (f64, f64) {
         match *self {
             Self::Step { .. } => (0.0, 0.0),
@@ -97,7 +98,7 @@ impl Move {
         }
     }
 
-    /// Until the command stands (s).
+    /// Returns the time until the command is at rest (s).
     pub fn duration(&self) -> f64 {
         self.times().1
     }
@@ -133,18 +134,18 @@ impl Move {
 struct Part {
     a: DMatrix<f64>,
     b: DVector<f64>,
-    /// What Coulomb friction takes of the motor's velocity in it (inc/s).
+    /// Change of the velocity of the motor by Coulomb friction in it (inc/s).
     friction: f64,
 }
 
-/// The model that moves.
+/// State of the simulated model.
 pub(super) struct Plant {
     pub(super) state: DVector<f64>,
-    /// Before and behind the change of the input.
+    /// Before and after the change of the input.
     parts: [Option<Part>; 2],
-    /// Inputs that have not begun to act, the newest one first.
+    /// Delayed inputs, the newest first.
     pub(super) past: Vec<f64>,
-    /// What acts at the input 0, in parts of the full command.
+    /// Constant input that corresponds to offset or load, as a fraction of full command.
     bias: f64,
 }
 
@@ -198,13 +199,13 @@ impl Part {
         let velocity = state[1];
         state[1] = if velocity.abs() <= self.friction { 0.0 } else { velocity - self.friction * velocity.signum() };
         if stood && state[1] == 0.0 {
-            // What stands does not creep; the twist of a spring is of that order anyway.
+            // An axis at rest does not creep; the twist of a spring is of that order anyway.
             state[0] = place;
         }
     }
 }
 
-/// The loops between two cycles.
+/// State of the loops between two cycles.
 struct Control {
     loops: Loops,
     pid: Pid,
@@ -244,11 +245,11 @@ impl Control {
     }
 }
 
-/// Moves the model for `duration` (s): from rest, with its position counted in whole increments. The target counts as reached within
-/// `window` (inc).
+/// Simulates a move for `duration` (s): from rest, with its position counted in whole increments. The target counts as
+/// reached within `window` (inc).
 ///
 /// # Errors
-/// Loops that do not suit the model; a move, a window or a duration beyond its range.
+/// Loops that do not suit the model; a move, a window or a duration outside its range.
 pub fn simulate(model: &Model, loops: &Loops, to: &Move, duration: f64, window: f64) -> Result<Trace, LoopError> {
     loops.check(model)?;
     to.check()?;

@@ -1,4 +1,4 @@
-//! The axes, with what is true of them and what is expected of their loops.
+//! The axes, with their true figures and the expected results of their loops.
 
 use super::coupled::Drawn;
 use super::simulator::{Axis, Mechanics};
@@ -6,7 +6,7 @@ use lineshaft_core::regulator::VelocityMethod;
 use lineshaft_tune::{Dynamics, Law, Model, Resonance};
 use std::f64::consts::TAU;
 
-/// An axis and the loops that are tried on it.
+/// An axis and the loops to be tried on it.
 pub(crate) struct Named {
     pub(crate) name: &'static str,
     pub(crate) axis: Axis,
@@ -15,25 +15,25 @@ pub(crate) struct Named {
     pub(crate) acceleration: f64,
 }
 
-/// Loops, and the most that they may do.
+/// Loops, and the limits of their results.
 pub(crate) struct Tried {
     pub(crate) law: Law,
     pub(crate) velocity: Option<VelocityMethod>,
-    /// Overshoot of a step (%), settling behind a step and behind a move (s).
+    /// Overshoot of a step (%), settling time after a step and after a move (s).
     pub(crate) overshoot: f64,
     pub(crate) settling: f64,
 }
 
-/// Of the motor (kg m^2).
+/// Inertia of the motor (kg m^2).
 const MOTOR: f64 = 2e-4;
 
 /// Viscous friction (Nm s/rad).
 const VISCOUS: f64 = 2e-3;
 
-/// Stiction of a motor in parts of its dry friction.
+/// Static friction of a motor relative to its Coulomb friction.
 const STICTION: f64 = 1.1;
 
-/// At full command (Nm).
+/// Torque at full command (Nm).
 const FULL: f64 = 2.0;
 
 fn torque(ratio: f64, coulomb: f64, gravity: f64, spring: Option<(f64, f64)>) -> Mechanics {
@@ -56,7 +56,8 @@ fn axis(mechanics: Mechanics, encoder: f64, delay: f64) -> Axis {
     Axis { mechanics, encoder, cycle: 1e-3, delay, wired: 1.0, sees_load: false }
 }
 
-/// Stiffness and damping of a spring on which a motor and a load of that ratio swing so, without friction.
+/// Returns stiffness and damping of a spring on which a motor and a load of that ratio oscillate with that frequency
+/// and damping, without friction.
 fn spring(ratio: f64, hz: f64, damping: f64) -> Option<(f64, f64)> {
     let reduced = MOTOR * ratio / (1.0 + ratio);
     let omega = TAU * hz;
@@ -116,7 +117,7 @@ pub(crate) fn all() -> Vec<Named> {
     ]
 }
 
-/// A motor and a load of that ratio behind a coupling with half a degree of play, stiff beyond its flanks.
+/// Returns a motor and a load of that ratio on a coupling with half a degree of backlash, stiff beyond its flanks.
 pub(crate) fn with_play(ratio: f64) -> Axis {
     let Mechanics::Torque { full, motor, load, viscous, coulomb, stiction, gravity, .. } =
         torque(ratio, 0.06, 0.0, None)
@@ -129,7 +130,7 @@ pub(crate) fn with_play(ratio: f64) -> Axis {
     axis(mechanics, 8192.0, 2.5e-4)
 }
 
-/// A motor and a load behind a coupling with play, as it was drawn.
+/// Returns a motor and a load on a coupling with backlash, with random figures.
 pub(crate) fn coupled(drawn: &Drawn) -> Axis {
     let mut axis = with_play(drawn.ratio);
     let inc = axis.encoder / TAU;
@@ -144,7 +145,7 @@ pub(crate) fn coupled(drawn: &Drawn) -> Axis {
 }
 
 impl Axis {
-    /// What is to be found.
+    /// Returns the true model, which has to be identified.
     pub(crate) fn truth(&self) -> Model {
         let inc = self.encoder / TAU;
         let dynamics = match self.mechanics {
@@ -156,7 +157,7 @@ impl Axis {
                 let resonance = spring.map(|(stiffness, damping)| {
                     let reduced = motor * load / whole;
                     let omega = (stiffness / reduced).sqrt();
-                    // The motor has load/whole of the swing, squared by its inertia.
+                    // The motor has load/whole of the oscillation, squared by its inertia.
                     let of_motor = viscous / motor * load / whole;
                     let damping = (damping / reduced + of_motor) / (2.0 * omega);
                     Resonance { frequency: omega / TAU, damping, inertia_ratio: load / motor }

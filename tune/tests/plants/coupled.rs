@@ -1,4 +1,5 @@
-//! Axes with play whose ratio of inertias is told: gains of both regimes, tried on the simulated coupling with its play.
+//! Axes with backlash and a given ratio of inertias: gains for both regimes, tried on the simulated coupling with its
+//! backlash.
 
 use super::catalogue::{all, coupled};
 use super::fastest;
@@ -7,37 +8,37 @@ use lineshaft_core::regulator::VelocityMethod;
 use lineshaft_tune::{Design, Identified, Law, Loops, PositionLaw, Targets, Wish, design, identify};
 use std::fmt;
 
-/// What is drawn of an axis with play.
+/// Random figures of an axis with backlash.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drawn {
-    /// Inertia of the load in parts of the motor's.
+    /// Inertia of the load relative to that of the motor.
     pub(crate) ratio: f64,
-    /// inc of 8192 in a turn
+    /// Backlash, in increments of 8192 per turn.
     pub(crate) play: f64,
-    /// Dry friction of the motor and of the load in parts of the largest effort.
+    /// Coulomb friction of the motor and of the load relative to the maximum effort.
     pub(crate) friction: (f64, f64),
-    /// Cycles.
+    /// Delay, in cycles.
     pub(crate) delay: f64,
-    /// Of the coupling in contact (Hz), and its damping.
+    /// Frequency of the coupling in contact (Hz), and its damping.
     pub(crate) coupling: (f64, f64),
-    /// The ratio that is told in parts of the true one.
+    /// Given ratio relative to the true one.
     pub(crate) told: f64,
 }
 
-/// Longest time after a command, and for how long the motor has to rest (s).
+/// Maximum time after a command, and time for which the motor has to rest (s).
 const LONG: f64 = 120.0;
 const RESTS: f64 = 10.0;
 
-/// What the motor does.
+/// Result of a simulation.
 #[derive(Clone, Copy)]
 struct Moved {
-    /// No cycle goes on behind a step and behind a move.
+    /// Whether there is no limit cycle after a step and after a move.
     rests: bool,
-    /// Of the step (%).
+    /// Overshoot of the step (%).
     overshoot: f64,
-    /// Behind the step and behind the move, within the play and 3 inc (s).
+    /// Settling time after the step and after the move, within the backlash and 3 inc (s).
     settled: [Option<f64>; 2],
-    /// Of the move (inc).
+    /// Following error of the move (inc).
     error: f64,
 }
 
@@ -86,8 +87,8 @@ impl Drawn {
         Moved { rests: ways.iter().all(|way| rests(way)), overshoot, settled: [settled, moved], error }
     }
 
-    /// A motor that breaks loose with more than it slides with goes to and fro for ever under an integral part, slowly, with play or without
-    /// it. Does play make it worse, by more than itself and 3 inc?
+    /// Returns true if backlash makes a limit cycle worse, by more than itself and 3 inc. A motor whose static friction
+    /// exceeds its Coulomb friction has a slow limit cycle with an integral term, with or without backlash.
     fn hunts(&self, loops: &Loops) -> bool {
         let twin = Self { play: 0.0, ..*self };
         [self.step(), self.to()].iter().any(|motion| {
@@ -142,7 +143,7 @@ impl Motion {
     }
 }
 
-/// Lowest and highest error (inc) in the last seconds; none where the command still moves.
+/// Returns the lowest and highest error (inc) in the last seconds; `None` if the command still moves.
 fn late(way: &[(f64, f64)], cycles: usize) -> Option<(f64, f64)> {
     assert!(way.iter().all(|(asked, place)| asked.is_finite() && place.is_finite()), "a plant that is nowhere");
     let last = way.last()?.0;
@@ -151,13 +152,13 @@ fn late(way: &[(f64, f64)], cycles: usize) -> Option<(f64, f64)> {
     (late[0].0 == last).then(|| late.iter().fold((f64::MAX, f64::MIN), ends))
 }
 
-/// Does the motor swing by no more than the window, at its target, or anywhere where it is held?
+/// Returns true if the motor oscillates by at most the window, at its target, or at any position if it is held.
 fn rests(way: &[(f64, f64)], cycle: f64, window: f64, is_held: bool) -> bool {
     late(way, (RESTS / cycle) as usize)
         .is_some_and(|(low, high)| high - low <= window && (high.max(-low) <= window || is_held))
 }
 
-/// In the second half.
+/// Returns the oscillation in the second half.
 fn swing(way: &[(f64, f64)]) -> f64 {
     late(way, way.len() / 2).map_or(f64::INFINITY, |(low, high)| high - low)
 }
@@ -172,7 +173,7 @@ fn laws() -> [(Law, Option<VelocityMethod>); 3] {
     [(Law::Proportional, filtered), (Law::Pid { timer: 1 }, filtered), (Law::Pid { timer: 1 }, None)]
 }
 
-/// Gains that are found leave no swing beyond the play and 3 inc; what does is said.
+/// Checks that gains leave no oscillation beyond the backlash and 3 inc; failures are reported.
 fn judge(drawn: &Drawn, failed: &mut Vec<String>) -> [Option<(Design, Moved)>; 3] {
     let found = match drawn.identified() {
         Ok(found) => found,
@@ -210,7 +211,7 @@ fn judge(drawn: &Drawn, failed: &mut Vec<String>) -> [Option<(Design, Moved)>; 3
 fn gains_of_both_regimes_do_not_swing() {
     let (mut failed, mut count) = (Vec::new(), [0; 3]);
     let mut most = [0.0_f64; 3];
-    // A third of them, each delay as often, unless all are asked for.
+    // Only a third of them, with each delay equally often, unless all are requested.
     let is_long = std::env::var_os("LINESHAFT_LONG").is_some();
     let mut number = 0;
     for ratio in [1.0, 3.0, 10.0, 30.0] {
@@ -235,7 +236,7 @@ fn gains_of_both_regimes_do_not_swing() {
     assert!(count.iter().all(|count| 4 * count > if is_long { 180 } else { 60 }), "{count:?}");
 }
 
-/// Numbers between 0 and 1 from a seed.
+/// Random numbers between 0 and 1 from a seed.
 struct Chance(u64);
 
 impl Chance {
@@ -264,7 +265,7 @@ impl Chance {
     }
 }
 
-/// Axes that nobody has looked at, their ratio told wrongly by up to a fifth: no limit of the design was set by them.
+/// New axes, with a ratio that is wrong by up to a fifth: no limit of the design was tuned to them.
 #[test]
 fn axes_that_are_drawn_do_not_swing() {
     let mut chance = Chance(0xD1B5_4A32_D192_ED03);
@@ -277,11 +278,11 @@ fn axes_that_are_drawn_do_not_swing() {
     }
     println!("{count:?} of 64 each");
     assert!(failed.is_empty(), "{} failed:\n{}", failed.len(), failed.join("\n"));
-    // Who refuses all of them swings none of them.
+    // A test that rejects all axes would prove nothing.
     assert!(count.iter().all(|count| 4 * count > 64), "{count:?}");
 }
 
-/// Without a ratio all axes have the gains that they had before there was one.
+/// Without a ratio all axes have the gains of the time before the ratio was introduced.
 #[test]
 fn without_a_ratio_nothing_changes() {
     let expected = [
@@ -314,7 +315,8 @@ fn without_a_ratio_nothing_changes() {
     }
 }
 
-/// Play hides up to 0.7 cycles of the delay of these axes; the model that gains are designed for has all of it, to the 50 us of any model.
+/// Backlash hides up to 0.7 cycles of the delay of these axes; the model for the design contains all of it, to the 50
+/// us of any model.
 #[test]
 fn a_hidden_delay_counts() {
     for ratio in [1.0, 3.0, 10.0] {

@@ -1,4 +1,4 @@
-//! Axes from data sheets, excited, identified, tuned, and moved with the gains that were found.
+//! Axes from data sheets: excited, identified, tuned, and moved with the resulting gains.
 //!
 //! With `--nocapture` the tests print their tables.
 
@@ -21,7 +21,7 @@ fn found(axis: Axis) -> Identified {
     identify(&excited.record).expect("a model")
 }
 
-/// Is `value` what is true, to a part of it or to so much?
+/// Checks that `value` is the true one, with a relative tolerance `part` and an absolute one `least`.
 fn near(name: &str, what: &str, value: f64, truth: f64, part: f64, least: f64) {
     let most = (part * truth.abs()).max(least);
     assert!((value - truth).abs() <= most, "{name}: {what} is {value}, {truth} is true, {most} is permitted");
@@ -73,8 +73,8 @@ fn what_is_found_is_true() {
     }
 }
 
-/// What is stated of an estimate covers its error: four standard deviations, and where the model itself is no better (friction
-/// within a cycle, counts that are rounded down) a part of a thousand, or 30 us.
+/// The stated deviation of an estimate covers its error: four standard deviations, and if the model itself is no more
+/// accurate (friction within a cycle, counts that are rounded down) one part in a thousand, or 30 us.
 #[test]
 fn deviations_cover_the_errors() {
     for Named { name, axis, .. } in all() {
@@ -107,7 +107,7 @@ fn an_excitation_keeps_its_bounds_and_comes_back() {
     }
 }
 
-/// A push that no excitation can brake ends it with 0.
+/// A push that no command can brake ends the excitation with 0.
 #[test]
 fn an_axis_that_is_pushed_out_of_its_travel_is_left() {
     let axis = all().remove(0).axis;
@@ -136,7 +136,7 @@ fn the_cycle_changes_nothing_but_the_grid() {
     }
 }
 
-/// Efforts that the drive tells count as what acts: what was commanded, and when, says nothing.
+/// Reported efforts replace the commands: what was commanded, and when, has no effect.
 #[test]
 fn efforts_that_are_told_count() {
     let axis = all().into_iter().find(|named| named.name == "1:5").unwrap().axis;
@@ -159,12 +159,12 @@ fn tuned(axis: &Axis, model: &lineshaft_tune::Model, tried: &Tried) -> Design {
     design(model, &wish).expect("gains")
 }
 
-/// Velocity of a move of three turns with that acceleration, with a time of constant velocity (turns, s).
+/// Returns the velocity of a move of three turns with that acceleration, with a phase of constant velocity (turns, s).
 fn fastest(acceleration: f64) -> f64 {
     (0.8 * (3.0 * acceleration).sqrt()).min(10.0)
 }
 
-/// 45 turns/s, or what the drive does (inc/s).
+/// Returns 45 turns/s, or the full velocity of the drive (inc/s).
 fn full_velocity(axis: &Axis) -> f64 {
     match axis.mechanics {
         Mechanics::Velocity { full, .. } => full / std::f64::consts::TAU * axis.encoder,
@@ -172,7 +172,7 @@ fn full_velocity(axis: &Axis) -> f64 {
     }
 }
 
-/// Loops of the same structure as an axis has them before: the defaults of the parameters.
+/// Returns loops of the same structure with the default parameters.
 fn before(loops: &Loops) -> Loops {
     let pid = PidGains { proportional: 30, limit: 1000, bandwidth: 1000, period_ms: 1, ..PidGains::default() };
     let position = match loops.position {
@@ -193,7 +193,7 @@ fn gains_that_are_found_move_the_true_axis() {
             let found = tuned(&axis, &model, tried);
             assert!(found.position.is_stable() && found.position.phase >= 60.0 && found.position.gain >= 6.0, "{name}");
             let window = (0.002 * inc).max(3.0);
-            // A step that no limit of the output cuts.
+            // A step for which no limit of the output is active.
             let size = (0.02 * inc).max(20.0);
             let command = |time: f64| if time < 0.1 { (0.0, 0.0, 0.0) } else { (size, 0.0, 0.0) };
             let step = figures(&run(axis, &found.loops, 3.0, command), size, 0.1, window, axis.cycle);
@@ -214,7 +214,7 @@ fn gains_that_are_found_move_the_true_axis() {
     }
 }
 
-/// The simulation of the crate on the model that was found, against the simulator on the true axis.
+/// The simulation of the crate on the identified model, compared with the simulator on the true axis.
 #[test]
 fn a_model_moves_as_its_axis_does() {
     use lineshaft_tune::{Move, simulate};
@@ -230,7 +230,8 @@ fn a_model_moves_as_its_axis_does() {
             let to = Move::Trapezoid { distance, velocity, acceleration };
             let own = simulate(&model, &loops, &to, end + 0.2, 3.0).unwrap();
             println!("{name}: {:.2} inc, {error:.2} inc", own.figures.following_error);
-            // Rounding down or to the nearest, and what the axis does in the tenth of a second before it.
+            // The difference of rounding down or to the nearest, and the motion of the axis in the tenth of a second
+            // before.
             near(name, "following error", own.figures.following_error, error, 0.1, 6.0 + 0.0015 * inc);
         }
     }

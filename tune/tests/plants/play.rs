@@ -1,4 +1,4 @@
-//! A motor that has play before its load: 0.5 deg, 11 inc of its encoder.
+//! A motor with backlash before its load: 0.5 deg, 11 inc of its encoder.
 
 use super::catalogue::{all, with_play};
 use super::simulator::{Mechanics, excite, figures, permitted, run};
@@ -25,7 +25,7 @@ fn without_play_all_axes_fit() {
         let record = excite(named.axis, permitted(&named.axis), |_| 0.0).record;
         assert_eq!(check_fit(&identify(&record).unwrap().model, &record), Ok(()), "{}", named.name);
     }
-    // The same coupling without its play, too.
+    // The same coupling without backlash as well.
     let mut axis = with_play(3.0);
     let Mechanics::Torque { play, .. } = &mut axis.mechanics else { panic!() };
     *play = 0.0;
@@ -33,7 +33,8 @@ fn without_play_all_axes_fit() {
     assert_eq!(check_fit(&identify(&record).unwrap().model, &record), Ok(()));
 }
 
-/// Why it is refused: the gains of the whole inertia swing a motor that is alone within its play, and go on doing so.
+/// The reason for the refusal: the gains of the whole inertia cause a lasting oscillation of a motor that turns alone
+/// within its backlash.
 #[test]
 fn gains_of_a_model_without_play_would_swing() {
     let axis = with_play(3.0);

@@ -1,4 +1,4 @@
-//! Axes of which nothing is known, and why.
+//! Axes that cannot be identified, with the reasons.
 
 use super::catalogue::all;
 use super::simulator::{Axis, Mechanics, Simulator, excite, permitted};
@@ -48,7 +48,7 @@ fn an_axis_that_is_wired_the_other_way_round() {
     }
 }
 
-/// A phase is open, and what hangs on the axis moves it.
+/// A phase is open, and an external force moves the axis.
 #[test]
 fn an_axis_that_moves_without_its_command() {
     let axis = torque();
@@ -79,7 +79,7 @@ fn an_encoder_that_tells_too_little() {
     );
 }
 
-/// The command moves it, and something else as much.
+/// The command moves the axis, and an external force as much.
 #[test]
 fn an_axis_with_another_mind() {
     let axis = torque();

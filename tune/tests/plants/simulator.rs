@@ -1,7 +1,7 @@
-//! Axes that are tuned, simulated by other means than those of the crate: Runge-Kutta of fourth order in steps of 1/40 of a cycle.
+//! Axes to be tuned, simulated independently of the crate: Runge-Kutta of fourth order in steps of 1/40 of a cycle.
 //!
-//! Inertias, torques and angles are those of a data sheet (kg m^2, Nm, rad); the encoder rounds down. Dry friction holds what stands
-//! until more than its stiction pulls.
+//! Inertias, torques and angles are those of a data sheet (kg m^2, Nm, rad); the encoder rounds down. Static friction
+//! holds a body at rest until the torque exceeds it.
 
 use lineshaft_core::position::Position;
 use lineshaft_core::regulator::{Pid, PidInput, Proportional, VelocityEstimator, VelocityLoop};
@@ -10,29 +10,29 @@ use std::f64::consts::TAU;
 
 pub(crate) const STEPS: u32 = 40;
 
-/// What moves.
+/// Mechanics of an axis.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Mechanics {
-    /// A drive that follows velocities (rad/s at the command 1) with a lag of first order (s).
+    /// A drive that follows velocities (rad/s at command 1) with a first-order lag (s).
     Velocity { full: f64, lag: f64 },
     /// A motor and its load.
     Torque {
-        /// At the command 1 (Nm).
+        /// Torque at command 1 (Nm).
         full: f64,
-        /// kg m^2
+        /// Inertia of the motor and of the load (kg m^2).
         motor: f64,
         load: f64,
-        /// Nm s/rad
+        /// Viscous friction (Nm s/rad).
         viscous: f64,
-        /// Nm
+        /// Coulomb friction, static friction and gravity (Nm).
         coulomb: f64,
         stiction: f64,
         gravity: f64,
-        /// Stiffness (Nm/rad) and damping (Nm s/rad) between both; none: rigid.
+        /// Stiffness (Nm/rad) and damping (Nm s/rad) between both; `None`: rigid.
         spring: Option<(f64, f64)>,
-        /// Of the spring, from flank to flank (rad).
+        /// Backlash of the spring, from flank to flank (rad).
         play: f64,
-        /// Dry friction of the load behind a spring (Nm).
+        /// Coulomb friction of the load on a spring (Nm).
         dragged: f64,
     },
 }
@@ -40,23 +40,23 @@ pub(crate) enum Mechanics {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axis {
     pub(crate) mechanics: Mechanics,
-    /// inc per turn
+    /// Encoder increments per turn.
     pub(crate) encoder: f64,
     pub(crate) cycle: f64,
-    /// s
+    /// Delay (s).
     pub(crate) delay: f64,
-    /// 1, or -1 where it is wired the other way round; 0: nothing reaches it.
+    /// 1, or -1 for inverted wiring; 0: commands have no effect.
     pub(crate) wired: f64,
-    /// Where the encoder is: at the load behind a spring, or at the motor.
+    /// Whether the encoder is at the load on a spring, instead of the motor.
     pub(crate) sees_load: bool,
 }
 
-/// Dry friction of the load in a step.
+/// Coulomb friction of the load in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Drag {
-    /// Against its motion (Nm).
+    /// Torque against its motion (Nm).
     torque: f64,
-    /// It does not let it move.
+    /// Whether it holds the load.
     holds: bool,
 }
 
@@ -65,7 +65,7 @@ pub(crate) struct Simulator {
     /// Angle and speed of the motor, angle and speed of the load.
     state: [f64; 4],
     commands: Vec<f64>,
-    /// Torque from elsewhere (Nm).
+    /// External torque (Nm).
     pub(crate) disturbance: f64,
 }
 
@@ -78,7 +78,7 @@ impl Simulator {
         if self.axis.sees_load { 2 } else { 0 }
     }
 
-    /// inc, not rounded
+    /// Returns the position (inc), not rounded.
     pub(crate) fn place(&self) -> f64 {
         self.state[self.seen()] / TAU * self.axis.encoder
     }
@@ -87,7 +87,7 @@ impl Simulator {
         self.place().floor() as i64
     }
 
-    /// inc/s
+    /// Returns the velocity (inc/s).
     pub(crate) fn velocity(&self) -> f64 {
         self.state[self.seen() + 1] / TAU * self.axis.encoder
     }
@@ -110,7 +110,7 @@ impl Simulator {
 
     fn step(&mut self, u: f64, h: f64) {
         let add = |a: [f64; 4], b: [f64; 4], by: f64| [0, 1, 2, 3].map(|i| a[i] + by * b[i]);
-        // In a step friction has one sense, that of its beginning, or of what pulls.
+        // In a step friction has one direction, that at its beginning, or that of the torque.
         let pull = self.pull(self.state, u);
         let sense = if self.state[1] == 0.0 { pull.signum() } else { self.state[1].signum() };
         if self.state[1] == 0.0 && pull.abs() <= self.stiction() {
@@ -135,7 +135,7 @@ impl Simulator {
         }
     }
 
-    /// Dry friction of the load, which has one sense in a step as well.
+    /// Returns the Coulomb friction of the load, which has one direction in a step as well.
     fn drag(&self, x: [f64; 4]) -> Drag {
         let Mechanics::Torque { spring: Some(spring), play, dragged, .. } = self.axis.mechanics else {
             return Drag::default();
@@ -152,7 +152,8 @@ impl Simulator {
         }
     }
 
-    /// What a spring with play makes of the angles and speeds of motor and load (Nm): nothing between its flanks, and a flank only pushes.
+    /// Returns the torque of a spring with backlash for the angles and speeds of motor and load (Nm): zero between its
+    /// flanks, and a flank can only push.
     fn twist(x: [f64; 4], spring: (f64, f64), play: f64) -> f64 {
         let twisted = x[0] - x[2];
         let beyond = twisted - twisted.clamp(-play / 2.0, play / 2.0);
@@ -163,7 +164,7 @@ impl Simulator {
         if play > 0.0 && torque * beyond < 0.0 { 0.0 } else { torque }
     }
 
-    /// On the motor, beside its dry friction (Nm).
+    /// Returns the torque on the motor without its Coulomb friction (Nm).
     fn pull(&self, x: [f64; 4], u: f64) -> f64 {
         match self.axis.mechanics {
             Mechanics::Velocity { .. } => u,
@@ -189,17 +190,17 @@ impl Simulator {
     }
 }
 
-/// What an excitation of an axis came to.
+/// Result of an excitation.
 pub(crate) struct Excited {
     pub(crate) record: Record,
     pub(crate) end: Drive,
-    /// Largest place (inc) and velocity (inc/s).
+    /// Largest position (inc) and velocity (inc/s).
     pub(crate) farthest: f64,
     pub(crate) fastest: f64,
     pub(crate) last: f64,
 }
 
-/// Excites an axis until it is over; `disturbance` in each cycle (Nm).
+/// Excites an axis until the end; `disturbance` is the external torque in each cycle (Nm).
 pub(crate) fn excite(axis: Axis, permitted: Permitted, disturbance: impl Fn(usize) -> f64) -> Excited {
     let mut simulator = Simulator::new(axis);
     let mut excitation = Excitation::new(permitted).expect("within the ranges");
@@ -208,7 +209,7 @@ pub(crate) fn excite(axis: Axis, permitted: Permitted, disturbance: impl Fn(usiz
     let (mut before, mut velocity) = (simulator.position(), 0.0);
     for k in 0..200_000 {
         let position = simulator.position();
-        // A velocity as a machine has it: counted, and smoothed over some cycles.
+        // The velocity as in a machine: from counts, and smoothed over some cycles.
         velocity += 0.3 * ((position - before) as f64 / axis.cycle - velocity);
         before = position;
         let drive = excitation.next(position as f64, velocity);
@@ -225,7 +226,7 @@ pub(crate) fn excite(axis: Axis, permitted: Permitted, disturbance: impl Fn(usiz
     panic!("an excitation ends");
 }
 
-/// Two turns either way, 5 turns/s, half of the full command.
+/// Two turns in both directions, 5 turns/s, half of the full command.
 pub(crate) fn permitted(axis: &Axis) -> Permitted {
     let takes = match axis.mechanics {
         Mechanics::Velocity { .. } => Takes::Velocity,
@@ -244,15 +245,15 @@ pub(crate) fn permitted(axis: &Axis) -> Permitted {
     }
 }
 
-/// Command, its velocity and its acceleration (inc, s).
+/// Command position, its velocity and its acceleration (inc, s).
 pub(crate) type Command = (f64, f64, f64);
 
-/// Command and place (inc) of each cycle of an axis behind the laws of the core.
+/// Returns command and position (inc) of each cycle of an axis with the laws of the core.
 pub(crate) fn run(axis: Axis, loops: &Loops, seconds: f64, command: impl Fn(f64) -> Command) -> Vec<(f64, f64)> {
     run_until(axis, loops, seconds, command, |_| false)
 }
 
-/// The same, until it is over: asked once a second.
+/// Returns the same until `is_over`, which is called once per second.
 pub(crate) fn run_until(
     axis: Axis,
     loops: &Loops,
@@ -297,7 +298,7 @@ pub(crate) fn run_until(
     way
 }
 
-/// A move by a trapezoid of the velocity, from 0.1 s on.
+/// A move with a trapezoid of the velocity, from 0.1 s on.
 pub(crate) fn trapezoid(distance: f64, fastest: f64, acceleration: f64) -> impl Fn(f64) -> Command {
     let rising = fastest / acceleration;
     let end = rising + distance / fastest;
@@ -321,7 +322,7 @@ pub(crate) fn trapezoid(distance: f64, fastest: f64, acceleration: f64) -> impl 
     }
 }
 
-/// Overshoot (% of the distance), time of settling behind `end` (s), largest following error from 0.1 s on (inc).
+/// Returns overshoot (% of the distance), settling time after `end` (s), largest following error from 0.1 s on (inc).
 pub(crate) fn figures(way: &[(f64, f64)], distance: f64, end: f64, window: f64, cycle: f64) -> (f64, Option<f64>, f64) {
     let most = way.iter().fold(0.0_f64, |most, (_, place)| most.max(*place));
     let last_out = way.iter().rposition(|(_, place)| (place - distance).abs() > window);

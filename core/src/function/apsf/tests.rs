@@ -3,7 +3,7 @@ use super::*;
 use crate::table::Table;
 use std::sync::Arc;
 
-/// A module with an image of so many bytes of its own at 16.
+/// A module whose image has `own` bytes of its own at address 16.
 fn module(own: u32, rest: &str) -> Module {
     let size: String =
         (lineshaft_program::SIZE as u32 + own).to_le_bytes().map(|byte| format!("\\{byte:02x}")).concat();
@@ -160,7 +160,7 @@ fn a_table_and_parameters_are_there_from_start_on() {
         trial.call(0, 0, |function, seen| function.start(Words(&values), &Seen { tables, ..*seen })).sink
     };
     assert_eq!(start(&mut trial, tab0(&table)), 3_123_405);
-    // What the program writes there is its own until the next START.
+    // Words that the program writes there stay until the next START.
     assert_eq!(trial.step(0).sink, 3_993_405);
     assert_eq!(start(&mut trial, tab0(&table)), 3_123_405);
     assert_eq!(start(&mut trial, super::super::trial::NO_TABLES), 5);
@@ -175,7 +175,7 @@ fn a_table_and_parameters_are_there_from_start_on() {
     }
 }
 
-/// In each call another trap, as the source says; else the sink is 9.
+/// Each call causes another trap, selected by the source; otherwise the sink is 9.
 const TRAPS: &str = "(table 2 funcref) (type $f (func)) (type $g (func (param i32))) (elem (i32.const 1) $deep)
     (func $deep (call $deep))
     (func (export \"cycle\") (local $n i64)
@@ -214,13 +214,13 @@ fn each_trap_has_its_code_and_the_next_start_begins_anew() {
             let outcome = if at_start { trial.start(&[], source) } else { trial.step(source) };
             assert_eq!(outcome.failed, Some(code), "{source}");
             assert!(trial.function.has_failed && trial.function.is_of(&trial.module, false));
-            // None that runs has failed, and a memory that is larger than its room would have to be taken.
+            // A program that runs has not failed; memory beyond the reserved room would have to be allocated.
             assert!(source != 10 || !trial.function.is_of(&trial.module, true));
         }
     }
 }
 
-/// Counts its calls in its own part, and gives that.
+/// Counts its calls in its own part of the memory and outputs the count.
 const COUNTS: &str = "(func (export \"cycle\")
     (i64.store (i32.const 960) (i64.add (i64.load (i32.const 960)) (i64.const 1)))
     (i64.store (i32.const 40) (i64.load (i32.const 960))))";
@@ -242,7 +242,7 @@ fn state_outlives_reset_but_no_failure() {
 fn an_exchange_keeps_or_begins_and_tells_the_program_so() {
     let mut trial = Trial::new(COUNTS);
     trial.start(&[], 0);
-    // The same by tens, and command * 1000.
+    // The same in steps of ten, plus command * 1000.
     let tens = COUNTS.replace("(i64.const 1)", "(i64.const 10)").replace(
         "(i64.store (i32.const 40) (i64.load (i32.const 960)))",
         "(i64.store (i32.const 40) (i64.add (i64.load (i32.const 960)) (i64.mul (i64.load8_u (i32.const 20)) (i64.const 1000))))",

@@ -7,7 +7,7 @@ use crate::table::Form;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Points with A-value and A time.
+/// Position, A-value and A time of a point.
 type Point = (i32, u16, u16);
 
 fn table(points: &[Point]) -> Arc<Table> {
@@ -78,7 +78,7 @@ impl Bench {
 #[test]
 fn the_example_of_the_manual_switches_where_it_says() {
     let mut bench = Bench::new(example());
-    // It stands at 5000 of its own at START: x is 0 there.
+    // The source is at 5000 at START: x is 0 there.
     assert_eq!(bench.start(&set(&[(BA, 1), (SF_CYCLE_TIME, 2)]), 5000), 0b00);
     let at = [
         (2499, 0b00),
@@ -100,7 +100,7 @@ fn the_example_of_the_manual_switches_where_it_says() {
     for (x, outputs) in at {
         assert_eq!(bench.step(5000 + x), outputs, "x {x}");
     }
-    // Below 0: it counts down from M.
+    // Below 0, x counts down from M.
     assert_eq!([bench.step(5000), bench.step(4999), bench.step(2500)], [0b00, 0b10, 0b10]);
 }
 
@@ -109,7 +109,7 @@ fn the_example_of_the_manual_switches_where_it_says() {
 fn a_dead_time_is_led_by_the_mean_velocity() {
     let mut bench = Bench::new(example());
     bench.start(&set(&[(BA, 1), (FCT, 1), (DEAD_TIME, 10), (FEEDBACK_OFFSET, 500)]), 0);
-    // 1000 inc per call, 5 ms: 5000 ahead. The 20th call is at 500 again.
+    // 1000 inc per call and 5 ms lead by 5000. The 20th call is at 500 again.
     let outputs = (1..=20).map(|k| bench.step(1000 * k)).collect::<Vec<_>>();
     assert_eq!((outputs[19], outputs[18]), (0b11, 0b01), "500 + 5000 and 19500 + 5000 - 20000");
     // The first difference counts at once: 100 inc per call over 10 ms lead by 1000.
@@ -117,7 +117,7 @@ fn a_dead_time_is_led_by_the_mean_velocity() {
     assert_eq!(bench.step(100), 0b01, "1500 + 1000");
     bench.start(&set(&[(BA, 1), (FCT, 1), (DEAD_TIME, 20), (FEEDBACK_OFFSET, 1399)]), 0);
     assert_eq!(bench.step(100), 0b00, "1499 + 1000");
-    // The way back is led backwards: 2600 - 100 - 1000.
+    // In negative direction the lead is negative: 2600 - 100 - 1000.
     bench.start(&set(&[(BA, 1), (FCT, 1), (DEAD_TIME, 20), (FEEDBACK_OFFSET, 2600)]), 0);
     assert_eq!(bench.step(-100), 0b00);
 }
@@ -170,7 +170,7 @@ fn an_offset_is_the_sets_until_the_next_one_or_the_words_in_each_call() {
     assert_eq!(bench.start(&set(&[(BA, 1), (FEEDBACK_OFFSET, 5000)]), 0), 0b01);
     bench.word = -1;
     assert_eq!(bench.step(0), 0b10);
-    // Absolute with a word.
+    // Absolute mode with an offset word.
     bench.word = 7000;
     assert_eq!(bench.start(&set(&[]), 500), 0b10);
 }
@@ -178,15 +178,15 @@ fn an_offset_is_the_sets_until_the_next_one_or_the_words_in_each_call() {
 /// Proves: AMK-BINEA-20, AMK-BINEA-27, AMK-BINEA-29, AMK-BINEA-33
 #[test]
 fn a_pulse_begins_with_the_edge_and_lasts_the_time_of_its_segment() {
-    // Track 0 with a pulse of 2.5 ms from 100 on, 3 calls of 1 ms; it lasts over the wrap at 200 as well.
+    // Track 0 with a pulse of 2.5 ms from 100 on is 3 calls of 1 ms; the pulse also continues over the wrap at 200.
     let mut bench = Bench::new(table(&[(100, 0, 9), (200, 1, 5)]));
     let words = set(&[(BA, 1), (MODE, 16)]);
     assert_eq!(bench.start(&words, 0), 0);
     let pulse = [100, 150, 50, 60, 70].map(|x| bench.step(x));
     assert_eq!(pulse, [1, 1, 1, 0, 0]);
-    // Backwards over 0 into the segment: the bit rises there as well.
+    // In negative direction over 0 into the segment: the bit rises there as well.
     assert_eq!([-1, -2, -3, -4].map(|x| bench.step(x)), [1, 1, 1, 0]);
-    // START within the segment triggers nothing.
+    // START within the segment triggers no pulse.
     assert_eq!(bench.start(&set(&[(BA, 1), (MODE, 16), (FEEDBACK_OFFSET, 150)]), 0), 0);
     assert_eq!([0, 1].map(|x| bench.step(x)), [0, 0]);
 }
@@ -269,13 +269,13 @@ fn a_state_from_outside_may_hold_anything() {
     bench.step(0);
 }
 
-/// The segment by a search from the first point on.
+/// Returns the bits of a segment by a search from the first point.
 fn bits(points: &[Point], x: i64) -> u8 {
     points.iter().find(|point| x < point.0.into()).or(points.last()).map_or(0, |point| point.1 as u8)
 }
 
 proptest! {
-    /// Plain cams of any table and way are what a search from the first point on finds at the sum of all differences.
+    /// For any table and any travel, plain cams equal a search from the first point at the sum of all differences.
     #[test]
     fn outputs_are_the_segment_of_the_sum_of_all_differences(
         steps in proptest::collection::vec((1_i32..5000, 0_u16..256), 1..64),

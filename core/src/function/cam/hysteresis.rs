@@ -1,15 +1,16 @@
-//! Hysteresis of one cam: from which side it was reached, and how far it has to be overrun before the other side counts.
+//! Hysteresis of one cam: the side from which it was reached, and the travel beyond it after which the other side
+//! applies.
 //!
-//! Law      AMK-CAM-17 to -26 along the shorter way from place to place; several transitions in one call follow each other
+//! Law      AMK-CAM-17 to -26 along the shorter path between two positions; a call may include several transitions
 //! Source   AMK-CAM-15 to -27, A-57
 //!
-//! A ring is the modulo. The absolute mode takes one so long that no way of 32 bits closes it: there a cam whose end lies below
-//! its start is on at both ends of the travel, as A-56 has it.
+//! The ring of a track is its modulo. The absolute mode uses a ring that is longer than any travel of 32 bits. In this
+//! mode a cam whose end is below its start is on at both ends of the travel, as A-56 requires.
 
 use crate::function::time::wrapped;
 use serde::{Deserialize, Serialize};
 
-/// Where places lie: from `low` on, `length` of them.
+/// Range of positions: `length` increments, starting at `low`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Ring {
     low: i64,
@@ -17,26 +18,26 @@ pub(super) struct Ring {
 }
 
 impl Ring {
-    /// For the absolute mode.
+    /// The ring of the absolute mode.
     pub(super) const LINE: Self = Self { low: -(1 << 39), length: 1 << 40 };
 
-    /// Of a modulo above 0.
+    /// Returns the ring of a modulo above 0.
     pub(super) fn of(modulo: i64) -> Self {
         Self { low: 0, length: modulo }
     }
 
-    /// The way up from a place to another one, within a turn.
+    /// Returns the distance in positive direction from one position to another, within one turn.
     fn ahead(self, from: i64, to: i64) -> i64 {
         wrapped(to.wrapping_sub(from), self.length)
     }
 
-    /// The shorter way; up where both are equal.
+    /// Returns the shorter signed distance; positive if both are equal.
     pub(super) fn way(self, from: i64, to: i64) -> i64 {
         let ahead = self.ahead(from, to);
         if ahead > self.length - ahead { ahead - self.length } else { ahead }
     }
 
-    /// A cam; what cannot be reached of it is cut off.
+    /// Returns the arc of a cam, clipped to the range of positions.
     pub(super) fn arc(self, on: i32, off: i32) -> Arc {
         let place = |x: i32| i64::from(x).clamp(self.low, self.low.saturating_add(self.length));
         let (start, end) = (place(on), place(off));
@@ -49,7 +50,7 @@ impl Ring {
     }
 }
 
-/// Where a cam is on.
+/// The range in which a cam is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Arc {
     ring: Ring,
@@ -58,20 +59,21 @@ pub(super) struct Arc {
 }
 
 impl Arc {
-    /// The way from its end to its start: a hysteresis is shorter. None for a cam that is never on.
+    /// Returns the distance from the end of the cam to its start; a hysteresis must be shorter. `None` for a cam that
+    /// is never on.
     pub(super) fn rest(self) -> Option<i64> {
         (self.length > 0).then_some(self.ring.length - self.length)
     }
 }
 
-/// Basic cam: on from `on` up to `off`, round the end where `off` lies below, never where both are equal.
+/// Basic cam: on from `on` to `off`, across the wrap if `off` is below `on`, never if both are equal.
 #[inline]
 pub(super) fn is_inside(on: i32, off: i32, x: i64) -> bool {
     let (on, off) = (i64::from(on), i64::from(off));
     if on < off { on <= x && x < off } else { on > off && (on <= x || x < off) }
 }
 
-/// From where a cam was reached, and where it is left.
+/// Direction from which the cam was reached, and whether it has been passed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 enum State {
     #[default]
@@ -85,30 +87,30 @@ enum State {
 /// A cam with hysteresis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Overrun {
-    /// On and off as the table had them.
+    /// On and off positions, as read from the table.
     cam: (i32, i32),
     state: State,
-    /// Place as seen from the cam's start, in the turn in which it was reached.
+    /// Position relative to the start of the cam, in the turn in which the cam was reached.
     u: i64,
 }
 
 impl Overrun {
-    /// Most transitions in half a turn: a cam is left for either side, reached from the other and left again.
+    /// Maximum transitions in half a turn: the cam is left on either side, reached from the other one and left again.
     const MOST: usize = 8;
 
-    /// At START and after an edit.
+    /// Returns the state at START and after an edit of the table.
     fn begin(cam: (i32, i32), arc: Arc, x: i64) -> Self {
         let u = arc.ring.ahead(arc.start, x);
         Self { cam, state: if u < arc.length { State::PositiveOn } else { State::Free }, u }
     }
 
-    /// Is the cam on, after a way to x?
+    /// Moves to x. Returns true if the cam is on there.
     pub(super) fn step(&mut self, cam: (i32, i32), at: At, is_first: bool) -> bool {
         let arc = at.ring.arc(cam.0, cam.1);
         if is_first || cam != self.cam {
             *self = Self::begin(cam, arc, at.x);
         } else {
-            // Two values below a turn; of a state from outside any.
+            // Both values are below a turn; a restored state may have any value, so the sum wraps.
             self.u = self.u.wrapping_add(at.way);
             self.settle(arc, at.hysteresis);
         }
@@ -129,7 +131,7 @@ impl Overrun {
                 State::NegativeOn if u < 0 => (State::NegativePast, 0),
                 State::NegativePast if u < -hysteresis => (State::Free, turn),
                 State::NegativePast if u >= hysteresis => (State::NegativeOn, 0),
-                // Outside, u lies between the end of the cam and its next start.
+                // Outside the cam, u is between the end of the cam and its next start.
                 State::Free if u >= turn => (State::PositiveOn, -turn),
                 State::Free if u < end => (State::NegativeOn, 0),
                 _ => return,
@@ -138,13 +140,13 @@ impl Overrun {
         }
     }
 
-    /// Could it have come about?
+    /// Returns true if a restored state is valid.
     pub(super) fn is_sound(&self) -> bool {
         self.u.unsigned_abs() <= Ring::LINE.length.unsigned_abs() * 2
     }
 }
 
-/// Where a track is, and how it got there.
+/// Position of a track, and the travel since the last call.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct At {
     pub ring: Ring,
@@ -155,7 +157,7 @@ pub(super) struct At {
 
 #[cfg(test)]
 impl Overrun {
-    /// One at any place.
+    /// A state at any position.
     pub(super) fn at(u: i64) -> Self {
         Self { u, ..Self::default() }
     }
@@ -168,7 +170,7 @@ mod tests {
 
     const TURN: i64 = 20_000;
 
-    /// A cam, begun at the first place, led from place to place.
+    /// Returns whether the cam is on at each of the positions, which the track visits in their order.
     fn run(ring: Ring, cam: (i32, i32), hysteresis: i64, places: &[i64]) -> String {
         let mut overrun = Overrun::default();
         let mut last = None;
@@ -182,7 +184,7 @@ mod tests {
         outputs.collect()
     }
 
-    /// Each row of the machine, at the increment before it and at it.
+    /// Each transition of the state machine, one increment before its limit and at it.
     /// Proves: AMK-CAM-17, AMK-CAM-18, AMK-CAM-19, AMK-CAM-20, AMK-CAM-21, AMK-CAM-22, AMK-CAM-23, AMK-CAM-24, AMK-CAM-25,
     /// AMK-CAM-26, AMK-CAM-27
     #[test]
@@ -194,14 +196,16 @@ mod tests {
             assert_eq!(run(&[9_999, 10_000, 9_999, 9_900, 9_899, 9_999, 10_000]), "0111001");
             // 20, 21: off at its end, on again only below 10900.
             assert_eq!(run(&[9_999, 10_500, 10_999, 11_000, 10_999, 10_900, 10_899]), "0110001");
-            // 22: overrun by 100, it comes from the other side: on right below its end. One less and it does not.
+            // 22: passed by 100, the cam is reached from the other side: on immediately below its end. With one
+            // increment less it is not.
             assert_eq!(run(&[10_500, 11_000, 11_100, 11_000, 10_999]), "10001");
             assert_eq!(run(&[10_500, 11_000, 11_099, 11_000, 10_999]), "10000");
-            // 18, 23: reached backwards, it stays on up to 11099.
+            // 18, 23: reached in negative direction, it stays on up to 11099.
             assert_eq!(run(&[11_000, 10_999, 11_000, 11_099, 11_100, 11_099, 10_999]), "0111001");
             // 24, 25: off below its start, on again only from 10100 on.
             assert_eq!(run(&[11_000, 10_500, 10_000, 9_999, 10_000, 10_099, 10_100]), "0110001");
-            // 26: overrun by 101 backwards, it counts from below again. One less and it does not.
+            // 26: passed by 101 in negative direction, it is reached from below again. With one increment less it is
+            // not.
             assert_eq!(run(&[11_000, 10_500, 9_999, 9_899, 9_999, 10_000]), "010001");
             assert_eq!(run(&[11_000, 10_500, 9_999, 9_900, 9_999, 10_000]), "010000");
         }
@@ -210,11 +214,11 @@ mod tests {
     #[test]
     fn a_cam_that_is_passed_within_one_call_leaves_the_right_side_behind() {
         let run = |places: &[i64]| run(Ring::of(TURN), (10_000, 11_000), 100, places);
-        // Over it and beyond the hysteresis: free, so that the way back is on at once.
+        // Past the cam and beyond the hysteresis: free, so that the cam is on immediately in the other direction.
         assert_eq!(run(&[9_000, 12_000, 10_999]), "001");
-        // Over it by less than the hysteresis: the way back is late.
+        // Past the cam by less than the hysteresis: in the other direction it switches late.
         assert_eq!(run(&[9_000, 11_050, 10_999, 10_899]), "0001");
-        // Backwards the same.
+        // The same in negative direction.
         assert_eq!(run(&[12_000, 9_000, 10_000]), "001");
         assert_eq!(run(&[12_000, 9_950, 10_050, 10_100]), "0001");
     }
@@ -229,9 +233,9 @@ mod tests {
             run((19_800, 200), &[19_000, 19_800, 100, 500, 199, 19_800, 19_799, 19_500, 19_799, 100]),
             "0110110001"
         );
-        // Its hysteresis reaches over the wrap: up to 200 from the start at 100 on.
+        // The hysteresis crosses the wrap: on up to 200 after the start at 100.
         assert_eq!(run((100, 5_000), &[50, 100, 19_900, 19_800, 19_799, 99, 100]), "0111001");
-        // Around the whole turn, again and again.
+        // Around the whole turn, repeatedly.
         let laps = (0..12).map(|k| k * 7_000 % TURN).collect::<Vec<_>>();
         assert_eq!(run((0, 7_000), &laps), "100100100100");
     }
@@ -269,7 +273,8 @@ mod tests {
         assert_eq!(Ring::LINE.way(i32::MIN.into(), i32::MAX.into()), u32::MAX.into());
     }
 
-    /// The machine as the spec prints it, one increment at a time along an endless line of cams; `n` is the turn of the cam in question.
+    /// The state machine as the spec prints it, one increment at a time along an endless line of cams; `n` is the turn
+    /// of the current cam.
     struct Walk {
         state: State,
         x: i64,
@@ -322,7 +327,7 @@ mod tests {
             let hysteresis = hysteresis.min(turn - length - 1);
             let (start, first) = (start % turn, first % turn);
             let ring = Ring::of(turn);
-            // An end round the wrap lies below its start; one at the wrap is the turn itself.
+            // An end across the wrap is below the start; an end at the wrap equals the turn.
             let end = if start + length > turn { start + length - turn } else { start + length };
             let cam = (start as i32, end as i32);
             let is_inside = (first - start).rem_euclid(turn) < length;

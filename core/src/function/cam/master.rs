@@ -1,7 +1,7 @@
-//! The place that all tracks share, and its velocity.
+//! The position that all tracks share, and its velocity.
 //!
-//! Law      x = source cut to 32 bits (ba 0); sum of differences mod modulo (ba 1); sum of modulo * call / cycle time mod modulo,
-//!          fractions kept (ba 2); lead = mean(dx) * dead time / call, in each mode
+//! Law      x = source limited to 32 bits (ba 0); sum of differences mod modulo (ba 1); sum of modulo * call / cycle
+//!          time mod modulo, with its fraction (ba 2); lead = mean(dx) * dead time / call, in each mode
 //! Source   AMK-CAM-03 to -05, AMK-CAM-10, -11, A-55, A-59
 
 use super::hysteresis::Ring;
@@ -10,10 +10,10 @@ use crate::function::time::{self, HALF_MS, floor_ratio, wrapped};
 use crate::function::window::Window;
 use serde::{Deserialize, Serialize};
 
-/// Parts of an increment in the ways of the time mode.
+/// Parts per increment in the travel of the time mode.
 const PARTS: i128 = 1 << 28;
 
-/// What x is.
+/// The quantity that x measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Base {
     Absolute,
@@ -21,24 +21,24 @@ pub(super) enum Base {
     Time,
 }
 
-/// The shared place.
+/// The shared position.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Master {
     base: Base,
-    /// Above 0.
+    /// Modulo, in increments; above 0.
     modulo: i64,
     x: i64,
-    /// The source's in the last call.
+    /// Travel of the source at the last call.
     travel: i64,
-    /// Time mode: ns of a turn, and what x lies further on, in inc / turn.
+    /// Time mode: duration of a turn in ns, and the fraction of x in inc / turn_ns.
     turn_ns: i64,
     rest: i64,
-    /// Time mode: has it moved yet?
+    /// Time mode: whether x has moved since START.
     runs: bool,
 }
 
 impl Master {
-    /// At START.
+    /// Returns the master at START.
     pub(super) fn new(ba: i64, modulo: i64, cycle_time: u16, seen: &Seen<'_>) -> Self {
         let base = match ba {
             0 => Base::Absolute,
@@ -50,7 +50,7 @@ impl Master {
         Self { base, modulo: modulo.max(1), x, travel, turn_ns, rest: 0, runs: false }
     }
 
-    /// Takes the way or the time since the last call.
+    /// Adds the travel or the time since the last call to x.
     #[inline]
     pub(super) fn advance(&mut self, cycle_time: u16, window: &mut Window, seen: &Seen<'_>) {
         let travel = seen.source.travel;
@@ -61,7 +61,7 @@ impl Master {
                 window.push(change);
             }
             Base::Incremental => {
-                // Both terms lie within the modulo, which is below 2^30.
+                // Both terms are within the modulo, which is below 2^30.
                 self.x = wrapped(self.x.wrapping_add(change % self.modulo.max(1)), self.modulo);
                 window.push(change);
             }
@@ -72,7 +72,7 @@ impl Master {
         }
     }
 
-    /// Time mode. A new cycle time takes the fraction over, rounded once.
+    /// Advances x in time mode. At a new cycle time the fraction is converted, with one rounding.
     fn run(&mut self, turn_ns: i64, call_ns: u64) {
         if turn_ns != self.turn_ns {
             let (rest, turn) = (i128::from(self.rest) * i128::from(turn_ns), i128::from(self.turn_ns.max(1)));
@@ -82,26 +82,26 @@ impl Master {
         self.runs = true;
         let way = i128::from(self.modulo) * i128::from(call_ns) + i128::from(self.rest);
         let whole = floor_ratio(way, turn_ns.into());
-        // The remainder lies below the divisor unless the quotient was cut, in a state from outside.
+        // The remainder is below the divisor unless the quotient was limited, which only a restored state can cause.
         self.rest = i64::try_from(way - i128::from(whole) * i128::from(turn_ns)).unwrap_or(0);
         self.x = wrapped(self.x.saturating_add(whole), self.modulo);
     }
 
-    /// Time mode: the increments of a call in 2^-28 inc, rounded down.
+    /// Returns the travel per call in time mode, in 2^-28 inc, rounded down.
     fn way(&self, call_ns: u64) -> i64 {
         let (way, turn) = (i128::from(self.modulo) * i128::from(call_ns), i128::from(self.turn_ns.max(1)));
         let whole = floor_ratio(way, turn);
-        // A call is below 2^34 inc; what saturates is a state from outside.
+        // The travel per call is below 2^34 inc; only a restored state can saturate.
         let rest = floor_ratio((way - i128::from(whole) * turn).saturating_mul(PARTS), turn);
         whole.saturating_mul(PARTS as i64).saturating_add(rest)
     }
 
-    /// Time mode: how far the mean velocity leads in a dead time, with the fraction of x.
+    /// Returns the lead of the mean velocity in a dead time, in time mode, including the fraction of x.
     fn time_lead(&self, dead_time: u16, window: &Window, call_ns: u64) -> i64 {
         let (turn, dead_ns) = (i128::from(self.turn_ns.max(1)), i128::from(dead_time) * i128::from(HALF_MS));
         let (sum, count) = window.mean();
         if sum == count * i128::from(self.way(call_ns)) {
-            // All calls of the mean have the present velocity, which is exact.
+            // All calls of the mean have the present velocity: the result is exact.
             return floor_ratio(i128::from(self.modulo) * dead_ns + i128::from(self.rest), turn);
         }
         let ahead = sum.saturating_mul(dead_ns).div_euclid(count * i128::from(call_ns.max(1)));
@@ -109,7 +109,7 @@ impl Master {
         floor_ratio(ahead.saturating_add(fraction), PARTS)
     }
 
-    /// Where a track of an offset and a dead time is.
+    /// Returns the position of a track with an offset and a dead time.
     #[inline]
     pub(super) fn place(&self, offset: i64, dead_time: u16, window: &Window, call_ns: u64) -> i64 {
         let lead = match dead_time {
@@ -117,29 +117,29 @@ impl Master {
             _ if self.base == Base::Time && self.runs => self.time_lead(dead_time, window, call_ns),
             _ => time::lead(window.mean(), dead_time.into(), call_ns),
         };
-        // A lead that saturates is the end of the travel, or of a source that has jumped beyond all sense.
+        // A saturated lead is at the end of the travel, or comes from a source that has jumped unreasonably far.
         let x = self.x.saturating_add(offset).saturating_add(lead);
         if self.base == Base::Absolute { cut(x) } else { wrapped(x, self.modulo) }
     }
 
-    /// An offset after a change of its word: a counter of 32 bits, or within the modulo.
+    /// Returns an offset after a change of its word: a counter of 32 bits, or within the modulo.
     pub(super) fn shifted(&self, offset: i64, change: i16) -> i64 {
         let sum = offset.wrapping_add(change.into());
-        // The cast wraps, as counters do (AMK-BCOM-41).
+        // The cast wraps like the counter of 32 bits (AMK-BCOM-41).
         if self.base == Base::Absolute { i64::from(sum as i32) } else { wrapped(sum, self.modulo) }
     }
 
-    /// Where its places lie.
+    /// Returns the range of positions.
     pub(super) fn ring(&self) -> Ring {
         if self.base == Base::Absolute { Ring::LINE } else { Ring::of(self.modulo) }
     }
 
-    /// Is x a place of it?
+    /// Returns true if x is a position of the ring.
     pub(super) fn has(&self, x: i64) -> bool {
         if self.base == Base::Absolute { cut(x) == x } else { (0..self.modulo).contains(&x) }
     }
 
-    /// Could it have come about?
+    /// Returns true if a restored state is valid.
     pub(super) fn is_sound(&self) -> bool {
         (1..1 << 30).contains(&self.modulo)
             && self.has(self.x)
@@ -148,7 +148,7 @@ impl Master {
     }
 }
 
-/// The end of the travel, where the source lies beyond 32 bits.
+/// Limits x to the travel of 32 bits.
 fn cut(x: i64) -> i64 {
     x.clamp(i32::MIN.into(), i32::MAX.into())
 }

@@ -1,10 +1,11 @@
 //! Cam table: the words of a data block that may change while its function runs.
 //!
-//! Law      DW0 cycle time, DR1 the track whose offset is shown, from DW8 on offset, from DW16 on dead time, from DW24 on pulse
-//!          of each track; from DD32 on the cams, on and off of each, those of a track behind those of all lower ones
-//! Refuses  fewer words than its cams need; times below a call or above 32767 where they count; a hysteresis as long as the way
-//!          from the end of a cam to its start
-//! Source   AMK-CAM-16, AMK-CAM-38 to -46, A-60. That a hysteresis lies above the lead depends on the velocity: nothing checks it
+//! Law      DW0 cycle time, DR1 the track whose offset is shown, from DW8 on offset, from DW16 on dead time, from DW24
+//!          on pulse of each track; from DD32 on the cams, on and off of each, ordered by track
+//! Refuses  fewer words than the cams need; times below a call or above 32767 where they are used; a hysteresis as long
+//!          as the distance from the end of a cam to its start
+//! Source   AMK-CAM-16, AMK-CAM-38 to -46, A-60. A hysteresis must exceed the lead, which depends on the velocity: this
+//!          is not checked
 
 use super::hysteresis::Ring;
 use super::{BA, CAMS, HYSTERESIS, MODE, MODULO, hysteresis_inc};
@@ -20,9 +21,9 @@ const OFFSET: usize = 8;
 const DEAD_TIME: usize = 16;
 const MONOFLOP: usize = 24;
 const FIRST_CAM: usize = 32;
-/// Words of a cam.
+/// Words per cam.
 const CAM: usize = 4;
-/// Longest time.
+/// Maximum time, in half milliseconds.
 const LONGEST: u16 = 32_767;
 
 /// A data block as a cam table.
@@ -33,32 +34,32 @@ pub(super) struct CamTable<'a> {
 }
 
 impl<'a> CamTable<'a> {
-    /// One that was checked; the head of a shorter one is 0.
+    /// Returns the cam table of a checked table; missing words of the head read as 0.
     #[inline]
     pub(super) fn new(table: &'a Table) -> Self {
         let (head, cams) = table.y().split_first_chunk().unwrap_or((&[0; FIRST_CAM], &[]));
         Self { head, cams: cams.as_chunks().0 }
     }
 
-    /// A word, unsigned.
+    /// Returns a word, unsigned.
     #[inline]
     fn word(self, place: usize) -> u16 {
         // Words are within 16 bits: the cast keeps their bits.
         self.head.get(place).map_or(0, |word| *word as u16)
     }
 
-    /// Half milliseconds for a turn of the time mode.
+    /// Returns the duration of a turn in time mode, in half milliseconds.
     pub(super) fn cycle_time(self) -> u16 {
         self.word(0)
     }
 
-    /// The track whose offset is shown.
+    /// Returns the track whose offset is shown.
     pub(super) fn track_select(self) -> u8 {
         let [low, _] = self.word(TRACK_SELECT).to_le_bytes();
         low
     }
 
-    /// Of all tracks.
+    /// Returns the offsets of all tracks.
     #[inline]
     pub(super) fn offsets(self) -> [i16; LINES] {
         std::array::from_fn(|track| self.word(OFFSET + track).cast_signed())
@@ -72,16 +73,16 @@ impl<'a> CamTable<'a> {
         self.word(MONOFLOP + track)
     }
 
-    /// On and off of `count` cams from `first` on; none where the table ends before.
+    /// Returns on and off of `count` cams, starting with cam `first`; none if the table is too short.
     #[inline]
     pub(super) fn cams(self, first: usize, count: usize) -> impl Iterator<Item = (i32, i32)> + use<'a> {
-        // One look at the length for all of them: word by word it would be four per cam.
+        // One bounds check for all cams: word by word it would be four per cam.
         let cams = self.cams.get(first..first + count).unwrap_or_default();
         cams.iter().map(|[a, b, c, d]| (double(*a, *b), double(*c, *d)))
     }
 }
 
-/// What is asked of the tracks that a table belongs to.
+/// Checks the tracks to which the table belongs.
 pub(in crate::function) fn check_table(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
     let counts = || (0..LINES).map(|track| words.get(CAMS + track) as usize);
     let block = track::check_words(setting)?;
@@ -113,13 +114,13 @@ pub(in crate::function) fn check_table(words: Words<'_>, setting: &Setting<'_>) 
     Ok(())
 }
 
-/// Where the places of a set lie.
+/// Returns the range of positions of a parameter set.
 fn ring(words: Words<'_>) -> Ring {
     if words.get(BA) == 0 { Ring::LINE } else { Ring::of(words.get(MODULO).max(1)) }
 }
 
 fn check_time(place: usize, half_ms: u16, call_ns: u64) -> Result<(), Fault> {
-    // Places of words are below 2^16.
+    // Indices of words are below 2^16.
     if half_ms > LONGEST {
         return Err(Fault::new(Code::AMK_TIME_LONG).with(place as i64, LONGEST.into()));
     }

@@ -18,7 +18,7 @@ fn table(head: &[(usize, i64)], cams: &[(i32, i32)]) -> Arc<Table> {
     Arc::new(Table::new(Form::Words, &[], &words).expect("words"))
 }
 
-/// The example of the manual: four tracks of two cams, the second one of each parked.
+/// The example of the manual: four tracks of two cams, of which the second one is always off.
 fn example(head: &[(usize, i64)]) -> Arc<Table> {
     table(head, &[10_000, 11_000, 12_000, 13_000].map(|on| [(on, on + 1000), (0, 0)]).concat())
 }
@@ -91,7 +91,7 @@ impl Bench {
 #[test]
 fn the_example_of_the_manual_switches_where_it_says() {
     let mut bench = Bench::new(example(&[]));
-    // Track 1 cam 0 is the third one, track 3 cam 1 the eighth.
+    // Cam 0 of track 1 is the third one, cam 1 of track 3 the eighth.
     assert_eq!((bench.table.double(40), bench.table.double(42), bench.table.double(60)), (11_000, 12_000, 0));
     assert_eq!(bench.start(&set(&EXAMPLE), 700), 0, "x is 0 where the source stands at START");
     let at = [
@@ -112,7 +112,7 @@ fn the_example_of_the_manual_switches_where_it_says() {
     let mut bench = Bench::new(example(&[(8, 500)]));
     bench.start(&set(&EXAMPLE), 0);
     assert_eq!([9_499, 9_500, 9_600, 10_499, 10_500].map(|x| bench.step(x)), [0, 1, 1, 1, 0]);
-    // 19800 shifted is 300.
+    // 19800 plus offset is 300.
     bench.table = table(&[(8, 500)], &[(300, 301)]);
     bench.start(&set(&ONE), 0);
     assert_eq!(bench.steps(&[19_799, 19_800, 19_801]), "010");
@@ -129,7 +129,7 @@ fn a_turn_in_time_takes_the_cycle_time_of_the_table() {
     assert_eq!(outputs, expected);
 }
 
-/// 100 inc in 1.5 ms, 0.5 ms per call: 33 1/3 inc per call never drift; then in 2 ms: 25 inc per call.
+/// 100 inc in 1.5 ms, 0.5 ms per call: 33 1/3 inc per call do not drift; then in 2 ms: 25 inc per call.
 /// Proves: AMK-CAM-05, AMK-CAM-01
 #[test]
 fn fractions_of_a_turn_in_time_are_kept() {
@@ -154,7 +154,7 @@ fn the_absolute_mode_ends_where_32_bits_end() {
     let mut bench = Bench::new(table(&[(8, 100)], &[(i32::MAX, i32::MIN), (-5, 5), (i32::MIN, i32::MIN + 50)]));
     let words = set(&[(BA, 0), (MODULO, 0), (CAMS, 3)]);
     assert_eq!(bench.start(&words, 0), 0);
-    // Shifted by 100: from 2^31 - 101 on it stands at the end; before the beginning likewise.
+    // With offset 100, x is limited from 2^31 - 101 on; at the lower end likewise.
     assert_eq!(bench.steps(&[-106, -105, -96, -95, last - 101, last - 100, last, i64::MAX]), "01100111");
     assert_eq!(bench.steps(&[first - 200, first - 50, first]), "000");
     bench.table = table(&[(8, -100)], &[(i32::MIN, i32::MIN + 50), (0, 0), (0, 0)]);
@@ -179,19 +179,19 @@ fn an_offset_is_the_sum_of_all_changes_and_one_is_shown() {
     };
     assert_eq!(bench.call(Some(&set(&EXAMPLE)), 0).sink, 19_900, "within the modulo");
     assert_eq!([-100, 0, 150, 32_767].map(|word| sink(&mut bench, word)), [19_900, 0, 150, 12_767]);
-    // Over the end of 16 bits: 2 more.
+    // Across the end of 16 bits: 2 more.
     assert_eq!(sink(&mut bench, -32_767), 12_769);
     assert_eq!(bench.step(800) & 8, 8, "13569");
 
     let absolute = with(&EXAMPLE, &[(BA, 0)]);
     assert_eq!(bench.call(Some(&absolute), 0).sink, -32_767);
     assert_eq!([0, 32_767, -32_767, 0].map(|word| sink(&mut bench, word)), [0, 32_767, 32_769, 65_536]);
-    // Another track, one without cams as well; the words' high byte is no part of it.
+    // A track without cams can be selected as well; the high byte of the word is ignored.
     bench.table = example(&[(1, 0x0705), (8 + 5, 9)]);
     assert_eq!(bench.call(None, 0).sink, 9);
 }
 
-/// A brake cam: it acts 10 ms before its place, on whichever side the press comes from.
+/// A brake cam: it switches 10 ms before its position, from either direction.
 /// Proves: AMK-CAM-10, AMK-CAM-11, AMK-CAM-41
 #[test]
 fn a_brake_cam_leads_with_the_velocity_and_turns_with_it() {
@@ -203,17 +203,17 @@ fn a_brake_cam_leads_with_the_velocity_and_turns_with_it() {
         assert_eq!(bench.step(100 * k), 0, "{k}");
     }
     assert_eq!(bench.steps(&[9_000, 9_100]), "11");
-    // It stops: mean 50, 500 ahead, then nothing.
+    // The press stops: mean 50, 500 ahead, then no lead.
     assert_eq!(bench.steps(&[9_100, 9_100]), "00");
-    // A leap: the mean is 700 in two calls, 7000 ahead; then it stands on the cam.
+    // A jump: the mean is 700 in two calls, 7000 ahead; then it rests on the cam.
     assert_eq!(bench.steps(&[10_500, 10_500, 10_500]), "001");
-    // From the other side, 100 back per ms: on below 12000, where 11000 is 1000 ahead, off below 11000.
+    // In negative direction, 100 inc per ms: on below 12000, where the lead reaches 11000, off below 11000.
     bench.steps(&[13_000, 13_000, 13_000]);
     let back = (1..=21).map(|k| 13_000 - 100 * k).collect::<Vec<_>>();
     assert_eq!(bench.steps(&back), "000000000011111111110");
-    // It turns: mean -25 is still 250 back from 10950, then +50 is 500 ahead of 11000.
+    // The direction changes: a mean of -25 is still 250 back from 10950, then +50 is 500 ahead of 11000.
     assert_eq!(bench.steps(&[10_950, 11_000]), "10");
-    // Over the wrap: 1000 back from -900 is 18100.
+    // Across the wrap: 1000 back from -900 is 18100.
     bench.table = table(&[(16, 20)], &[(18_100, 18_101)]);
     bench.start(&words, 0);
     assert_eq!(bench.steps(&(1..=10).map(|k| -100 * k).collect::<Vec<_>>()), "0000000010");
@@ -227,21 +227,21 @@ fn the_absolute_mode_and_the_time_mode_lead_as_well() {
     bench.start(&words, 100);
     // 100 inc per ms, 2 ms: 200 ahead.
     assert_eq!(bench.steps(&[200, 300]), "10");
-    // 100 inc in 1.5 ms, 0.5 ms per call: 33 1/3 inc, led by 2 ms = 133 1/3.
+    // 100 inc in 1.5 ms, 0.5 ms per call: 33 1/3 inc, a lead of 2 ms = 133 1/3.
     let mut bench = Bench { call_ns: 500_000, ..Bench::new(table(&[(0, 3), (16, 4)], &[(66, 67), (0, 1)])) };
     bench.start(&set(&[(BA, 2), (MODULO, 100), (CAMS, 2)]), 0);
     // 166 2/3, exactly 200, 233 1/3, 266 2/3.
     assert_eq!(bench.steps(&[0; 4]), "1101");
 }
 
-/// The lead of track 0, which has a dead time; track 1 has the same place without one.
+/// The lead of track 0, which has a dead time; track 1 has the same position without one.
 fn lead(bench: &Bench) -> i64 {
     let lanes = bench.cam.course.as_ref().expect("a started cam").lanes;
     (lanes[0].x - lanes[1].x).rem_euclid(20_000)
 }
 
-/// A turn of 20000 inc in 200 ms, then in 20 ms: 100 and 1000 inc per call, and a dead time of one call. Of 20 calls, n have the new velocity:
-/// the mean is 100 + 45 n.
+/// A turn of 20000 inc in 200 ms, then in 20 ms: 100 and 1000 inc per call, and a dead time of one call. Of 20 calls, n
+/// have the new velocity: the mean is 100 + 45 n.
 ///
 /// Proves: AMK-CAM-05, AMK-CAM-10, AMK-CAM-11
 #[test]
@@ -295,17 +295,18 @@ fn pulses_logic_and_disabled_tracks_are_as_their_mode_says() {
     let modes = [(MODE, 16), (MODE + 1, 4), (MODE + 2, 32), (MODE + 4, 1), (MODE + 5, 1)];
     let counts = [(BA, 1), (CAMS, 1), (CAMS + 1, 1), (CAMS + 2, 1), (CAMS + 4, 1)];
     let outcome = bench.call(Some(&with(&counts, &modes)), 0);
-    // Track 3 has no cams, nor has 5; 2 is disabled; 4 is always on, inverted.
+    // Tracks 3 and 5 have no cams; 2 is disabled; 4 is always on, inverted.
     assert_eq!((outcome.writes, outcome.outputs), (0b1_0011, 0));
     bench.inputs = 0b10;
     assert_eq!([105, 120, 120, 120].map(|x| bench.step(x)), [0b11, 0b11, 0b11, 0b10]);
 }
 
-/// Each stage takes what the one before it gives: in any other order another call would differ.
+/// Each stage uses the result of the previous one: any other order would change the outputs of a call.
 /// Proves: AMK-CAM-02
 #[test]
 fn a_track_goes_from_the_place_to_the_output_in_the_order_of_its_stages() {
-    // Offset 500 and 10 ms ahead, 1000 inc at 100 inc per ms; 3 calls of pulse; the second track has the place alone.
+    // Offset 500 and 10 ms ahead, 1000 inc at 100 inc per ms; a pulse of 3 calls; the second track has neither offset
+    // nor lead.
     let mut bench = Bench::new(table(&[(8, 500), (16, 20), (24, 5)], &[(1_800, 2_800), (300, 400)]));
     let logic = 16 + 4 + 2 + 1;
     let sets = [(DEAD_TIME_MEAN, 1), (CAMS + 1, 1), (HYSTERESIS, 15), (MODE, logic)];
@@ -313,15 +314,16 @@ fn a_track_goes_from_the_place_to_the_output_in_the_order_of_its_stages() {
     let calls = [
         (100, 0, 0b01),
         (200, 0, 0b01),
-        // 300 + 500 + 1000: the cam begins, and its pulse; the input, inverted, holds it back in this call only.
+        // 300 + 500 + 1000: the cam begins, and its pulse; the input, inverted, suppresses it in this call only.
         (300, 1, 0b11),
         (400, 0, 0b00),
         (500, 0, 0b00),
         (600, 0, 0b01),
-        // It stands: 1100 is within the hysteresis, so that 2200 is no new edge.
+        // The master rests: 1100 is within the hysteresis, so that 2200 is no new edge.
         (600, 0, 0b01),
         (700, 0, 0b01),
-        // It turns: 600 + 500 - 1000 is below 300, and the way up begins a pulse again.
+        // The direction changes: 600 + 500 - 1000 is below 300, and the motion in positive direction starts a pulse
+        // again.
         (600, 0, 0b01),
         (700, 0, 0b00),
         (800, 0, 0b00),
@@ -332,13 +334,13 @@ fn a_track_goes_from_the_place_to_the_output_in_the_order_of_its_stages() {
         bench.inputs = input;
         assert_eq!(bench.step(x), outputs, "{x}");
     }
-    // Disabled, it is not written, whatever comes before.
+    // A disabled track is not written, whatever its stages give.
     bench.start(&with(&[ONE[0], ONE[1], (CAMS + 1, 1)], &[(MODE, 32 + logic)]), 0);
     let outcome = bench.call(None, 100);
     assert_eq!((outcome.writes, outcome.outputs), (0b10, 0));
 }
 
-/// The crossings of the machine in increments of the table, through the function.
+/// The transitions of the state machine in increments of the table, through the function.
 /// Proves: AMK-CAM-15, AMK-CAM-36
 #[test]
 fn a_hysteresis_is_told_in_hundreds() {
@@ -355,15 +357,15 @@ fn a_hysteresis_is_told_in_hundreds() {
 fn an_edited_cam_begins_anew_and_the_others_go_on() {
     let mut bench = Bench::new(table(&[], &[(10_000, 11_000), (12_000, 13_000)]));
     bench.start(&set(&[(BA, 1), (CAMS, 1), (CAMS + 1, 1), (HYSTERESIS, 5), (HYSTERESIS + 1, 5)]), 0);
-    // Both off, within their hysteresis or beyond: the first is passed, the second is held from below.
+    // Both are off, within their hysteresis or beyond: the first is passed, the second was reached from below.
     assert_eq!([10_500, 12_100, 11_900].map(|x| bench.step(x)), [1, 2, 2]);
-    // The first one now ends at 12000: on at once, reached from below. The second one stays held on.
+    // The first one now ends at 12000: it is on at once, reached from below. The second one stays on.
     bench.table = table(&[], &[(10_000, 12_000), (12_000, 13_000)]);
     assert_eq!([11_900, 12_000, 11_500, 11_499].map(|x| bench.step(x)), [3, 2, 2, 1]);
-    // A word beside the cams begins nothing anew: it stays on down to 9500.
+    // A word outside the cams restarts nothing: the cam stays on down to 9500.
     bench.table = table(&[(1, 4)], &[(10_000, 12_000), (12_000, 13_000)]);
     assert_eq!([9_500, 9_499].map(|x| bench.step(x)), [1, 0]);
-    // An edit without hysteresis simply counts.
+    // An edit without hysteresis takes effect at once.
     bench.start(&set(&ONE), 0);
     bench.table = table(&[], &[(0, 1)]);
     assert_eq!(bench.step(0), 1);
@@ -459,7 +461,7 @@ fn a_copy_takes_the_place_of_another_one() {
     assert_eq!((outputs.as_str(), bench.steps(&[9_700, 9_699]).as_str()), ("10", "10"));
 }
 
-/// Is a cam on, increment by increment from its start?
+/// Returns true if a cam is on, by stepping through its increments from its start.
 fn is_on(cam: (i32, i32), x: i64, modulo: i64) -> bool {
     let mut place = i64::from(cam.0);
     while place != i64::from(cam.1) {
@@ -472,7 +474,7 @@ fn is_on(cam: (i32, i32), x: i64, modulo: i64) -> bool {
 }
 
 proptest! {
-    /// Tracks without hysteresis are on where one walks over x from the start of a cam to its end.
+    /// Tracks without hysteresis are on where stepping from the start of a cam to its end meets x.
     #[test]
     fn plain_tracks_are_what_a_walk_along_their_cams_meets(
         cams in proptest::collection::vec((0_i32..300, 0_i32..300), 1..20),

@@ -1,8 +1,9 @@
 //! Tables of speeds: points in rpm at equal distances.
 //!
-//! Law      form y: each number is a point; form words: DW0 = points + 1, point i from 1 on is the low word of DD 2i, whose high word
-//!          is not read
-//! Refuses  form xy, fewer than 2 points or more than 127, points beyond -32767 to 32767, words that end before the last point
+//! Law      form y: each number is a point; form words: DW0 = points + 1, point i from 1 on is the low word of DD 2i,
+//!          whose high word is ignored
+//! Refuses  form xy, fewer than 2 points or more than 127, points beyond -32767 to 32767, words that end before the
+//!          last point
 //! Source   AMK-DFKT-23, AMK-DFKT-24, D9
 
 use super::super::program::{Fault, Setting};
@@ -10,20 +11,20 @@ use super::WORD;
 use crate::code::Code;
 use crate::table::{Form, Table};
 
-/// Fewest and most points.
+/// Allowed number of points.
 const COUNT: std::ops::RangeInclusive<usize> = 2..=127;
 
-/// The points of a table that was checked.
+/// The points of a checked table.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Points<'a> {
     numbers: &'a [i64],
-    /// Where the first one stands, and how far the next one.
+    /// Index of the first point, and distance to the next one.
     stride: (usize, usize),
     count: usize,
 }
 
 impl<'a> Points<'a> {
-    /// None of a table of places, or with too few points.
+    /// Returns the points of a table; `None` for a table of positions, or with too few points.
     #[inline]
     pub(super) fn of(table: &'a Table) -> Option<Self> {
         let (stride, count) = match table.form() {
@@ -34,7 +35,7 @@ impl<'a> Points<'a> {
         COUNT.contains(&count).then_some(Self { numbers: table.y(), stride, count })
     }
 
-    /// A point (rpm), from 0 on; 0 behind the end.
+    /// Returns point `i` (rpm), counted from 0; 0 after the end.
     #[inline]
     pub(super) fn get(self, i: usize) -> i64 {
         // Points and words are within 16 bits: the cast keeps their bits.
@@ -51,14 +52,15 @@ impl<'a> Points<'a> {
         self.get(self.count - 1)
     }
 
-    /// One at least.
+    /// Returns the number of intervals, at least 1.
     #[inline]
     pub(super) fn intervals(self) -> usize {
         self.count - 1
     }
 }
 
-/// Refuses tables that are none of speeds, and one that would be written. One that is left out is missed when it is to be active.
+/// Returns an error for tables that do not hold speeds, and for a table to write. A missing table is an error only when
+/// it is activated.
 pub(super) fn check_tables(setting: &Setting<'_>, count: usize) -> Result<(), Fault> {
     if setting.tables.last().is_some_and(Option::is_some) {
         return Err(Fault::new(Code::AMK_OUTPUT_TABLE));
@@ -71,7 +73,7 @@ pub(super) fn check_tables(setting: &Setting<'_>, count: usize) -> Result<(), Fa
 }
 
 fn check_table(table: &Table) -> Result<(), (Code, i64)> {
-    // Lists are shorter than 2^17.
+    // Tables are shorter than 2^17.
     let length = table.len() as i64;
     let Some(points) = Points::of(table) else {
         return Err(match table.form() {
@@ -84,10 +86,10 @@ fn check_table(table: &Table) -> Result<(), (Code, i64)> {
         return Err((Code::AMK_SPEED_WORDS, length));
     }
     let is_beyond = |i: &usize| match table.form() {
-        // Words that are given unsigned are signed all the same.
+        // Words that are given as unsigned count as signed.
         Form::Words => points.get(*i) < -WORD,
         _ => table.y().get(*i).is_none_or(|point| !(-WORD..=WORD).contains(point)),
     };
-    // As the source counts them.
+    // Points are counted from 1, as in the source.
     (0..points.count).find(is_beyond).map_or(Ok(()), |i| Err((Code::AMK_SPEED_POINT, i as i64 + 1)))
 }

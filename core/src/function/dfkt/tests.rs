@@ -1,4 +1,4 @@
-//! The oracles of a speed by a table, its inputs, its refusals, and all of it against the formulas of the spec in fractions.
+//! Test oracles of DFKT, its inputs and errors, and a comparison with the formulas of the spec in fractions.
 
 use super::super::program::Reading;
 use super::super::trial::{at_rest, set, setting};
@@ -10,7 +10,7 @@ use crate::unit::Fraction;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Points of the manual's example (rpm).
+/// Points of the example of the manual (rpm).
 const T: [i64; 9] = [0, 500, 1000, 1500, 2000, 2500, 3000, 3500, 4000];
 /// Two milliseconds (ns), as w = 4.
 const CALL: u64 = 2_000_000;
@@ -25,7 +25,7 @@ fn y(points: &[i64]) -> Arc<Table> {
     Arc::new(Table::new(Form::Y, &[], points).expect("points"))
 }
 
-/// The same as a data block, with high words that nothing reads.
+/// The same points as a data block; the high words are ignored.
 fn words(points: &[i64]) -> Arc<Table> {
     let mut words = vec![points.len() as i64 + 1, 77];
     words.extend(points.iter().flat_map(|point| [*point, 1234]));
@@ -44,7 +44,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// Tab0 and up; a set of these values.
+    /// Creates a function with these tables as Tab0 and up, and these values in its set.
     fn new(tables: &[Arc<Table>], values: &[(&'static str, i64)]) -> Self {
         let places = std::array::from_fn(|place| (place < tables.len()).then_some(place as u16));
         Self { dfkt: Dfkt::new(), tables: tables.into(), places, call_ns: CALL, values: values.into(), travel: 0 }
@@ -54,7 +54,7 @@ impl Bench {
         self.places.map(|place| self.tables.get(usize::from(place?)).map(|table| &**table))
     }
 
-    /// What START, or VALUE_NEW while it runs, says to the set with these values changed.
+    /// Returns the result of START, or of VALUE_NEW while it runs, for the set with these values changed.
     fn asked(&mut self, more: &[(&'static str, i64)], runs: bool, occasion: Occasion) -> Result<Vec<i64>, Fault> {
         for (name, value) in more {
             self.values.retain(|(known, _)| known != name);
@@ -75,7 +75,7 @@ impl Bench {
         Seen { call_ns: self.call_ns, source, inputs, tables, ..at_rest() }
     }
 
-    /// Sink, outputs and which it writes, of START.
+    /// Returns sink, outputs and written outputs of START.
     fn start(&mut self, value: i64, inputs: u8) -> (i64, u8, u8) {
         let words = self.asked(&[], false, Occasion::Order).expect("a set that starts");
         let mut dfkt = self.dfkt.clone();
@@ -89,7 +89,7 @@ impl Bench {
         self.dfkt.renew(Words(&words));
     }
 
-    /// Sink and outputs of a call with an input in 0.0001 rpm.
+    /// Returns sink and outputs of a call with an input in 0.0001 rpm.
     fn step(&mut self, value: i64, inputs: u8) -> (i64, u8) {
         let mut dfkt = self.dfkt.clone();
         let told = dfkt.step(&self.seen(value, inputs));
@@ -98,17 +98,17 @@ impl Bench {
         (told.sink, told.outputs)
     }
 
-    /// The status of the last call, as AMK-DFKT-52 has it.
+    /// Returns the status of the last call, as AMK-DFKT-52 defines it.
     fn status(&self) -> i64 {
         (0_u32..6).zip(self.dfkt.shown()).map(|(nth, bit)| bit << nth).sum()
     }
 
-    /// Ratio and table in force.
+    /// Returns the active ratio and table.
     fn in_force(&self) -> &[i64] {
         &self.dfkt.shown()[6..]
     }
 
-    /// The status for inputs in rpm, without binary inputs.
+    /// Returns the status for inputs in rpm, without binary inputs.
     fn statuses<const N: usize>(&mut self, rpm: [i64; N]) -> [i64; N] {
         self.start(0, 0);
         rpm.map(|rpm| {
@@ -117,13 +117,13 @@ impl Bench {
         })
     }
 
-    /// Outputs for inputs in rpm, without binary inputs.
+    /// Returns the outputs for inputs in rpm, without binary inputs.
     fn follows<const N: usize>(&mut self, rpm: [i64; N]) -> [i64; N] {
         self.start(0, 0);
         rpm.map(|rpm| self.step(rpm * RPM, 0).0)
     }
 
-    /// The same for ways per call.
+    /// Returns the outputs for travel per call.
     fn turns<const N: usize>(&mut self, ways: [i64; N]) -> [i64; N] {
         self.start(0, 0);
         ways.map(|way| {
@@ -133,7 +133,7 @@ impl Bench {
     }
 }
 
-/// The manual's example but for its inputs: the ratio of the whole table.
+/// The example of the manual without its inputs: the ratio of the whole table.
 const EXAMPLE: [(&str, i64); 15] = [
     ("ba", 4),
     ("sf_cycle_time", 4),
@@ -161,7 +161,7 @@ fn example(more: &[(&'static str, i64)]) -> Bench {
     bench
 }
 
-/// No limit that would bind.
+/// Limits that never apply.
 const FREE: [(&str, i64); 5] =
     [("out_max", 32_767), ("out_min", -32_767), ("ratio_max", 32_767), ("ratio_min", -32_767), ("ratio_div", 1)];
 
@@ -180,7 +180,7 @@ fn free(tables: &[Arc<Table>], values: &[(&'static str, i64)]) -> Bench {
 #[test]
 fn the_fields_are_those_of_the_commanding_block() {
     let fields: Vec<_> = FIELDS.iter().map(|field| (field.name, field.min, field.max, field.live)).collect();
-    // What is needed only with bit 0 of ba may be 0; both ratio limits have the range of D3.
+    // Fields that only bit 0 of ba needs may be 0; both ratio limits have the range of D3.
     assert_eq!(
         fields,
         [
@@ -209,7 +209,7 @@ fn the_ratio_of_the_whole_table_is_that_of_its_last_point() {
     let rpm = [1000, 1125, 2500, -500, -2500, 2000, 0];
     let speeds = [1000, 1125, 2500, -500, -2500, 2000, 0].map(|speed| speed * RPM);
     assert_eq!(example(&[]).follows(rpm), speeds);
-    // Without bit 2 the table counts in full, as far as the limits of ratio and speed let it.
+    // Without bit 2 the table applies in full, as far as the limits of ratio and speed allow.
     assert_eq!(example(&[("ba", 0)]).follows([1000, 1125, 2500]), [20_000_000, 22_500_000, 40_000_000]);
     assert_eq!(example(&[("ba", 0), ("mult", 500)]).follows([1000, 2500]), [10_000_000, 25_000_000]);
 }
@@ -218,13 +218,13 @@ fn the_ratio_of_the_whole_table_is_that_of_its_last_point() {
 #[test]
 fn a_way_per_call_is_a_speed() {
     let by_way = [("ba", 1), ("sf_cycle_time", 4), ("in_resolution", 20_000), ("active_table", 0)];
-    // The slot has taken differences as wide as its source: 32760 to -32760 is 16 further.
+    // The slot computes differences in the width of its source: 32760 to -32760 is 16 further.
     assert_eq!(free(&[], &by_way).turns([100, 1, 16, -100, 0]), [1_500_000, 15_000, 240_000, -1_500_000, 0]);
-    // START knows no way yet (D2), and its place is where ways begin.
+    // The travel of the first call is 0 (D2), and travel counts from the position at START.
     let mut bench = free(&[], &by_way);
     bench.travel = 5000;
     assert_eq!((bench.start(0, 0), bench.step(0, 0)), ((0, 0, 0), (0, 0)));
-    // A call that is no whole half millisecond.
+    // A call time that is no multiple of half a millisecond.
     let mut bench = free(&[], &[("ba", 1), ("in_resolution", 20_000), ("active_table", 0)]);
     bench.call_ns = 750_000;
     assert_eq!(bench.turns([1]), [40_000]);
@@ -250,7 +250,7 @@ fn steps_of_a_table_need_not_be_whole() {
     let mut bench = free(&[y(&[0, 100, 700])], &[("in_final", 1001), ("cont_low", 2)]);
     bench.start(0, 0);
     let calls = [2_500_000, 7_507_500, 5_005_000, 10_010_000, -2_500_000].map(|n| bench.step(n, 0).0);
-    // Towards 0 on both sides.
+    // Rounded towards 0 on both sides.
     assert_eq!(calls, [499_500, 4_000_000, 1_000_000, 7_000_000, -499_500]);
 }
 
@@ -263,7 +263,7 @@ fn beyond_its_ends_a_table_is_held_or_goes_on() {
     let speeds = |speeds: [i64; 5]| speeds.map(|speed| speed * RPM);
     assert_eq!(bench(0, 0).follows(rpm), speeds([100, 100, 600, 900, 900]).map(|y| y));
     assert_eq!(bench(0, 1).follows(rpm), speeds([100, 100, 600, 900, 1500]));
-    // The mirror has the upper end, too (D5).
+    // The mirrored half has the upper end as well (D5).
     assert_eq!(bench(2, 0).follows(rpm), speeds([-900, -300, 600, 900, 900]));
     assert_eq!(bench(2, 1).follows(rpm), speeds([-2100, -300, 600, 900, 1500]));
 }
@@ -286,7 +286,7 @@ fn the_ratio_is_limited_as_a_product_so_that_0_gives_0() {
         free(&[y(&[1000, 1000])], &limits)
     };
     assert_eq!(ratios(-2000, 2000, 0).follows([100, 0, 800, -100]), [2_000_000, 0, 10_000_000, 2_000_000]);
-    // Ends change their places below 0 (D6): -750 to -1000.
+    // The limits change places below 0 (D6): -750 to -1000.
     assert_eq!(ratios(1500, 2000, 0).follows([1500, -500]), [22_500_000, -7_500_000]);
     assert_eq!(ratios(1500, 2000, 2).follows([-500]), [-10_000_000]);
     assert_eq!(ratios(-2000, -1500, 2).follows([500, -500]), [-7_500_000, 7_500_000]);
@@ -296,12 +296,12 @@ fn the_ratio_is_limited_as_a_product_so_that_0_gives_0() {
 #[test]
 fn the_speed_is_limited_behind_the_ratio() {
     let mut bench = free(&[], &[("active_table", 0), ("out_max", 500), ("out_min", -200), ("ratio_min", 2)]);
-    // The ratio asks for 2 n at least.
+    // The ratio requires at least 2 n.
     assert_eq!(bench.follows([100, 250, 251, -100, -101]), [2_000_000, 5_000_000, 5_000_000, -2_000_000, -2_000_000]);
     assert_eq!(free(&[], &[("active_table", 0), ("out_max", 0), ("out_min", 0)]).follows([100, -100]), [0, 0]);
 }
 
-/// Bits 4 and 5 are the sides of the table, whatever it does there (D7).
+/// Bits 4 and 5 report the side of the table, whatever its continuation (D7).
 /// Proves: AMK-DFKT-52, AMK-DFKT-O2
 #[test]
 fn status_shows_input_beyond_the_ends_of_the_table() {
@@ -325,7 +325,7 @@ fn status_shows_the_limits_that_changed_the_output() {
     // 1000 / 1500 and 1000 / -500 are less than 1.5.
     assert_eq!(ratios(1500, 2000, 0).statuses([1500, -500]), [2 + 16, 2 + 32]);
     assert_eq!(ratios(1500, 2000, 2).statuses([-500]), [32]);
-    // 2 is more than -1.5, forwards and backwards.
+    // 2 is more than -1.5, in both directions.
     assert_eq!(ratios(-2000, -1500, 2).statuses([500, -500]), [1, 1 + 32]);
     let mut bench = free(&[], &[("active_table", 0), ("out_max", 500), ("out_min", -200), ("ratio_min", 2)]);
     assert_eq!(bench.statuses([100, 250, 251, -100, -101]), [2, 2, 2 + 4, 2, 2 + 8]);
@@ -368,7 +368,7 @@ fn tables_are_those_of_speeds() {
     assert_eq!(refused(&[raw(&[3, 0, 0, 0, 32_768])], 1), of(Code::AMK_SPEED_POINT, 0, 2));
     let places = Table::new(Form::Xy, &[0, 5], &[0, 1]).expect("points");
     assert_eq!(refused(&[Arc::new(places)], 1), of(Code::AMK_CURVE_FORM, 0, 0));
-    // What is not counted is not looked at; seven are, and an eighth one is none to read.
+    // Tables beyond table_count are not checked; seven are allowed, and an eighth table is the output table.
     assert_eq!(refused(&[good.clone(), y(&[1])], 1), None);
     let seven = vec![good.clone(); 7];
     assert_eq!(refused(&seven, 7), None);
@@ -389,7 +389,7 @@ fn sets_that_make_no_function_are_refused_with_their_field() {
     assert_eq!(refused(&[("ratio_min", 2000)]), of(Code::AMK_RATIO_LIMITS, "ratio_min", n(2000), n(2000)));
     assert_eq!(refused(&[("ratio_min", 1999)]), None);
     assert_eq!(refused(&[("cont_low", 1)]), of(Code::AMK_CONTINUATION, "cont_low", n(1), n(2)));
-    // Only where the input is a way (C8).
+    // Only if the input is a travel (C8).
     assert_eq!(
         refused(&[("ba", 5), ("sf_cycle_time", 2)]),
         of(Code::AMK_CYCLE_MISMATCH, "sf_cycle_time", n(2), Number::Time(2_000_000))
@@ -401,7 +401,7 @@ fn sets_that_make_no_function_are_refused_with_their_field() {
         of(Code::AMK_NO_RESOLUTION, "in_resolution", n(0), n(65_535))
     );
     assert_eq!(refused(&[("ba", 4), ("in_resolution", 0)]), None);
-    // D10, in both modes of inputs.
+    // D10, with and without binary inputs.
     for ba in [4, 6] {
         let count = [("ba", ba), ("active_table", 3)];
         assert_eq!(refused(&count), of(Code::AMK_BEYOND, "active_table", n(3), n(2)));
@@ -409,7 +409,7 @@ fn sets_that_make_no_function_are_refused_with_their_field() {
         assert_eq!(refused(&missing), of(Code::AMK_TABLE_NONE, "active_table", n(3), n(2)));
     }
     assert_eq!(refused(&[("table_count", 7)]), None);
-    // D4: V_N is 2 here, and 2 * 16384 one too many; without bit 2 nothing is related.
+    // D4: V_N is 2 here, and 2 * 16384 is one too many; without bit 2 the ratio is not related.
     assert_eq!(refused(&[("mult", -16_384)]), of(Code::AMK_BEYOND, "mult", n(-16_384), n(-16_383)));
     assert_eq!(refused(&[("mult", -16_383)]), None);
     assert_eq!(refused(&[("mult", 32_767), ("ba", 0)]), None);
@@ -421,7 +421,7 @@ fn sets_that_make_no_function_are_refused_with_their_field() {
     assert_eq!(flat.refused(&[("active_table", 2)]), None);
 }
 
-/// Half, whole and double speed at 1000 rpm, chosen by inputs.
+/// Half, whole and double speed at 1000 rpm, selected by inputs.
 fn chosen(more: &[(&'static str, i64)]) -> Bench {
     let tables = [y(&[0, 500]), y(&[0, 1000]), y(&[0, 2000]), y(&[0, 4000]), y(&[0, 8000])];
     let values = [("ba", 2), ("table_count", 3)];
@@ -439,9 +439,9 @@ fn e1_runs_and_stops_at_once() {
     assert_eq!(bench.step(N, E1), (500 * RPM, 0));
     assert_eq!(bench.step(N, E1), (500 * RPM, 0));
     assert_eq!(bench.step(N, 0), (0, A1));
-    // A level: one that stands at START runs.
+    // E1 acts by level: if it is 1 at START, the function runs.
     assert_eq!(chosen(&[]).start(N, E1), (500 * RPM, 0, A1 | A2));
-    // What a way was while it stood is no speed of the call in which it runs again.
+    // Travel while it is stopped does not count as speed in the call in which it runs again.
     let mut bench = free(&[], &[("ba", 3), ("in_resolution", 20_000), ("active_table", 0)]);
     bench.start(0, E1);
     bench.travel = 9000;
@@ -454,19 +454,19 @@ fn e1_runs_and_stops_at_once() {
 #[test]
 fn a_rising_e2_chooses_the_table_in_its_call() {
     let mut bench = chosen(&[("table_count", 5)]);
-    // A strobe that stands at START is none.
+    // A strobe that is 1 at START is no edge.
     assert_eq!(bench.start(N, E1 | E2 | E4), (500 * RPM, 0, A1 | A2));
     assert_eq!(bench.step(N, E1 | E2 | E4), (500 * RPM, 0));
     assert_eq!(bench.step(N, E1 | E4), (500 * RPM, 0));
     assert_eq!(bench.step(N, E1 | E2 | E4), (1000 * RPM, A2));
-    // The code is read at the edge alone.
+    // The code is read at the edge only.
     assert_eq!(bench.step(N, E1 | E2 | E3), (1000 * RPM, A2));
     assert_eq!(bench.step(N, E1 | E3), (1000 * RPM, 0));
     assert_eq!(bench.step(N, E1 | E2 | E3 | E4), (2000 * RPM, A2));
     assert_eq!(bench.step(N, E1 | E5), (2000 * RPM, 0));
     assert_eq!(bench.step(N, E1 | E2 | E5), (4000 * RPM, A2));
     assert_eq!(bench.step(N, E1), (4000 * RPM, 0));
-    // No table; and while it is stopped, too.
+    // Code 0 selects no table; the code is read while it is stopped as well.
     assert_eq!(bench.step(N, E1 | E2), (1000 * RPM, A2));
     assert_eq!(bench.step(N, 0), (0, A1));
     assert_eq!(bench.step(N, E2 | E3 | E5), (0, A1 | A2));
@@ -489,19 +489,19 @@ fn with_three_tables_e5_is_0() {
 fn a_new_ratio_waits_for_the_strobe() {
     let mut bench = chosen(&[]);
     bench.start(N, E1);
-    // active_table is not evaluated, whatever it is; the limits act at once.
+    // active_table is ignored; the limits apply at once.
     bench.value_new(&[("mult", 3), ("div", 2), ("active_table", 7)]);
     assert_eq!(bench.step(N, E1), (500 * RPM, 0));
     bench.value_new(&[("out_max", 400)]);
     assert_eq!(bench.step(N, E1), (400 * RPM, 0));
     bench.value_new(&[("out_max", 32_767)]);
-    // The strobe reads the code as well: the present one keeps the table.
+    // The strobe also reads the code: the present code keeps the table.
     assert_eq!(bench.step(N, E1 | E2 | E3), (750 * RPM, A2));
     assert_eq!(bench.step(N, E1), (750 * RPM, 0));
     assert_eq!(bench.step(N, E1 | E2 | E4), (1500 * RPM, A2));
 }
 
-/// Numerator, denominator and number of the table; what waits is not in force.
+/// Numerator, denominator and number of the table; waiting values are not active.
 /// Proves: AMK-DFKT-53, AMK-DFKT-54
 #[test]
 fn ratio_and_table_in_force_are_shown() {
@@ -513,7 +513,7 @@ fn ratio_and_table_in_force_are_shown() {
     assert_eq!((bench.in_force(), bench.status()), (&[1, 1, 1][..], 0));
     bench.step(N, E1 | E2 | E4);
     assert_eq!((bench.in_force(), bench.status()), (&[-3, 2, 2][..], 8));
-    // While it is stopped no limit binds.
+    // While it is stopped no limit applies.
     bench.step(N, 0);
     assert_eq!((bench.in_force(), bench.status()), (&[-3, 2, 2][..], 0));
     bench.step(N, E2);
@@ -528,7 +528,7 @@ fn a_strobe_for_a_table_that_is_not_there_does_nothing() {
     bench.places[4] = None;
     bench.start(N, E1);
     bench.value_new(&[("mult", 2)]);
-    // Beyond those that count, none there, and one whose ratio would be to 0 (D10, D11): V stays 1 / 1.
+    // Codes beyond table_count, of a missing table, and of a table whose ratio would be to 0 (D10, D11): V stays 1 / 1.
     for code in [E3 | E4 | E5, E3 | E5, E5] {
         assert_eq!(bench.step(N, E1 | E2 | code), (N, 0), "{code}");
         assert_eq!(bench.step(N, E1), (N, 0));
@@ -555,7 +555,7 @@ fn without_inputs_it_runs_at_once_and_takes_values_at_once() {
 fn a_new_ratio_is_judged_by_the_table_that_runs() {
     let mut bench = chosen(&[("ba", 6)]);
     bench.start(N, E1);
-    // Half: 32767 fits; double, which a strobe has chosen: half of it does.
+    // With half speed 32767 is allowed; with the double speed that a strobe selected, half of it.
     bench.value_new(&[("mult", 32_767)]);
     bench.step(N, E1 | E2 | E3 | E4);
     let kept = bench.asked(&[], true, Occasion::Kept);
@@ -571,12 +571,12 @@ fn the_table_that_runs_gets_no_new_numbers() {
     let edit = |bench: &Bench, place: u8, runs| bench.clone().asked(&[], runs, Occasion::Edit(1 << place)).err();
     let mut bench = chosen(&[]);
     let used = |place| Some(Fault::new(Code::AMK_TABLE_IN_USE).with(place, 0));
-    // In the cycle of START its set counts.
+    // In the cycle of START the new set applies.
     assert_eq!((edit(&bench, 0, false), edit(&bench, 1, false)), (used(0), None));
     bench.start(N, 0);
     bench.step(N, E2 | E4);
     assert_eq!((edit(&bench, 0, true), edit(&bench, 1, true)), (None, used(1)));
-    // New ones have to be speeds.
+    // New numbers must be valid speeds.
     bench.tables[0] = y(&[0, 40_000]);
     assert_eq!(edit(&bench, 0, true).map(|fault| fault.code), Some(Code::AMK_SPEED_POINT));
     bench.step(N, 0);
@@ -585,7 +585,7 @@ fn the_table_that_runs_gets_no_new_numbers() {
     assert_eq!([0, 1, 2].map(|place| edit(&bench, place, true)), [None; 3]);
 }
 
-/// A set that starts, its points and whether they are words.
+/// A set that starts, its points, and whether they are words.
 fn sets() -> impl Strategy<Value = (Vec<(&'static str, i64)>, Vec<i64>, bool)> {
     let word = || prop_oneof![-5_i64..6, -32_767_i64..=32_767];
     let divisor = || prop_oneof![1_i64..6, 1_i64..=32_767];
@@ -616,7 +616,7 @@ fn sets() -> impl Strategy<Value = (Vec<(&'static str, i64)>, Vec<i64>, bool)> {
     )
 }
 
-/// The output of a set at a speed in 0.0001 rpm, and its status, by the formulas of the spec in their order.
+/// Returns the output of a set at a speed in 0.0001 rpm, and its status, by the formulas of the spec in their order.
 fn by_the_book(values: &[(&'static str, i64)], points: &[i64], n: Fraction) -> (i64, i64) {
     let get = |name: &str| values.iter().find(|(known, _)| *known == name).map_or(0, |(_, value)| *value);
     let whole = |value: i64| Fraction::from_integer(value.into());
@@ -682,7 +682,7 @@ proptest! {
         bench.start(0, E1);
         for input in inputs {
             let n = if get("ba") & 1 == 1 {
-                // Ways of 16 bits.
+                // Travel of 16 bits.
                 let way = input % 32_768;
                 bench.travel += way;
                 Fraction::new(i128::from(way) * 600_000_000_000_000, i128::from(get("in_resolution")) * i128::from(call_ns))
@@ -693,7 +693,7 @@ proptest! {
             let told = (given, bench.status());
             prop_assert_eq!(told, by_the_book(&values, &points, n), "{} {:?}", n, bench.dfkt);
             prop_assert!((get("out_min") * RPM..=get("out_max") * RPM).contains(&given));
-            // The ratio, where 0, the one speed that out_min and out_max always allow, does not win over it.
+            // The output is within the ratio limits, unless out_min and out_max limit it further; they always allow 0.
             let of = |name| n * Fraction::new(get(name).into(), get("ratio_div").into());
             let (a, b) = (of("ratio_min"), of("ratio_max"));
             let bounds = (a.min(b).floor().to_integer(), a.max(b).ceil().to_integer());
@@ -730,7 +730,7 @@ proptest! {
         prop_assert_eq!(bench.step(n, 0).0, -bench.step(-n, 0).0);
     }
 
-    /// Nothing that may come panics, and the state is one that could have come about.
+    /// Any input is handled without a panic, and the resulting state is valid.
     #[test]
     fn no_master_and_no_input_is_too_much(
         (values, points, _) in sets(),

@@ -1,41 +1,42 @@
-//! Velocities of a call that come to rest exactly at an end.
+//! Velocities per call that come to rest exactly at an end.
 //!
-//! Law      a ramp from v on goes v + (v - a) + (v - 2a) + .. while that is above 0. `fastest` is the largest v whose ramp ends within the way
-//!          that is left; so each next one is at most a below the one before, the last one is what is left, and nothing creeps. Where a
-//!          ramp by a is too long for the way, `steepest` is the least a that is not
+//! Law      a ramp from v takes v + (v - a) + (v - 2a) + .. as long as that is above 0. `fastest` is the largest v
+//!          whose ramp ends within the distance to go; so each next velocity is at most a below the previous one, the
+//!          last one equals the remaining distance, and there is no creeping. If a ramp by a is too long for the
+//!          distance, `steepest` is the smallest a that fits
 //! Source   AMK-EPOS-09 to -11, A-37, A-48
 
-/// Bits of an increment behind the point.
+/// Bits of the fraction of an increment.
 pub(super) const BITS: u32 = 48;
-/// An increment.
+/// One increment.
 pub(super) const INC: i128 = 1 << BITS;
-/// Fastest: no encoder goes 2^40 inc in a call.
+/// Maximum velocity: no encoder travels 2^40 inc in a call.
 pub(super) const FASTEST: i128 = INC << 40;
-/// Longest way that is left.
+/// Maximum distance to go.
 pub(super) const FARTHEST: i128 = INC << 62;
 
-/// Calls are shorter (ns): cycles by far.
+/// Upper bound of the time between calls (ns), far above any cycle.
 const CALL_BOUND: u64 = 1 << 40;
-/// A turn at 0.0001 rpm (ns).
+/// Duration of a turn at 0.0001 rpm (ns).
 const TURN: i128 = 600_000_000_000_000;
-/// What makes a turn with 0.001 turns/s^2 (ns^2).
+/// One turn at 0.001 turns/s^2 (ns^2).
 const TURN_SQUARED: i128 = 1_000_000_000_000_000_000_000;
 
-/// The way of a call at a speed (0.0001 rpm), rounded down.
+/// Returns the travel per call at a speed (0.0001 rpm), rounded down.
 pub(super) fn velocity(speed: i64, resolution: i64, call_ns: u64) -> i128 {
     let turns = i128::from(speed.unsigned_abs()) * i128::from(resolution);
     parts(turns.saturating_mul(call(call_ns)), TURN)
 }
 
-/// By how much a call changes the velocity at a rate (0.001 turns/s^2), rounded down; never nothing.
+/// Returns the change of velocity per call at a rate (0.001 turns/s^2), rounded down; at least 1.
 pub(super) fn change(rate: i64, resolution: i64, call_ns: u64) -> i128 {
     let turns = i128::from(rate) * i128::from(resolution);
     parts(turns.saturating_mul(call(call_ns) * call(call_ns)), TURN_SQUARED).max(1)
 }
 
-/// A quotient in parts of an increment, at most the fastest; the divisor is below 2^70.
+/// Returns a quotient in parts of an increment, at most `FASTEST`; the divisor is below 2^70.
 pub(super) fn parts(dividend: i128, divisor: i128) -> i128 {
-    // All of it does not fit with the parts of an increment: the whole ones and the rest are scaled by themselves.
+    // The scaled dividend would exceed 128 bits: quotient and remainder are scaled separately.
     let (whole, rest) = (dividend / divisor.max(1), dividend % divisor.max(1));
     whole.saturating_mul(INC).saturating_add(rest * INC / divisor.max(1)).clamp(0, FASTEST)
 }
@@ -44,13 +45,13 @@ fn call(call_ns: u64) -> i128 {
     i128::from(call_ns.clamp(1, CALL_BOUND))
 }
 
-/// The next velocity towards one that is wanted.
+/// Returns the next velocity towards a target velocity.
 #[inline]
 pub(super) fn approach(v: i128, wanted: i128, a: i128) -> i128 {
     wanted.max(v - a).min(v + a).max(0)
 }
 
-/// The next velocity towards one that is wanted, such that the way that is left is enough for the ramp down.
+/// Returns the next velocity towards a target velocity that leaves enough distance for the ramp down.
 #[inline]
 pub(super) fn approach_end(v: i128, wanted: i128, left: i128, a: i128) -> i128 {
     let next = approach(v, wanted, a);
@@ -61,39 +62,40 @@ pub(super) fn approach_end(v: i128, wanted: i128, left: i128, a: i128) -> i128 {
     if most >= v - a { next.min(most) } else { v - steepest(v, left) }
 }
 
-/// Is there way enough for the ramp from a velocity?
+/// Returns true if the distance is long enough for the ramp from a velocity.
 #[inline]
 pub(super) fn is_enough(v: i128, left: i128, a: i128) -> bool {
     v <= 0 || is_far(v, left, a) || fastest(left, a) >= v
 }
 
-/// Is there way enough, as far as that shows without the exact length? v + (v - a) + .. is never above (v + a)^2 / 2a.
+/// Returns true if an estimate shows that the distance is long enough: v + (v - a) + .. never exceeds (v + a)^2 / 2a.
 #[inline]
 fn is_far(v: i128, left: i128, a: i128) -> bool {
     let square = |x: i128| x.checked_mul(x);
     square(v + a).zip(left.checked_mul(2 * a)).is_some_and(|(needed, there)| needed <= there)
 }
 
-/// The largest velocity whose ramp ends within the way that is left; `a` is above 0.
+/// Returns the largest velocity whose ramp ends within the distance to go; `a` is above 0.
 fn fastest(left: i128, a: i128) -> i128 {
     // k whole steps above the last one: a k (k + 1) / 2 <= left, and k (k + 1) / 2 is whole.
     let steps = left.max(0).unsigned_abs() / a.unsigned_abs().max(1);
-    // The way is below 2^111: nothing wraps.
+    // The distance is below 2^111: nothing wraps.
     let k = ((8 * steps + 1).isqrt() as i128 - 1) / 2;
     (left.max(0) + a * (k * (k + 1) / 2)) / (k + 1)
 }
 
-/// How long the ramp from a velocity is, with the call that goes at it itself; at most the farthest.
+/// Returns the length of the ramp from a velocity, including the call at that velocity; at most `FARTHEST`.
 pub(super) fn length(v: i128, a: i128) -> i128 {
     let k = v / a.max(1);
     let way = (k + 1).checked_mul(v).zip(a.checked_mul(k).and_then(|way| way.checked_mul(k + 1)));
     way.map_or(FARTHEST, |(way, less)| way - less / 2).min(FARTHEST)
 }
 
-/// The least `a` by which the ramp behind a call at v ends within the way that is left, at most v itself. Asked only where the ramp in force is
-/// too long: then v^2 is above the way times a step.
+/// Returns the smallest `a` whose ramp after a call at v ends within the distance to go, at most v itself. Only used if
+/// the current ramp is too long: then v^2 is above the distance times a step.
 fn steepest(v: i128, left: i128) -> i128 {
-    // Of a ramp in k steps it is 2 (k v - left) / k (k + 1), and the largest of these counts: at one of three k.
+    // For a ramp of k steps, a is 2 (k v - left) / k (k + 1). The result is the largest of these values; it is at one
+    // of three k.
     let least = (left.saturating_mul(2) / v.max(1)).max(1);
     let of = |k: i128| {
         let (way, steps) = (2 * (k * v - left), k * (k + 1));
@@ -107,7 +109,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The ramp, call by call.
+    /// Returns the length of the ramp, call by call.
     fn way(v: i128, a: i128) -> i128 {
         let (mut v, mut sum) = (v, 0);
         while v > 0 {
@@ -116,7 +118,7 @@ mod tests {
         sum
     }
 
-    /// 100 rpm, 200 and 800 rev/s^2 of 20000 inc a turn in 1 ms: 33.333, 4 and 16 inc.
+    /// 100 rpm, 200 and 800 rev/s^2 at 20000 inc per turn in 1 ms: 33.333, 4 and 16 inc.
     ///
     /// Proves: AMK-EPOS-09, AMK-EPOS-10, AMK-EPOS-O1
     #[test]
@@ -124,10 +126,10 @@ mod tests {
         assert_eq!(velocity(1_000_000, 20_000, 1_000_000), INC * 100 / 3);
         assert_eq!(velocity(-1_000_000, 20_000, 1_000_000), INC * 100 / 3);
         assert_eq!([200_000, 800_000].map(|rate| change(rate, 20_000, 1_000_000)), [4 * INC, 16 * INC]);
-        // Twice the call: v twice, a four times.
+        // Twice the call time: v doubles, a becomes four times as large.
         assert_eq!(velocity(1_000_000, 20_000, 2_000_000), INC * 200 / 3);
         assert_eq!(change(200_000, 20_000, 2_000_000), 16 * INC);
-        // The least of all is 10^-9 inc, the largest is held.
+        // The smallest change is 10^-9 inc, the largest is limited.
         assert_eq!(change(1, 1, 1_000_000), INC / 1_000_000_000);
         assert_eq!(change(1, 1, 1), 1);
         let max = i64::from(i32::MAX);
@@ -137,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_ramp_that_is_too_long_is_steeper_and_no_steeper_than_it_must_be() {
-        // 10 + 5 + 0: from 15 within 15 by 5 each call.
+        // 10 + 5 + 0: from 15, a distance of 15 allows 5 per call.
         assert_eq!(steepest(15, 15), 5);
         assert_eq!((steepest(15, 0), steepest(15, 14), steepest(15, 7)), (15, 6, 8));
         assert_eq!(approach_end(15, 15, 15, 1), 10);
@@ -167,8 +169,8 @@ mod tests {
             prop_assert!(steepest > a && behind(steepest) <= left && behind(steepest - 1) > left, "{}", steepest);
         }
 
-        /// From whatever velocity, with whatever changes of both on the way: it ends, exactly there, by no more than its ramp where that is
-        /// possible at all.
+        /// From any velocity, with any changes of target and distance: the motion ends exactly at the end, by at most
+        /// its ramp where that is possible.
         #[test]
         fn an_end_is_reached_exactly(
             start in (0_i128..200_000, 0_i128..10_000_000, 100_i128..5000),
@@ -192,7 +194,7 @@ mod tests {
             prop_assert!(false, "{left} are left");
         }
 
-        /// Nothing wraps at the bounds.
+        /// Nothing wraps at the limits.
         #[test]
         fn extremes_have_room(v in 0_i128..=FASTEST, left in 0_i128..=FARTHEST, a in 1_i128..=FASTEST, bits in 0_u32..88) {
             let a = (a >> bits).max(1);

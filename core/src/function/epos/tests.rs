@@ -1,4 +1,4 @@
-//! The oracles of the positioning, its edges and states, both overrides, its refusals, and its laws for all sets.
+//! Test oracles of the positioning, its edges and phases, both overrides, its errors, and its laws for all sets.
 
 use super::super::program::{LINES, Occasion, Reading};
 use super::super::trial::{at_rest, set, setting};
@@ -10,7 +10,7 @@ const MS: u64 = 1_000_000;
 const MOVES: u8 = 0;
 const PARTS_OF_MM: i128 = INC / 1000;
 
-/// A positioning with what it sees.
+/// A positioning with its inputs.
 #[derive(Clone)]
 struct Bench {
     epos: Epos,
@@ -23,7 +23,7 @@ struct Bench {
     has_mark: bool,
 }
 
-/// The manual's example as a relative order: 33.333 inc a call, 4 and 16 inc a call more or less.
+/// The example of the manual as a relative order: 33.333 inc per call, ramps of 4 and 16 inc per call.
 const EXAMPLE: [(&str, i64); 7] = [
     ("ba", 0),
     ("sf_cycle", 2),
@@ -49,7 +49,7 @@ fn example(more: &[(&'static str, i64)]) -> Bench {
     bench
 }
 
-/// The same, started.
+/// Returns the same bench after START.
 fn started(more: &[(&'static str, i64)]) -> Bench {
     let mut bench = example(more);
     assert_eq!(bench.start(0), (0, A1));
@@ -69,7 +69,7 @@ impl Bench {
         Setting { has_source, has_mark, ..setting(self.call_ns, [None; LINES]) }
     }
 
-    /// What START says to the set with these values changed.
+    /// Returns the result of START for the set with these values changed.
     fn checked(&self, more: &[(&'static str, i64)]) -> Result<(), Fault> {
         let mut asked = self.clone();
         asked.take(more);
@@ -108,21 +108,21 @@ impl Bench {
         (told.sink, told.outputs)
     }
 
-    /// Sink and outputs of a call.
+    /// Returns sink and outputs of a call.
     fn step(&mut self, inputs: u8) -> (i64, u8) {
         let told = self.epos.step(&self.seen(inputs, None));
         assert_eq!(told.anew, 0);
         self.tell(told)
     }
 
-    /// The same of the last of so many calls.
+    /// Returns sink and outputs of the last of `calls` calls.
     fn run(&mut self, inputs: u8, calls: usize) -> (i64, u8) {
         let told = (0..calls).map(|_| self.step(inputs)).last().expect("a call");
         self.is_sound();
         told
     }
 
-    /// The way of each of so many calls.
+    /// Returns the travel of each of `calls` calls.
     fn ways(&mut self, inputs: u8, calls: usize) -> Vec<i64> {
         (0..calls)
             .map(|_| {
@@ -132,7 +132,7 @@ impl Bench {
             .collect()
     }
 
-    /// So many calls, until A1 is 1 again.
+    /// Returns the number of calls until A1 is 1 again.
     fn until_rest(&mut self, inputs: u8) -> usize {
         for calls in 1..100_000 {
             if self.step(inputs).1 & A1 != 0 {
@@ -143,7 +143,7 @@ impl Bench {
         panic!("it never rests: {:?}", self.epos);
     }
 
-    /// A call with a zero pulse so far behind the command: what the sink held is that, counted from there.
+    /// A call with a zero pulse `behind` increments behind the command: the sink counts from the pulse then.
     fn mark(&mut self, inputs: u8, behind: i64) -> (i64, u8) {
         let place = self.sink - behind;
         let told = self.epos.step(&self.seen(inputs, Some(place)));
@@ -158,7 +158,7 @@ impl Bench {
 #[test]
 fn the_fields_are_those_of_the_commanding_record() {
     let fields: Vec<_> = FIELDS.iter().map(|field| (field.name, field.min, field.max, field.live)).collect();
-    // What is needed in some modes only may be 0; overrides are words, the number of the function its name.
+    // Fields that only some modes need may be 0; overrides are words, the number of the function is its name.
     assert_eq!(
         fields,
         [
@@ -188,7 +188,7 @@ fn the_oracle_move_takes_608_calls_and_ends_exactly() {
         assert_eq!(bench.run(0, 5), (0, A1));
         let mut ways = bench.ways(E1, 11);
         if sense > 0 {
-            // 144 behind eight, then 177.3, 210.7, and 244 less a part that rounding has taken.
+            // 144 after eight calls, then 177.3, 210.7, and 244 less a part lost by rounding.
             assert_eq!(ways, [4, 8, 12, 16, 20, 24, 28, 32, 33, 33, 33]);
         }
         assert_eq!(bench.epos.shown(), [20_000 * sense - bench.sink]);
@@ -206,11 +206,11 @@ fn the_oracle_move_takes_608_calls_and_ends_exactly() {
 fn an_order_of_nothing_moves_nothing_and_shows_itself_for_a_call() {
     let mut bench = started(&[("travel", 0)]);
     assert_eq!((bench.step(E1), bench.step(E1)), ((0, MOVES), (0, A1)));
-    // One that is over in its first call, too.
+    // An order that ends in its first call as well.
     bench.value_new(&[("travel", 3)]);
     assert_eq!(bench.step(0), (0, A1));
     assert_eq!((bench.step(E1), bench.step(E1)), ((3, MOVES), (3, A1)));
-    // E1 that stands at START is no edge.
+    // E1 = 1 at START is no edge.
     let mut bench = example(&[]);
     assert_eq!(bench.start(E1), (0, A1));
     assert_eq!(bench.run(E1, 5), (0, A1));
@@ -226,7 +226,7 @@ fn a_short_travel_is_a_triangle() {
     assert_eq!(bench.step(E1).1, A1);
 }
 
-/// From 33.333 inc: 17.3, 1.3, rest; the exact way so far is a third of an increment more or less.
+/// From 33.333 inc: 17.3, 1.3, rest; the exact travel so far differs by up to a third of an increment.
 ///
 /// Proves: AMK-EPOS-25, AMK-EPOS-33, AMK-EPOS-34, AMK-EPOS-35, AMK-EPOS-O1
 #[test]
@@ -237,12 +237,12 @@ fn a_stop_keeps_what_is_left_and_the_next_edge_goes_on() {
     assert_eq!(bench.ways(E1 | E2, 2), [18, 1], "1161.3, 1162.7");
     assert_eq!(bench.step(E1 | E2), (1162, A1));
     assert_eq!(bench.epos.shown(), [20_000 - 1162]);
-    // Neither the level of E2 nor that of E1 does anything; both edges at once are a stop.
+    // The levels of E1 and E2 have no effect; both edges at once are a stop.
     assert_eq!(bench.run(E2, 3), (1162, A1));
     bench.run(0, 2);
     assert_eq!(bench.run(E1 | E2, 3), (1162, A1));
     bench.run(E2, 1);
-    // New values wait for the next order.
+    // New values apply from the next order on.
     bench.value_new(&[("travel", 7), ("velocity", 5_000_000)]);
     assert_eq!(bench.step(E1 | E2).1, MOVES, "the level of E2 holds nothing");
     assert!(bench.ways(E1, 300).into_iter().all(|way| way <= 34));
@@ -256,7 +256,7 @@ fn a_stop_keeps_what_is_left_and_the_next_edge_goes_on() {
 /// Proves: AMK-EPOS-33
 #[test]
 fn a_stop_on_the_ramp_down_never_passes_the_end_and_an_edge_on_its_ramp_is_none() {
-    // 29.3 in the first call of the ramp down; by 6 a call more: 23.3, 17.3, 11.3, 5.3, rest.
+    // 29.3 in the first call of the ramp down; then 6 less in each call: 23.3, 17.3, 11.3, 5.3, rest.
     let mut bench = started(&[("stop_decel", 300_000)]);
     bench.run(E1, 601);
     let before = bench.sink;
@@ -269,7 +269,7 @@ fn a_stop_on_the_ramp_down_never_passes_the_end_and_an_edge_on_its_ramp_is_none(
     bench.run(0, 1);
     bench.until_rest(E1);
     assert_eq!(bench.sink, 20_000);
-    // By the same ramp as that of the end it ends there.
+    // With the same ramp as at the end, it stops at the end.
     let mut bench = started(&[("stop_decel", 200_000)]);
     bench.run(E1, 601);
     assert_eq!((bench.until_rest(E2), bench.sink, bench.epos.phase), (7, 20_000, Phase::Idle));
@@ -296,7 +296,7 @@ fn the_override_of_the_velocity_counts_at_once_and_by_the_ramp() {
     assert_eq!(bench.epos.velocity * 1024 / INC, 33_333_333 * 32_767 / 1_000_000);
     bench.until_rest(E1);
     assert_eq!(bench.sink, 2_000_000);
-    // Without a word nothing scales.
+    // Without a word there is no scaling.
     let mut bench = started(&[]);
     bench.epos.has_words = [false; WORDS];
     bench.words = [0; WORDS];
@@ -315,7 +315,7 @@ fn the_override_of_the_acceleration_is_that_of_the_edge() {
         bench.words[1] = 600;
         bench.run(E1, 5);
         assert_eq!(bench.epos.velocity, 6 * (4 * INC * ramp / 1024), "{word}");
-        // The stop ramp is not scaled: 16 inc more than there is.
+        // The stop ramp is not scaled: 16 inc, more than the velocity.
         assert_eq!(bench.epos.ramps.1, 16 * INC);
         bench.step(E2);
         bench.run(E2, 3);
@@ -327,7 +327,7 @@ fn the_override_of_the_acceleration_is_that_of_the_edge() {
     }
 }
 
-/// 500 inc of a master of 1000 inc a turn: half a turn a call would be 10000 inc of the drive; at 1 inc, 20.
+/// 500 inc of a master with 1000 inc per turn: half a turn per call would be 10000 inc of the drive; at 1 inc, 20.
 ///
 /// Proves: AMK-EPOS-07, AMK-EPOS-12
 #[test]
@@ -357,7 +357,7 @@ fn an_external_velocity_is_that_of_the_source_without_its_sense() {
 /// Proves: AMK-EPOS-18, AMK-EPOS-20, AMK-EPOS-32, AMK-EPOS-O4
 #[test]
 fn a_start_while_it_moves_adds_to_what_is_left() {
-    // Residual 5000, 20000 more.
+    // 5000 left, 20000 more.
     let mut bench = started(&[("ba", 8)]);
     while bench.sink < 15_000 {
         bench.step(E1);
@@ -366,7 +366,7 @@ fn a_start_while_it_moves_adds_to_what_is_left() {
     bench.step(E1);
     bench.until_rest(E1);
     assert_eq!(bench.sink, 40_000);
-    // 20000 back: 15000 net, through zero by the ramp. From 33.333 down it goes 29.3 + 25.3 + .. + 1.3 = 122.7 on.
+    // 20000 back: 15000 net, through zero by the ramp. From 33.333 it travels another 29.3 + 25.3 + .. + 1.3 = 122.7.
     let mut bench = started(&[("ba", 8)]);
     while bench.sink < 15_000 {
         bench.step(E1);
@@ -378,14 +378,14 @@ fn a_start_while_it_moves_adds_to_what_is_left() {
     assert!(ways.windows(2).all(|pair| pair[0] - pair[1] <= 5));
     bench.until_rest(0);
     assert_eq!(bench.sink, 0);
-    // On the ramp down, too.
+    // On the ramp down as well.
     let mut bench = started(&[("ba", 8)]);
     bench.run(E1, 604);
     bench.step(0);
     bench.step(E1);
     bench.until_rest(E1);
     assert_eq!(bench.sink, 40_000);
-    // Without bit 3 it is no edge.
+    // Without bit 3 the edge is ignored.
     let mut bench = started(&[]);
     bench.run(E1, 300);
     bench.step(0);
@@ -393,7 +393,8 @@ fn a_start_while_it_moves_adds_to_what_is_left() {
     assert_eq!(bench.sink, 20_000);
 }
 
-/// What is left behind a travel back may be too little for the ramp, without another sense.
+/// After a travel in the other direction the remaining distance may be too short for the ramp, without a change of
+/// direction.
 ///
 /// Proves: AMK-EPOS-20
 #[test]
@@ -404,7 +405,7 @@ fn an_end_that_is_too_near_is_run_through_and_gone_back_to() {
     let end = bench.sink + 50;
     bench.value_new(&[("travel", end - 20_000)]);
     let peak = (0..40).map(|_| bench.step(E1).0).max().expect("calls");
-    // 33.333 down by 4: 122.7 on.
+    // From 33.333 down by 4 per call: 122.7 further.
     assert!((end + 72..=end + 73).contains(&peak), "{peak} {end}");
     bench.until_rest(E1);
     assert_eq!(bench.sink, end);
@@ -420,7 +421,7 @@ fn a_modulo_order_runs_on_while_e1_stands_and_ends_at_a_multiple() {
     while bench.sink % 1000 > 50 {
         assert_eq!(bench.step(E1).1, A2);
     }
-    // The end is the first multiple that its ramp, 156 with the call at full speed, does not pass.
+    // The end is the first multiple beyond the ramp, which takes 156 including the call at full speed.
     let from = bench.sink;
     let end = (from + 156) / 1000 * 1000 + 1000;
     assert_eq!(bench.step(0).1, A2, "not yet");
@@ -434,7 +435,7 @@ fn a_modulo_order_runs_on_while_e1_stands_and_ends_at_a_multiple() {
         (7..=9).contains(&ramp)
             && outputs.is_sorted_by_key(|outputs| [A2, MOVES, A1].iter().position(|at| at == outputs))
     );
-    // A short edge is one length; E1 behind the beginning of the ramp down comes too late, and no edge adds to it.
+    // A short edge is one length; E1 after the start of the ramp down comes too late, and no edge adds to the order.
     let mut bench = started(&[("ba", 16 | 8), ("travel", -1000)]);
     bench.step(E1);
     bench.step(0);
@@ -446,7 +447,8 @@ fn a_modulo_order_runs_on_while_e1_stands_and_ends_at_a_multiple() {
     assert_eq!(bench.run(E1, 50), (-1000, A1), "only an edge begins anew (A-44)");
 }
 
-/// A length below the ramp: the first multiple that can be reached; and too short for n_comm A2 stays 0.
+/// A length below the ramp: the first multiple that can be reached. With a length too short for n_comm, A2 stays
+/// 0.
 ///
 /// Proves: AMK-EPOS-21, AMK-EPOS-22
 #[test]
@@ -463,7 +465,7 @@ fn lengths_below_the_ramp_end_at_the_first_multiple_that_can_be_reached() {
     assert!(told[..5].iter().all(|(_, outputs)| *outputs == MOVES) && told[5] == (64, A1), "{told:?}");
 }
 
-/// A stop is a stop, whatever E1 says; what is left is kept.
+/// E2 stops regardless of E1; the distance to go is kept.
 ///
 /// Proves: AMK-EPOS-21, AMK-EPOS-25
 #[test]
@@ -479,9 +481,9 @@ fn a_stop_ramp_is_not_put_off() {
     assert_eq!(bench.sink % 1000, 0);
 }
 
-/// 20 inc a call, by 1 up and down, by 4 at E2. The ramp down to 2500 begins in call 126, as E1 is 0; E2 stops it in call 131 with 84 inc left.
-/// The next edge of E1 continues the order, and E1 decides again in the call in which the ramp down would begin. Calls and places are those of
-/// a model of whole numbers.
+/// 20 inc per call, ramps of 1, stop ramp of 4. The ramp down to 2500 begins in call 126, as E1 is 0; E2 stops it in
+/// call 131 with 84 inc left. The next edge of E1 continues the order, and E1 decides again in the call in which the
+/// ramp down would begin. Calls and positions are those of a model of whole numbers.
 ///
 /// Proves: AMK-EPOS-21, AMK-EPOS-25, AMK-EPOS-31, AMK-EPOS-35
 #[test]
@@ -506,13 +508,14 @@ fn modulo_order_stopped_on_its_last_ramp_and_continued_runs_on_while_e1_is_1() {
     assert_eq!(bench.run(E1, 19), (2626, A2), "1 + 2 + .. + 20 from 2416 on");
     assert_eq!(bench.run(E1, 230), (7226, A2), "call 400");
     assert_eq!((bench.until_rest(0), bench.sink), (24, 7500));
-    // A short edge goes to the end that was left: up to 9 inc a call and down again, in 18 calls.
+    // A short edge continues to the remaining end: up to 9 inc per call and down again, in 18 calls.
     let mut bench = stopped();
     bench.step(E1);
     assert_eq!((bench.until_rest(0), bench.sink), (17, 2500));
 }
 
-/// Without bit 2: at full speed 100 inc behind the reference it stands, by no ramp. With it: 122.7 on, and back.
+/// Without bit 2: at full speed it steps to the end 100 inc after the reference, without a ramp. With bit 2: 122.7
+/// beyond, and back.
 ///
 /// Proves: AMK-EPOS-04, AMK-EPOS-16, AMK-EPOS-17, AMK-EPOS-37, AMK-EPOS-39, AMK-EPOS-40, AMK-EPOS-41, AMK-EPOS-O4
 #[test]
@@ -521,7 +524,7 @@ fn behind_the_reference_it_stops_at_once_or_turns_round() {
         let mut bench = started(&[("ba", 2), ("travel", 100 * sense), ("velocity", 1_000_000 * sense)]);
         bench.run(E1, 200);
         assert_eq!((bench.epos.shown(), bench.sink.signum()), (&[0][..], sense));
-        // The command is 20 inc beyond the pulse, and a fraction: 53, 86, 100.
+        // The command is 20 inc and a fraction beyond the pulse: 53, 86, 100.
         let mut places = vec![bench.mark(0, 20 * sense).0 * sense];
         assert_eq!(bench.epos.shown(), [100 * sense - bench.sink]);
         places.push(bench.step(0).0 * sense);
@@ -551,18 +554,18 @@ fn a_far_end_is_braked_onto_and_nothing_adds_to_it() {
         places.push(bench.step(0).0);
     }
     assert!(places.is_sorted(), "it never turns round");
-    // 122.7 before the end it goes 29 inc, after 33.
+    // 122.7 before the end the travel per call is 29 inc, before that 33.
     let ramp = places.windows(2).position(|pair| pair[1] - pair[0] < 33).expect("a ramp");
     assert!((20_000 - 157..=20_000 - 122).contains(&places[ramp]), "{}", places[ramp]);
     assert_eq!(bench.until_rest(0), 1);
-    // The next one seeks again, and a pulse that came before its edge is none.
+    // The next order searches again, and a pulse before its edge is ignored.
     assert_eq!(bench.step(0).1, A1);
     let seen = bench.seen(E1, Some(19_990));
     let told = bench.epos.step(&seen);
     assert_eq!((told.anew, told.sink, told.outputs), (0, 20_004, MOVES));
 }
 
-/// A command that is beyond the end already: a step back without bit 2, a way back with it.
+/// A command that is already beyond the end: a step back without bit 2, a motion back with bit 2.
 ///
 /// Proves: AMK-EPOS-37, AMK-EPOS-40, AMK-EPOS-41
 #[test]
@@ -596,7 +599,7 @@ fn a_search_that_is_stopped_seeks_on_and_a_pulse_on_its_ramp_counts() {
     bench.mark(E1, 3);
     bench.until_rest(0);
     assert_eq!(bench.sink, 3000);
-    // On the ramp, and at rest, where the drive lags behind.
+    // On the ramp, and at rest while the drive lags behind.
     let mut bench = begun(2);
     bench.step(E2);
     bench.mark(E2, 5);
@@ -611,7 +614,7 @@ fn a_search_that_is_stopped_seeks_on_and_a_pulse_on_its_ramp_counts() {
     bench.step(E1);
     bench.until_rest(0);
     assert_eq!(bench.sink, 3000);
-    // At rest beyond the end: without bit 2 the edge sets it there.
+    // At rest beyond the end: without bit 2 the edge steps to the end.
     let mut bench = begun(2);
     bench.until_rest(E2);
     bench.mark(0, 3100);
@@ -654,7 +657,7 @@ fn value_new_changes_ramps_at_once_and_orders_from_the_next_one_on() {
     assert_eq!(bench.sink, 19_997);
 }
 
-/// Half the ramp is left when it becomes ten times as flat: it is braked evenly, no more than it must be.
+/// Half of the ramp is left when the ramp becomes ten times as flat: it brakes evenly, no harder than necessary.
 ///
 /// Proves: AMK-EPOS-26
 #[test]
@@ -685,7 +688,7 @@ fn a_start_behind_reset_knows_no_order_of_before() {
     assert_eq!(bench.sink, here + 20_000);
 }
 
-/// Values, and the code and the field that refuse them.
+/// Values, and the code and the field of the error.
 type Refused = (&'static [(&'static str, i64)], Code, &'static str);
 
 /// Proves: AMK-EPOS-15, AMK-EPOS-19, AMK-EPOS-43, AMK-EPOS-44, AMK-EPOS-50, AMK-EPOS-52, AMK-EPOS-54, AMK-EPOS-56, AMK-EPOS-60, AMK-EPOS-61
@@ -732,7 +735,8 @@ fn what_a_mode_has_no_use_for_is_refused_with_its_field() {
     assert_eq!(code(&[("ba", 2)]), Some(Code::AMK_NO_REFERENCE));
 }
 
-/// ID 2 is 1 ms at least, and `sf_cycle` 2 to 18: a slot of 0.5 ms has no search, whether its set names the cycle or leaves it out.
+/// ID 2 is at least 1 ms, and `sf_cycle` 2 to 18: a slot of 0.5 ms has no search, whether or not its set gives the
+/// cycle.
 ///
 /// Proves: AMK-EPOS-44, AMK-EPOS-50
 #[test]
@@ -753,13 +757,13 @@ fn search_for_reference_needs_a_cycle_of_1_to_9_ms() {
             assert_eq!(refused(call_ns, ba, sf_cycle), None, "{call_ns} {sf_cycle}");
         }
     }
-    // Relative and modulo orders have no such bounds.
+    // Relative and modulo orders have no such limits.
     for ba in [0, 16] {
         assert_eq!((refused(500_000, ba, 0), refused(500_000, ba, 1), refused(10 * MS, ba, 0)), (None, None, None));
     }
 }
 
-/// What happens in a call.
+/// Event of a call.
 #[derive(Clone, Debug)]
 enum Happening {
     Inputs(u8),
@@ -782,8 +786,8 @@ fn happening() -> impl Strategy<Value = Happening> {
 }
 
 proptest! {
-    /// From whatever state: the end is the sum of what was ordered, no call is faster than the velocity that it comes from or goes to, and none
-    /// changes it by more than a ramp, but where a flatter one would pass the end.
+    /// From any state: the end is the sum of the orders, no call is faster than the velocity before or the target, and
+    /// no call changes the velocity by more than a ramp, except where a flatter ramp would pass the end.
     #[test]
     fn orders_end_exactly_where_they_add_up_to(
         retriggers in any::<bool>(),
@@ -812,7 +816,7 @@ proptest! {
                 }
                 let (sink, outputs) = bench.step(inputs);
                 let epos = &bench.epos;
-                // The way of the call: at its end the velocity is 0.
+                // The travel of the call: the velocity is 0 at the end.
                 let way = whole(epos.position - was.position) + epos.rest - was.rest;
                 let from = was.velocity;
                 let stops = was.phase == Phase::Stopping || was.phase == Phase::Run && inputs & !was.before & E2 != 0;
@@ -830,7 +834,7 @@ proptest! {
             }
         }
         bench.is_sound();
-        // At 100 % everything ends: what was stopped goes on with the last edge, or is begun anew by another.
+        // At 100 % every order ends: a stopped one continues with the last edge, or another edge starts it again.
         for _ in 0..3 {
             if bench.epos.phase != Phase::Idle {
                 bench.run(0, 1);
@@ -843,7 +847,7 @@ proptest! {
         prop_assert_eq!(bench.sink, end);
     }
 
-    /// Fields at their bounds, and calls of any length: nothing wraps, and the state stays one that could have come about.
+    /// Fields at their limits, and calls of any length: nothing wraps, and the state stays valid.
     #[test]
     fn sets_at_their_bounds_have_room(
         ba in 0_i64..32,
@@ -870,7 +874,7 @@ proptest! {
         }
     }
 
-    /// A reference anywhere, with stops on the way: it ends at the travel, counted from there.
+    /// A reference at any position, with stops on the way: the motion ends at the travel, counted from the reference.
     #[test]
     fn a_reference_is_the_zero_of_its_end(
         turns_round in any::<bool>(),

@@ -1,9 +1,10 @@
-//! Velocities in such parts of an increment that every one is a whole number of them.
+//! Velocities in a unit of which every velocity is a whole multiple.
 //!
-//! Law      target = override * step, override in 1/1024; a call changes the velocity by at most a ramp, then adds it to the way, whose whole
-//!          increments go out and whose rest stays. step = increments * call / (time * 1024), or 1/1024 of the source's way in the call;
-//!          ramp = accel * call^2. The unit is the least common one of both, so nothing is rounded but a velocity and a rest that pass to
-//!          another unit, once each
+//! Law      target = override * step, override in 1/1024; a call changes the velocity by at most a ramp, then adds it
+//!          to the travel, whose whole increments are output and whose fraction is kept. step = increments * call /
+//!          (time * 1024), or 1/1024 of the travel of the source in the call; ramp = accel * call^2. The unit is the
+//!          common denominator of both. Rounding occurs only when a velocity and a fraction are converted to another
+//!          unit, once each
 //! Source   AMK-FGEN-16 to -20, -22
 
 use super::super::time::{HALF_MS, floor_ratio};
@@ -11,12 +12,12 @@ use serde::{Deserialize, Serialize};
 
 /// An override of 100 %.
 pub(super) const FULL: i64 = 1024;
-/// So many calls of one ns have a second twice as a factor.
+/// Square of the nanoseconds per second.
 const SECOND_SQUARED: i128 = 1_000_000_000_000_000_000;
-/// Calls are shorter (ns): cycles by far.
+/// Upper bound of the time between calls (ns), far above any cycle.
 const CALL_BOUND: u64 = 1 << 40;
 
-/// A rate that a time gives: increments in so many half milliseconds, both above 0.
+/// A rate defined by a time: increments per number of half milliseconds, both above 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rate {
     pub increments: i64,
@@ -24,7 +25,7 @@ pub(super) struct Rate {
 }
 
 impl Rate {
-    /// Increments in a call, times a factor, rounded up.
+    /// Returns the increments per call, times a factor, rounded up.
     pub(super) fn per_call(self, factor: i64, call_ns: u64) -> i64 {
         let dividend = i128::from(self.increments).saturating_mul(i128::from(call_ns)).saturating_mul(factor.into());
         let divisor = i128::from(self.half_ms) * i128::from(HALF_MS);
@@ -32,22 +33,22 @@ impl Rate {
     }
 }
 
-/// What the set makes of a call.
+/// Velocity step and ramps per call of a parameter set.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Pace {
-    /// Parts of an increment.
+    /// Parts per increment.
     unit: i128,
-    /// Way of a call by an override of 1; where a source gives the velocity, of one increment of it.
+    /// Travel per call for an override of 1; if a source gives the velocity, per increment of the source.
     step: i128,
-    /// By how much a call may change the velocity, while E2 is 0 and while it is 1.
+    /// Maximum change of velocity per call, while E2 is 0 and while it is 1.
     ramps: [i128; 2],
 }
 
 impl Pace {
-    /// One of a rate, or of a source; accelerations (inc/s^2) are 0 or more.
+    /// Returns the pace of a rate, or of a source (`None`); accelerations (inc/s^2) are 0 or more.
     pub(super) fn new(rate: Option<Rate>, accelerations: [i64; 2], call_ns: u64) -> Self {
-        // Times: 2^40, its square 2^80. 10^18 is below 2^60, a time of a cycle in 1024 parts below 2^44: the unit is below 2^104, in truth
-        // below 2^75, as both have their twos and fives in common.
+        // The call time is below 2^40, its square below 2^80. 10^18 is below 2^60, a cycle time in 1024 parts below
+        // 2^44: the unit is below 2^104, in practice below 2^75, as both have factors of two and five in common.
         let call = i128::from(call_ns.clamp(1, CALL_BOUND));
         let [square, seconds] = reduced(call * call, SECOND_SQUARED);
         let full = i128::from(FULL);
@@ -60,7 +61,7 @@ impl Pace {
         };
         let [_, more] = reduced(seconds, time);
         let unit = seconds.saturating_mul(more);
-        // A rate is held to 2^15 inc in a call before it is used. A ramp that saturates is beyond all velocities.
+        // A rate is checked to be at most 2^15 inc per call before use. A saturated ramp exceeds all velocities.
         let of = |ratio: i128, parts: i128| ratio.saturating_mul(unit.checked_div(parts).unwrap_or(0));
         Self {
             unit,
@@ -76,28 +77,29 @@ impl Default for Pace {
     }
 }
 
-/// How the generator moves.
+/// Motion of the generator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Motion {
     pace: Pace,
-    /// Way of a call, in the parts of its pace.
+    /// Travel per call, in the parts of its pace.
     velocity: i128,
-    /// Of the way so far, in 0..unit.
+    /// Fraction of the travel, in 0..unit.
     rest: i128,
 }
 
 impl Motion {
-    /// One at rest.
+    /// Creates a motion at rest.
     pub(super) fn new(pace: Pace) -> Self {
         Self { pace, ..Self::default() }
     }
 
-    /// It goes on with another pace.
+    /// Changes to another pace.
     pub(super) fn renew(&mut self, pace: Pace) {
         let (from, to) = (self.pace.unit, pace.unit);
         if from != to {
             let [less, more] = reduced(from, to);
-            // What both have in common is at least as large as the first part of a unit, so that `more` is below 2^44 and a rest below 2^75.
+            // The common factor is at least as large as the first factor of a unit, so that `more` is below 2^44 and a
+            // fraction below 2^75.
             let pass = |parts: i128| {
                 let (whole, rest) = (parts.div_euclid(from.max(1)), parts.rem_euclid(from.max(1)));
                 let rest = rest.saturating_mul(more).checked_div(less).unwrap_or(0);
@@ -108,19 +110,19 @@ impl Motion {
         self.pace = pace;
     }
 
-    /// The velocity that an override, or the override of a way of the source, asks for.
+    /// Returns the target velocity for an override, or for the travel of the source times the override.
     #[inline]
     pub(super) fn target(&self, by: i64) -> i128 {
-        // What was checked goes at most 2^15 inc in a call, a source 2^32: far from wrapping.
+        // A checked set is at most 2^15 inc per call, a source 2^32: far from wrapping.
         self.pace.step.wrapping_mul(by.into())
     }
 
-    /// Takes a velocity at once.
+    /// Sets the velocity at once.
     pub(super) fn jump(&mut self, target: i128) {
         self.velocity = target;
     }
 
-    /// Comes to a velocity by one of the ramps.
+    /// Changes the velocity towards a target by one of the ramps.
     #[inline]
     pub(super) fn approach(&mut self, target: i128, second: bool) {
         let [ramp, other] = self.pace.ramps;
@@ -129,27 +131,27 @@ impl Motion {
         self.velocity = self.velocity.saturating_add(change.max(-ramp).min(ramp));
     }
 
-    /// The whole increments of a call.
+    /// Returns the whole increments of a call.
     #[inline]
     pub(super) fn advance(&mut self) -> i64 {
         let sum = self.rest.saturating_add(self.velocity);
         let whole = floor_ratio(sum, self.pace.unit);
-        // No sound velocity is beyond 2^44 inc: nothing wraps.
+        // No valid velocity exceeds 2^44 inc: nothing wraps.
         self.rest = sum.wrapping_sub(self.pace.unit.wrapping_mul(whole.into()));
         whole
     }
 
-    /// Stands; what is no whole increment is dropped.
+    /// Stops at once and drops the fraction of an increment.
     pub(super) fn stop(&mut self) {
         (self.velocity, self.rest) = (0, 0);
     }
 
-    /// Which way it moves: -1, 0 or 1.
+    /// Returns the direction of motion: -1, 0 or 1.
     pub(super) fn sense(&self) -> i128 {
         self.velocity.signum()
     }
 
-    /// Is there more than whole increments?
+    /// Returns true if the travel has a fraction of an increment.
     pub(super) fn has_rest(&self) -> bool {
         self.rest != 0
     }
@@ -158,7 +160,7 @@ impl Motion {
         self.pace == pace
     }
 
-    /// Within these nothing that is computed of it saturates.
+    /// Returns true if no result of these values can saturate.
     pub(super) fn is_sound(&self) -> bool {
         let Pace { unit, step, ramps } = self.pace;
         let most = |parts: i128| (1_i128 << 44).saturating_mul(parts);
@@ -170,7 +172,7 @@ impl Motion {
     }
 }
 
-/// A ratio in lowest terms; the divisor is above 0.
+/// Returns a ratio in lowest terms; the divisor is above 0.
 fn reduced(dividend: i128, divisor: i128) -> [i128; 2] {
     let (mut a, mut b) = (dividend, divisor);
     while b != 0 {

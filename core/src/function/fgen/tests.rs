@@ -1,4 +1,4 @@
-//! The oracles of the generator, its phases, zeroing and monitoring, and its refusals.
+//! Test oracles of the generator, its phases, zeroing and monitoring, and its errors.
 
 use super::super::program::{Occasion, Reading};
 use super::super::trial::{at_rest, set, setting};
@@ -10,7 +10,7 @@ const MS: u64 = 1_000_000;
 const AT_REST: u8 = A1;
 const MOVES: u8 = 0;
 
-/// A generator with what it sees.
+/// A generator with its inputs.
 #[derive(Clone)]
 struct Bench {
     fgen: Fgen,
@@ -23,7 +23,7 @@ struct Bench {
     drives: [Drive; LINES],
 }
 
-/// The manual's example, without zeroing: 20000 inc in 2 s, ramps of 1 inc a call, a sequence.
+/// The example of the manual, without zeroing: 20000 inc in 2 s, ramps of 1 inc per call, a sequence.
 const EXAMPLE: [(&str, i64); 6] = [
     ("fct", 1),
     ("ba", 2),
@@ -64,7 +64,7 @@ impl Bench {
         words
     }
 
-    /// What START says to the set with these values changed, or VALUE_NEW while it runs.
+    /// Returns the result of START, or of VALUE_NEW while it runs, for the set with these values changed.
     fn checked(&self, more: &[(&'static str, i64)], runs: bool) -> Result<(), Fault> {
         let mut asked = self.clone();
         asked.take(more);
@@ -77,7 +77,7 @@ impl Bench {
         Seen { call_ns, source, inputs, sink, words: [self.word, 0], drives: &self.drives, ..at_rest() }
     }
 
-    /// Sink and outputs of START.
+    /// Returns sink and outputs of START.
     fn start(&mut self, inputs: u8) -> (i64, u8) {
         self.checked(&[], false).expect("a set that starts");
         let mut fgen = self.fgen.clone();
@@ -101,7 +101,7 @@ impl Bench {
         assert_eq!(self.fgen.check(Words(&words), &kept), Ok(()));
     }
 
-    /// Sink and outputs of a call.
+    /// Returns sink and outputs of a call.
     fn step(&mut self, inputs: u8) -> (i64, u8) {
         let mut fgen = self.fgen.clone();
         let told = fgen.step(&self.seen(inputs));
@@ -110,14 +110,14 @@ impl Bench {
         (told.sink, told.outputs)
     }
 
-    /// The same of the last of so many calls.
+    /// Returns sink and outputs of the last of `calls` calls.
     fn run(&mut self, inputs: u8, calls: usize) -> (i64, u8) {
         let told = (0..calls).map(|_| self.step(inputs)).last().expect("a call");
         self.is_sound();
         told
     }
 
-    /// The way of each of so many calls.
+    /// Returns the travel of each of `calls` calls.
     fn ways(&mut self, inputs: u8, calls: usize) -> Vec<i64> {
         (0..calls)
             .map(|_| {
@@ -134,7 +134,7 @@ impl Bench {
 fn the_fields_are_those_of_the_commanding_block() {
     let fields: Vec<_> =
         FIELDS.iter().map(|field| (field.name, field.count, field.min, field.max, field.live)).collect();
-    // What is needed in some modes only may be 0; the override is a word, the number of the function its name.
+    // Fields that only some modes need may be 0; the override is a word, the number of the function is its name.
     assert_eq!(
         fields,
         [
@@ -198,7 +198,7 @@ fn a_ramp_may_be_taken_back_and_may_reach_the_end() {
     bench.run(E1, 100);
     assert_eq!(bench.ways(0, 3), [9, 8, 7]);
     assert_eq!(bench.ways(E1, 4), [8, 9, 10, 10], "from the present velocity");
-    // 1061 so far; 19 before the end it ramps down, and 2 of the next 7 are left.
+    // 1061 so far; 19 before the end it ramps down; of the next 7, 2 are left.
     bench.run(E1, 1892);
     assert_eq!(bench.sink, 1000 + 24 + 37 + 18_920);
     assert_eq!(bench.ways(0, 2), [9, 8]);
@@ -216,7 +216,7 @@ fn continuous_starts_stops_and_goes_on_by_ramps_and_zeroes_once() {
     bench.drives[1].actual = 500;
     bench.step(0);
     assert_eq!(bench.fgen.shown()[..2], [5, 500], "not zeroed yet");
-    // 2.5 inc a call more: 2.5, 5, 7.5, 10; the sum is rounded down.
+    // A ramp of 2.5 inc per call: 2.5, 5, 7.5, 10; the sum is rounded down.
     assert_eq!(bench.ways(E1, 6), [2, 5, 8, 10, 10, 10]);
     bench.drives[1].actual = 530;
     assert_eq!(bench.ways(0, 5), [7, 5, 3, 0, 0]);
@@ -247,7 +247,7 @@ fn an_override_scales_reverses_and_holds_by_ramps() {
     bench.word = i64::MIN;
     bench.run(E1, 40);
     assert_eq!(bench.ways(E1, 2), [-20, -20]);
-    // Without a word nothing scales.
+    // Without a word there is no scaling.
     let mut bench = example(&[("ba", 0)]);
     (bench.fgen, bench.word) = (Fgen::new(false), 0);
     bench.start(0);
@@ -289,7 +289,7 @@ fn an_external_velocity_is_the_way_of_the_source() {
     assert_eq!(follow(&mut bench, E1, &[7, 7, 7, 7]), [-4, -3, -4, -3]);
     assert_eq!(follow(&mut bench, 0, &[7]), [0], "interrupted");
     assert_eq!(bench.step(0).1, AT_REST);
-    // Its ramps are those of the set.
+    // The ramps are those of the set.
     bench.value_new(&[("accel", 1_000_000)]);
     bench.word = 1024;
     assert_eq!(follow(&mut bench, E1, &[5, 5, 5, 5, 5, 5, 2, 2, 2, 2]), [1, 2, 3, 4, 5, 5, 4, 3, 2, 2]);
@@ -317,7 +317,8 @@ fn fractions_are_carried() {
     for turn in 1..=50 {
         assert_eq!(bench.run(E1, 700), (1000 * turn, MOVES));
     }
-    // A small acceleration is not rounded away: 1 inc/s^2 is 10^-6 inc a call, and more in each; n (n + 1) / 2 of them.
+    // A small acceleration is not lost by rounding: 1 inc/s^2 is 10^-6 inc per call, and increases with each call; n (n
+    // + 1) / 2 of them.
     let mut bench = example(&[("ba", 0), ("accel", 1)]);
     bench.start(0);
     assert_eq!(bench.run(E1, 1413), (0, MOVES), "998991 of 10^6");
@@ -325,7 +326,7 @@ fn fractions_are_carried() {
     assert_eq!(bench.run(E1, 586), (2, MOVES), "2001000 behind 2000 calls");
 }
 
-/// Backwards, rounding down shows the last increment early: the way of a sequence does not end for that.
+/// In negative direction, rounding down shows the last increment early: the sequence must not end at it.
 ///
 /// Proves: AMK-FGEN-25
 #[test]
@@ -353,11 +354,11 @@ fn continuous_becomes_a_sequence_that_ends_at_the_next_boundary_and_back() {
     bench.run(E1, 3);
     bench.value_new(&[("ba", 0)]);
     assert_eq!(bench.run(E1, 50), (830, MOVES), "runs just on");
-    // Backwards the boundaries are those below.
+    // In negative direction the boundaries are the lower ones.
     bench.word = -1024;
     assert_eq!(bench.run(E1, 83 + 23), (-230, MOVES));
     bench.value_new(&[("ba", 2)]);
-    // The way counts from the start at 300: it is at -530, the next boundary at -600.
+    // The travel counts from the start at 300: it is at -530, the next boundary at -600.
     assert_eq!(bench.run(E1, 6), (-290, MOVES));
     assert_eq!(bench.step(E1), (-300, AT_REST));
     for refused in [1, 3, 4, 6, 7] {
@@ -369,7 +370,7 @@ fn continuous_becomes_a_sequence_that_ends_at_the_next_boundary_and_back() {
 
 #[test]
 fn a_boundary_in_the_middle_of_an_increment_is_met_too() {
-    // 2.5 inc a call, 100 to a turn.
+    // 2.5 inc per call, 100 per turn.
     let mut bench = example(&[("ba", 0), ("cycle_increments", 100), ("cycle_time", 80), ("accel", 500_000_000)]);
     bench.word = -1024;
     bench.start(0);
@@ -422,7 +423,7 @@ fn limits_of_the_chosen_axes_are_outputs_in_their_order() {
     bench.fgen.renew(Words(&words));
     bench.drives[7].actual = 450;
     assert_eq!(bench.step(0).1 >> 1, 0b10);
-    // A limit of 0 is one, and seven axes have seven outputs.
+    // A limit of 0 applies, and seven axes have seven outputs.
     let mut bench = example(&[("fct", 4), ("aw_mask", 254)]);
     bench.start(0);
     bench.drives.iter_mut().for_each(|drive| drive.actual = 1);
@@ -469,7 +470,7 @@ fn what_no_generator_has_is_refused_with_its_field() {
     assert_eq!(fault, Fault::new(Code::AMK_NO_SOURCE).of(1).with(1, 0));
 }
 
-/// In the cycle of START the set may be changed once more, before the first call; a state of it can be read at any time.
+/// In the cycle of START the set may be changed again before the first call; the state can be read at any time.
 #[test]
 fn one_that_was_never_started_is_sound_and_may_be_renewed() {
     for has_word in [false, true] {

@@ -3,14 +3,14 @@ use super::super::trial::{CALL_NS, at_rest, set, setting};
 use super::*;
 use proptest::prelude::*;
 
-/// The manual's: difference, invalid pulses are discarded, negative limitation.
+/// The example of the manual: difference, invalid pulses are discarded, negative limitation.
 const MANUAL: [(&str, i64); 4] = [("ba", 8), ("spacing", 10_000), ("window", 2_000), ("blocked", 1_000)];
 
 fn call<'a>(sink: i64, mark: Option<i64>) -> Seen<'a> {
     Seen { sink, source: Reading { mark, ..Reading::default() }, ..at_rest() }
 }
 
-/// One that has started without a pulse.
+/// Returns a function after START without a pulse.
 fn started(values: &[(&str, i64)]) -> Imes {
     let mut imes = Imes::new();
     let first = imes.start(Words(&set(FIELDS, values)), &call(7, None));
@@ -18,7 +18,7 @@ fn started(values: &[(&str, i64)]) -> Imes {
     imes
 }
 
-/// Sink, A1 and A2 of each call, of which each has a pulse.
+/// Returns sink, A1 and A2 of each call; each call has a pulse.
 fn measured(values: &[(&str, i64)], pulses: &[i64]) -> Vec<(i64, bool, bool)> {
     let mut imes = started(values);
     let mut sink = 7;
@@ -32,7 +32,7 @@ fn measured(values: &[(&str, i64)], pulses: &[i64]) -> Vec<(i64, bool, bool)> {
     given
 }
 
-/// What a valid, an invalid and an ignored pulse gives.
+/// The result of a valid, an invalid and an ignored pulse.
 fn valid(sink: i64) -> (i64, bool, bool) {
     (sink, true, true)
 }
@@ -69,7 +69,7 @@ fn absolute_distances_need_no_spacing() {
     let absolute = [("ba", 1), ("spacing", 10_000), ("window", 1), ("blocked", 1_000)];
     let given = measured(&absolute, &[0, 12_345, 13_145, 13_345, 13_340]);
     assert_eq!(given, [invalid(7), valid(12_345), ignored(12_345), valid(1_000), ignored(1_000)]);
-    // Bits 1 to 3 change nothing.
+    // Bits 1 to 3 have no effect.
     let given = measured(&[("ba", 0b1011), ("spacing", 100)], &[-5, 150, 5_000_000_150]);
     assert_eq!(given, [invalid(7), valid(155), valid(5_000_000_000)]);
     assert_eq!(measured(&[("ba", 0)], &[0, 9_500, 9_400])[1..], [valid(9_500), valid(100)]);
@@ -110,11 +110,11 @@ fn a_lost_pulse_leaves_the_deviation_right() {
 #[test]
 fn an_invalid_pulse_is_the_next_start_only_where_the_mode_says_so() {
     let with = |ba| [("ba", ba), ("spacing", 1_000), ("window", 10), ("blocked", 300)];
-    // 1500 is invalid. Set on, 2500 is a spacing behind it; else it is 1500 behind 1000.
+    // 1500 is invalid. If it becomes the start value, 2500 is a spacing after it; otherwise it is 1500 after 1000.
     let pulses = [0, 1_000, 1_500, 2_500];
     assert_eq!(measured(&with(2), &pulses)[2..], [invalid(0), valid(0)]);
     assert_eq!(measured(&with(0), &pulses)[2..], [invalid(0), invalid(0)]);
-    // The blocked range stays with the last valid pulse: 1550 counts, though only 100 behind the start.
+    // The blocked range stays at the last valid pulse: 1550 counts, though it is only 100 after the start value.
     let short = [("ba", 2), ("spacing", 100), ("window", 10), ("blocked", 300)];
     assert_eq!(measured(&short, &[0, 1_000, 1_299, 1_450, 1_550])[2..], [ignored(0), invalid(0), valid(0)]);
 }
@@ -122,9 +122,9 @@ fn an_invalid_pulse_is_the_next_start_only_where_the_mode_says_so() {
 #[test]
 fn backward_motion_measures_distances_without_a_sign() {
     assert_eq!(measured(&MANUAL, &[0, -9_500, -10_000, -19_200])[1..], [valid(-500), ignored(-500), valid(-300)]);
-    // There and back.
+    // Forward and back.
     assert_eq!(measured(&MANUAL, &[0, 9_500, 0])[1..], [valid(-500), valid(-500)]);
-    // Across the wrap of 64 bits, and the largest way there is.
+    // Across the wrap of 64 bits, and the largest possible distance.
     assert_eq!(measured(&[("ba", 1)], &[i64::MAX, i64::MIN])[1], valid(1));
     assert_eq!(measured(&[("ba", 1)], &[0, i64::MIN])[1], valid(i64::MAX));
 }
@@ -137,7 +137,7 @@ fn new_values_count_from_the_next_pulse_and_the_start_value_stays() {
     let renewed = [("ba", 1), ("spacing", 1_000), ("window", 50), ("blocked", 20)];
     imes.renew(Words(&set(FIELDS, &renewed)));
     assert_eq!(imes.step(&call(7, None)).sink, 7);
-    // 19 is blocked; 970 behind the first pulse is -30 by the new spacing: the mode stays as started.
+    // 19 is in the blocked range; 970 after the first pulse is -30 with the new spacing: the mode stays as started.
     assert_eq!(imes.step(&call(7, Some(19))).outputs, 0);
     assert_eq!(
         imes.step(&call(7, Some(970))),
@@ -175,7 +175,7 @@ fn both_limitations_at_once_are_refused() {
     assert!(!read.is_sound());
 }
 
-/// The nearest multiple of the spacing that a limitation allows, and how far the distance is from it.
+/// Returns the deviation of a distance from the nearest multiple of the spacing that the limitation allows.
 fn deviation(limitation: i64, distance: i64, spacing: i64) -> Option<i64> {
     let from = |multiple: i64| distance - multiple * spacing;
     let multiples = 0..=distance / spacing + 1;
@@ -200,7 +200,7 @@ proptest! {
         let ba = limitation << 2 | i64::from(sets_on) << 1;
         let values = [("ba", ba), ("spacing", spacing), ("window", window), ("blocked", blocked)];
         let pulses: Vec<_> = ways.iter().scan(0, |at, way| { *at += way; Some(*at) }).collect();
-        // The first pulse is start value and blocks.
+        // The first pulse is the start value and starts the blocked range.
         let (mut begin, mut block, mut expected) = (pulses[0], pulses[0], invalid(7));
         for (pulse, given) in pulses.iter().zip(measured(&values, &pulses)).skip(1) {
             expected.1 = false;

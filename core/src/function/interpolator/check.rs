@@ -1,4 +1,4 @@
-//! What is wrong with a set of an interpolator, or with its tables.
+//! Checks of the parameter set of an interpolator and of its tables.
 
 use super::super::program::{Fault, LINES, Setting};
 use super::super::time::HALF_MS;
@@ -7,22 +7,22 @@ use super::setup::Setup;
 use crate::code::Code;
 use crate::table::{CurveError, Form, Table};
 
-/// Longest time that a table may last (in parts of its unit): values of 2^30 times 2^31 keep their place.
+/// Maximum duration of a table in parts of its unit, so that values of 2^30 times 2^31 do not overflow.
 const LONGEST: i64 = 1 << 32;
-/// Values stay below this, scaled (AMK-FIPW-04).
+/// Scaled values stay below this limit (AMK-FIPW-04).
 const LARGEST: i128 = (1 << 31) - 1;
 
-/// A value that the other fields do not leave room for.
+/// Returns the error of a value that the other fields do not allow.
 pub(super) fn beyond(field: u16, asked: i64, limit: i64) -> Fault {
     Fault::new(Code::AMK_BEYOND).of(field).with(asked, limit)
 }
 
-/// Refuses a value that a mode has no use for.
+/// Returns an error for a value that the mode does not use.
 pub(super) fn needs(field: u16, asked: i64, value: i64, mode: i64) -> Result<(), Fault> {
     if asked == value { Ok(()) } else { Err(Fault::new(Code::AMK_MODE_FIELD).of(field).with(asked, mode)) }
 }
 
-/// Refuses one that is not from `least` to `most`.
+/// Returns an error for a value outside `least` to `most`.
 pub(super) fn within(field: u16, asked: i64, (least, most): (i64, i64)) -> Result<(), Fault> {
     match asked {
         _ if asked < least => Err(beyond(field, asked, least)),
@@ -31,17 +31,17 @@ pub(super) fn within(field: u16, asked: i64, (least, most): (i64, i64)) -> Resul
     }
 }
 
-/// Refuses a mode by way without a source.
+/// Returns an error for a mode by travel without a source.
 pub(super) fn check_source(setting: &Setting<'_>, mode: i64, field: u16) -> Result<(), Fault> {
     if setting.has_source { Ok(()) } else { Err(Fault::new(Code::AMK_NO_SOURCE).of(field).with(mode, 0)) }
 }
 
-/// Refuses to wait for the zero pulse of a source that has none.
+/// Returns an error for waiting for the zero pulse of a source that has none.
 pub(super) fn check_zero_pulse(setting: &Setting<'_>, function: i64, field: u16) -> Result<(), Fault> {
     if setting.has_mark { Ok(()) } else { Err(Fault::new(Code::AMK_NO_ZERO_PULSE).of(field).with(function, 0)) }
 }
 
-/// What of printing mark control the ranges of the fields do not say: `fields` are its own, in their order.
+/// Checks the fields of printing mark control against each other: `fields` are their numbers, in their order.
 pub(super) fn check_marks(marks: &Marks, fields: [u16; 8], length: i64) -> Result<(), Fault> {
     let [format, _, shift, range, start, wide, weight, _] = fields;
     within(format, marks.format, (1, 32_767))?;
@@ -56,7 +56,7 @@ pub(super) fn check_marks(marks: &Marks, fields: [u16; 8], length: i64) -> Resul
     }
 }
 
-/// How x runs in time: parts of half a millisecond, and parts of a call.
+/// Returns the time base of x: parts of half a millisecond, and parts of a call.
 pub(super) fn time(call_ns: u64) -> (i64, i64) {
     let call = i64::try_from(call_ns).unwrap_or(i64::MAX).max(1);
     let (mut a, mut b) = (call, HALF_MS);
@@ -66,28 +66,28 @@ pub(super) fn time(call_ns: u64) -> (i64, i64) {
     (HALF_MS / a, call / a)
 }
 
-/// The longest time of a table, in half milliseconds.
+/// Returns the maximum time of a table, in half milliseconds.
 pub(super) fn longest(call_ns: u64) -> i64 {
     LONGEST / time(call_ns).0
 }
 
-/// Refuses a time of half milliseconds that is too long for calls that are none of whole ones.
+/// Returns an error for a time that is too long for the time base of the calls.
 pub(super) fn check_time(field: u16, half_ms: i64, call_ns: u64) -> Result<(), Fault> {
     let most = longest(call_ns);
     if half_ms <= most { Ok(()) } else { Err(beyond(field, half_ms, most)) }
 }
 
-/// What tables a type takes.
+/// Tables that a type accepts.
 pub(super) struct Takes {
-    /// Most points of one at equal distances.
+    /// Maximum points of a table at equal distances.
     pub y: usize,
-    /// Most points of one with places of its own; 0 where there is none.
+    /// Maximum points of a table with positions; 0 if the type has none.
     pub xy: usize,
-    /// Least and largest last place.
+    /// Minimum and maximum last position.
     pub length: (i64, i64),
 }
 
-/// Refuses tables that are missing or are no curves of a type.
+/// Returns an error for tables that are missing or that are no curves of a type.
 pub(super) fn check_tables(setting: &Setting<'_>, count: usize, takes: &Takes, setup: &Setup) -> Result<(), Fault> {
     let there = present(setting);
     if there < count {
@@ -99,7 +99,7 @@ pub(super) fn check_tables(setting: &Setting<'_>, count: usize, takes: &Takes, s
     })
 }
 
-/// How many tables the slot has before the first that it has not.
+/// Returns the number of tables before the first missing one.
 pub(super) fn present(setting: &Setting<'_>) -> usize {
     setting.tables.iter().take(LINES).take_while(|table| table.is_some()).count()
 }
@@ -109,7 +109,7 @@ fn check_table(table: &Table, takes: &Takes, setup: &Setup) -> Result<(), (Code,
     if table.form() == Form::Words || most == 0 {
         return Err((Code::AMK_CURVE_FORM, takes.xy as i64));
     }
-    // Lists are shorter than 2^17.
+    // Tables are shorter than 2^17.
     let shape = table.shape().map_err(|error| match error {
         CurveError::Words => (Code::AMK_CURVE_FORM, takes.xy as i64),
         CurveError::Few(count) => (Code::AMK_CURVE_POINTS, count as i64),

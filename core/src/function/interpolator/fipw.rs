@@ -1,7 +1,8 @@
-//! A table of the way of a master, or of time.
+//! Table over the travel of a master, or over time (FIPW).
 //!
-//! Law      as the interpolator's; in modes 98 and 100 E1 = 1 is enough to clock in again, once it has risen
-//! Refuses  modes that are not listed, fields that a mode does not use, tables of other than 2 to 127 points at equal distances
+//! Law      as for the interpolator; in modes 98 and 100 E1 = 1 is enough to clock in again after its first edge
+//! Refuses  modes that are not listed, fields that a mode does not use, tables of other than 2 to 127 points at equal
+//!          distances
 //! Source   AMK-FIPW-01 to -55, AMK-SYNC-01 to -04; A-21 to -31
 
 use super::super::field::{Field, Words, number, place};
@@ -15,7 +16,7 @@ use crate::cam::Scale;
 use crate::code::Code;
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(in super::super) const FIELDS: &[Field] = &[
     Field::new(
         "function",
@@ -74,7 +75,7 @@ pub(in super::super) const FIELDS: &[Field] = &[
 
 const MOST: i64 = 32_767 * 32_767 - 1;
 
-/// Modes, with what they are and whether they run by time.
+/// Modes, with their movement and whether they run by time.
 pub(super) const MODES: [(i64, Movement, bool); 8] = [
     (2, Movement::Cyclic, false),
     (26, Movement::Immediate, false),
@@ -98,7 +99,7 @@ const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
 }
 
-/// The interpolator.
+/// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(in super::super) struct Fipw(Interpolator);
 
@@ -108,7 +109,7 @@ impl Fipw {
     }
 }
 
-/// A set as it is meant. Its mode has to be one.
+/// Converts a parameter set with a valid mode.
 fn setup(words: Words<'_>, call_ns: u64) -> Setup {
     let get = |name: usize| words.get(name);
     let mode = get(at("mode"));
@@ -135,7 +136,7 @@ fn setup(words: Words<'_>, call_ns: u64) -> Setup {
     }
 }
 
-/// Its printing mark control; none where that is off.
+/// Returns the settings of printing mark control; empty if it is off.
 fn marks(words: Words<'_>) -> Marks {
     let get = |name| words.get(place(FIELDS, name));
     Marks::of(get("function"), REGISTER.map(get))
@@ -149,7 +150,7 @@ impl Program for Fipw {
         let Some((_, movement, by_time)) = MODES.into_iter().find(|row| row.0 == mode) else {
             return Err(Fault::new(Code::AMK_NO_MODE).of(field("mode")).with(mode, 0));
         };
-        // A source has one kind of pulse, and the side of a correction needs a correction.
+        // A source has one type of pulse, and the side of a correction needs a correction.
         let controls = function & MARKS != 0;
         let may_control = matches!(movement, Movement::Cyclic | Movement::Coupled) && !by_time;
         let is_alone = function & ZERO_PULSE == 0 && may_control;
@@ -169,7 +170,7 @@ impl Program for Fipw {
         let (way, time) = (get(at("increments_per_rev")), get(at("cycle_time")));
         if by_time {
             needs(field("increments_per_rev"), way, 0, mode)?;
-            // Of a call that is shorter than half a millisecond as of one.
+            // A call that is shorter than half a millisecond counts as one.
             let call = (i64::try_from(setting.call_ns).unwrap_or(i64::MAX) / HALF_MS).max(1);
             within(field("cycle_time"), time, (1, call.saturating_mul(32_767)))?;
             check::check_time(field("cycle_time"), time, setting.call_ns)?;

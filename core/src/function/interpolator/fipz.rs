@@ -1,7 +1,8 @@
-//! One of several tables over time, as inputs choose.
+//! One of several tables over time, selected by inputs (FIPZ).
 //!
-//! Law      a rising E(j+1), or E1 with the number j at E2 to E4, starts table j at once, at t = 0; it lasts cycle_time[j], and ends with its
-//!          last value, the time beyond it dropped. Edges while it runs are lost; of several the lowest counts
+//! Law      a rising E(j+1), or E1 with the number j at E2 to E4, starts table j at once, at t = 0; it lasts
+//!          cycle_time[j] and ends with its last value; time beyond its end is dropped. Edges while it runs are
+//!          ignored; of several edges the lowest input counts
 //! Reads    E1 to E8, the time of the calls, up to eight tables
 //! Writes   the sink, A1 = 1 at rest
 //! Source   AMK-FIPZ-01 to -20, A-36, A-37
@@ -15,7 +16,7 @@ use super::setup::Setup;
 use crate::cam::{Curve, Scale, Total};
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(in super::super) const FIELDS: &[Field] = &[
     Field::new(
         "mode",
@@ -40,15 +41,15 @@ const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
 }
 
-/// Inputs that choose the table one by one.
+/// Mode in which each table has its own input.
 const EACH: i64 = 16;
 
-/// The selector.
+/// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(in super::super) struct Fipz {
     is_coded: bool,
     tables: u8,
-    /// In the parts of a call.
+    /// Duration of each table, in the parts of a call.
     times: [i64; LINES],
     scale: Scale,
     step: i64,
@@ -66,7 +67,7 @@ impl Fipz {
         Self::default()
     }
 
-    /// One of that set, before its first call.
+    /// Returns a function with that set, before its first call.
     fn of(words: Words<'_>, call_ns: u64) -> Self {
         let (parts, step) = check::time(call_ns);
         Self {
@@ -79,9 +80,9 @@ impl Fipz {
         }
     }
 
-    /// The table that an edge starts; an edge of one that is not there is none.
+    /// Returns the table that an edge starts; `None` if that table does not exist.
     fn chosen(&self, rising: u8, inputs: u8) -> Option<u8> {
-        // Most calls have none.
+        // Most calls have no edge.
         if rising == 0 {
             return None;
         }

@@ -1,8 +1,9 @@
-//! Function interpolators: tables that are run through by the way of a master, or by time.
+//! Function interpolators: tables over the travel of a master, or over time.
 //!
-//! Law      x runs through a table, y(x) is added to what the tables before gave, scaled by K / 2^n and rounded once: a master that goes back
-//!          retraces exactly. Where a table ends the next one of the movement begins, with what x is beyond the end
-//! Reads    the way of the source, or the time of the calls; E1 starts and stops; up to eight tables
+//! Law      x runs through a table; y(x) is added to the sum of the previous tables, scaled by K / 2^n and rounded
+//!          once: a master that moves back retraces its path exactly. At the end of a table the next one of the
+//!          movement begins, at the distance of x beyond the end
+//! Reads    the travel of the source, or the time of the calls; E1 starts and stops; up to eight tables
 //! Writes   the sink; A1 = 1 at rest, in modes that E1 starts
 //! Source   AMK-FIPW, AMK-SYNC, AMK-FIPZ, AMK-XFIPW; A-21 to -31 of part A, A-04 to -23 of part C
 
@@ -22,7 +23,7 @@ use register::{Marks, Register};
 use serde::{Deserialize, Serialize};
 use setup::{Movement, Setup};
 
-/// Numbers of the modes of fipw, ascending; each of xfipw has one more, which `switches_sets`.
+/// Returns the modes of fipw in ascending order; with `switches_sets` those of xfipw, which are one larger.
 pub(super) fn modes(switches_sets: bool) -> Vec<i64> {
     let more = i64::from(switches_sets);
     let mut modes: Vec<i64> = fipw::MODES.iter().flat_map(|row| row.0..=row.0 + more).collect();
@@ -30,43 +31,43 @@ pub(super) fn modes(switches_sets: bool) -> Vec<i64> {
     modes
 }
 
-/// Where an interpolator is.
+/// State of an interpolator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 enum Stage {
-    /// It waits for the zero pulse of its master.
+    /// Waiting for the zero pulse of its master.
     Sync,
-    /// Clocked out: x runs on, the sink stands.
+    /// Clocked out: x continues, the sink rests.
     #[default]
     Out,
     /// A movement runs.
     Run,
 }
 
-/// The movement of an interpolator.
+/// State of an interpolator, without its parameter set.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Interpolator {
     setup: Setup,
     stage: Stage,
-    /// In the present table; below 0 before the first one of a movement.
+    /// Position in the present table; below 0 before the first table of a movement.
     x: i64,
-    /// The master's way at the last call.
+    /// Travel of the master at the last call.
     travel: i64,
     total: Total,
-    /// What the sink has where the total is 0.
+    /// Value of the sink for a total of 0.
     origin: i64,
-    /// In its set.
+    /// Index of the table in its set.
     table: u8,
     /// Passes of the working table in this movement.
     passes: i64,
-    /// Where the last point was found.
+    /// Index at which the last point was found.
     near: u32,
     /// Inputs of the last call.
     before: u8,
-    /// E1 rose since START.
+    /// Whether E1 has risen since START.
     knows_edge: bool,
-    /// A start waits for its place.
+    /// Whether a start waits for its position.
     is_armed: bool,
-    /// E1 rose in a movement, and counts at its end.
+    /// Whether E1 rose in a movement, and takes effect at its end.
     is_stored: bool,
     sets: Sets,
     register: Register,
@@ -74,12 +75,12 @@ pub(super) struct Interpolator {
 }
 
 impl Interpolator {
-    /// The first call: the sink stands where it is.
+    /// Executes the first call: the sink keeps its value.
     fn start(&mut self, setup: Setup, seen: &Seen<'_>) -> Outcome {
         *self = Self { setup, travel: seen.source.travel, origin: seen.sink, before: seen.inputs, ..Self::default() };
         self.sets.look(&self.setup, seen);
         if setup.movement == Movement::Cyclic {
-            // At START a set counts that is selected there.
+            // The set that is selected at START is active at once.
             self.sets.switch();
         }
         if setup.waits_for_zero {
@@ -92,7 +93,7 @@ impl Interpolator {
         Outcome { sink, ..self.told() }
     }
 
-    /// x becomes what the set says. A cycle that begins here does so without a step.
+    /// Sets x to the value of the parameter set. A cycle that begins here does so without a step of the sink.
     fn set_on(&mut self, seen: &Seen<'_>) {
         let (stands, length) = (self.position(seen), self.curve(seen).length());
         self.x = self.setup.offset.rem_euclid(length);
@@ -106,7 +107,7 @@ impl Interpolator {
         }
     }
 
-    /// Each further call.
+    /// Executes each further call.
     #[inline]
     fn step(&mut self, seen: &Seen<'_>) -> Outcome {
         let way = match self.setup.step {
@@ -144,7 +145,8 @@ impl Interpolator {
         Outcome { sink, sak_share: share, correction, deviation: self.register.deviation(), ..self.told() }
     }
 
-    /// A mark in the pass of the working table that ran up to this call, or in the one before; true where it needs no further look.
+    /// Looks for a mark in the pass of the working table that ran up to this call, or in the previous one. Returns true
+    /// if the new pass need not be searched.
     #[inline]
     fn find_mark(&mut self, seen: &Seen<'_>) -> bool {
         let (true, Some(mark)) = (self.setup.marks.is_on(), seen.source.mark) else { return true };
@@ -158,7 +160,7 @@ impl Interpolator {
         x < curve.length()
     }
 
-    /// A mark in the pass that began in this call.
+    /// Looks for a mark in the pass that began in this call.
     #[inline]
     fn find_mark_behind(&mut self, seen: &Seen<'_>) {
         if self.setup.marks.is_on()
@@ -172,7 +174,7 @@ impl Interpolator {
         }
     }
 
-    /// What printing mark control adds.
+    /// Returns the correction of printing mark control.
     #[inline]
     fn correction(&mut self, seen: &Seen<'_>) -> i64 {
         if !self.setup.marks.is_on() || !self.works() {
@@ -182,18 +184,18 @@ impl Interpolator {
         self.register.at(&self.setup.marks, self.x, length)
     }
 
-    /// Does the working table run?
+    /// Returns true if the working table runs.
     #[inline]
     fn works(&self) -> bool {
         self.stage == Stage::Run && self.table == self.setup.working && self.x >= 0
     }
 
-    /// Other marks, taken while it runs.
+    /// Changes the settings of printing mark control while it runs.
     fn renew(&mut self, marks: Marks) {
         self.setup.marks = marks;
     }
 
-    /// The zero pulse of the master makes x what the set says, at the place of the pulse: what may begin there does so there.
+    /// Sets x at the position of the zero pulse of the master; a movement that may begin there does so.
     fn look_for_zero(&mut self, (e1, rises): (bool, bool), seen: &Seen<'_>) {
         let Some(mark) = seen.source.mark else { return };
         self.set_on(seen);
@@ -210,19 +212,19 @@ impl Interpolator {
         }
     }
 
-    /// Is x behind its zero by `angle` at most, the master not on its way back?
+    /// Returns true if x is at most `angle` after its zero and the master does not move back.
     fn is_in(&self, way: i64, angle: i64) -> bool {
         way >= 0 && (0..=angle).contains(&self.x)
     }
 
-    /// The table that runs, or that comes next.
+    /// Returns the table that runs, or the next one.
     #[inline]
     fn curve<'a>(&self, seen: &Seen<'a>) -> Curve<'a> {
         let place = self.sets.first(&self.setup) + usize::from(self.table);
         Curve::new(seen.tables.get(place), self.setup.length, self.setup.parts)
     }
 
-    /// Where its sink belongs, without compensation.
+    /// Returns the position of the sink, without compensation.
     #[inline]
     fn position(&mut self, seen: &Seen<'_>) -> i64 {
         let total = if self.stage == Stage::Run && self.x >= 0 {
@@ -234,7 +236,7 @@ impl Interpolator {
         self.origin.wrapping_add(total)
     }
 
-    /// Its outputs.
+    /// Returns the outputs.
     fn told(&self) -> Outcome {
         let rests = self.setup.is_started_by_e1();
         let (at_rest, selected) = (u8::from(self.stage != Stage::Run), u8::from(self.sets.is_taken()));
@@ -253,12 +255,12 @@ impl Interpolator {
         Outcome { outputs, writes, ..Outcome::default() }
     }
 
-    /// What its outputs are after RESET.
+    /// Returns the outputs after RESET.
     pub(super) fn rests(&self) -> u8 {
         u8::from(self.setup.is_started_by_e1())
     }
 
-    /// Does it run by that set?
+    /// Returns true if the function runs with that set.
     fn is_set(&self, setup: &Setup) -> bool {
         self.setup == *setup
     }
@@ -268,7 +270,7 @@ impl Interpolator {
     }
 }
 
-/// The scaled value of one table at `x`, its rounds counted.
+/// Returns the scaled value of one table at `x`, including whole passes.
 fn value_at(curve: &Curve<'_>, x: i64, setup: &Setup) -> i64 {
     let (rounds, rest) = (x.div_euclid(curve.length()), x.rem_euclid(curve.length()));
     let mut total = Total::default();

@@ -1,7 +1,8 @@
-//! The passages of a movement: from table to table, forward and back, in and out.
+//! Transitions of a movement: from table to table, forward and back, in and out.
 //!
-//! Law      starts, stops and sets are decided going forward alone; going back re-enters the table that x came from, and before the first one
-//!          the sink stands until x is back. A step of the master may pass any number of tables
+//! Law      starts, stops and sets are evaluated in positive direction only; in negative direction x returns to the
+//!          table that it came from, and before the first table the sink rests until x is back. A step of the master
+//!          may pass any number of tables
 //! Source   AMK-FIPW-42 to -55 with A-23 to -29, AMK-XFIPW-40 to -60 with to -22
 
 use super::super::program::{LINES, Seen};
@@ -10,7 +11,7 @@ use super::{Interpolator, Stage};
 use serde::{Deserialize, Serialize};
 
 impl Interpolator {
-    /// A movement begins with its first table, where x is.
+    /// Begins a movement with its first table, at the present x.
     pub(super) fn begin(&mut self) {
         (self.stage, self.table, self.passes, self.near) = (Stage::Run, 0, 0, 0);
         (self.is_armed, self.is_stored) = (false, false);
@@ -19,7 +20,8 @@ impl Interpolator {
         }
     }
 
-    /// x while the sink stands, and the begin of a movement where E1 and its place say so: at the first zero of this call, or in the window.
+    /// Advances x while the sink rests, and begins a movement if E1 and the position allow it: at the first zero of
+    /// this call, or in the window.
     pub(super) fn run_out(&mut self, way: i64, (e1, rises): (bool, bool), seen: &Seen<'_>) {
         let length = self.curve(seen).length();
         let next = self.x.saturating_add(way);
@@ -30,12 +32,12 @@ impl Interpolator {
             if passed {
                 self.x = next - length;
             }
-            // Its set may have a table that ends before the window does.
+            // The set may have a table that ends before the window does.
             self.pass_ends(e1, seen);
         }
     }
 
-    /// Begins a movement where E1 and the place of x say so.
+    /// Begins a movement if E1 and the position of x allow it.
     pub(super) fn clock_in(&mut self, (e1, rises): (bool, bool), is_there: bool) {
         match self.setup.movement {
             Movement::Immediate if rises => {
@@ -54,7 +56,7 @@ impl Interpolator {
         }
     }
 
-    /// Leaves the working table for the stop tables within its window; without one of them its pass is ended.
+    /// Leaves the working table for the stop tables within its window; without stop tables the pass runs to its end.
     pub(super) fn clock_out(&mut self, way: i64, e1: bool, seen: &Seen<'_>) {
         let Setup { movement, tables, working, stop_angle, .. } = self.setup;
         let may = self.stage == Stage::Run && movement == Movement::Coupled && !e1;
@@ -62,12 +64,12 @@ impl Interpolator {
             let length = self.curve(seen).length();
             self.register.leave(&self.setup.marks, self.x, length);
             (self.table, self.near) = (working.saturating_add(1), 0);
-            // Tables of the set may have lengths of their own.
+            // Tables of the set may have different lengths.
             self.x = self.x.rem_euclid(self.curve(seen).length());
         }
     }
 
-    /// Ends of tables that x has passed: each table once, the working table any number of times.
+    /// Handles the ends of tables that x has passed: each table once, the working table any number of times.
     pub(super) fn pass_ends(&mut self, e1: bool, seen: &Seen<'_>) {
         while self.stage == Stage::Run {
             let curve = self.curve(seen);
@@ -81,14 +83,14 @@ impl Interpolator {
             self.near = 0;
             if self.table == self.setup.working {
                 self.passes = self.passes.saturating_add(times);
-                // What the first of several passes leaves is told by the second one.
+                // The register sees at most two passes: further ones change nothing after the second.
                 (0..times.min(2)).for_each(|_| self.register.pass());
             }
             self.go_on(e1, seen);
         }
     }
 
-    /// How many of so many passes of the present table are one after the other.
+    /// Returns how many of `passes` passes of the present table can be handled at once.
     fn repeats(&self, passes: i64, e1: bool) -> i64 {
         if self.table != self.setup.working || self.sets.is_due() {
             return 1;
@@ -108,7 +110,7 @@ impl Interpolator {
         }
     }
 
-    /// What follows the end of a table.
+    /// Changes to the table that follows the end of the present one.
     fn go_on(&mut self, e1: bool, seen: &Seen<'_>) {
         let Setup { movement, tables, working, passes, .. } = self.setup;
         let repeats = self.table == working
@@ -137,7 +139,7 @@ impl Interpolator {
         }
     }
 
-    /// The end of a movement, or the begin of the next one in its place.
+    /// Ends a movement, or begins the next one immediately.
     fn end(&mut self, e1: bool, seen: &Seen<'_>) {
         let again = e1 && (self.is_stored || self.setup.by_level && self.setup.movement == Movement::Coupled);
         if again {
@@ -151,7 +153,7 @@ impl Interpolator {
         };
     }
 
-    /// The tables that x has come from, where the master goes back.
+    /// Returns to the previous tables while the master moves back.
     pub(super) fn pass_back(&mut self, seen: &Seen<'_>) {
         while self.stage == Stage::Run && self.x < 0 {
             let is_cyclic = self.setup.movement == Movement::Cyclic;
@@ -184,26 +186,26 @@ impl Interpolator {
     }
 }
 
-/// The sets of tables, and which of them the inputs select.
+/// The sets of tables, and the selection of the inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Sets {
-    /// How many there are; 0 where none is selected.
+    /// Number of sets; 0 if sets are not selected.
     count: u8,
     active: u8,
-    /// Selected now.
+    /// Set that is selected now.
     wanted: Option<u8>,
-    /// The selection that was carried out.
+    /// Selection that was carried out.
     taken: Option<u8>,
 }
 
 impl Sets {
-    /// Place of the first table of the set in force.
+    /// Index of the first table of the active set.
     #[inline]
     pub(super) fn first(&self, setup: &Setup) -> usize {
         usize::from(self.active) * usize::from(setup.tables)
     }
 
-    /// Reads the inputs.
+    /// Reads the selection from the inputs.
     #[inline]
     pub(super) fn look(&mut self, setup: &Setup, seen: &Seen<'_>) {
         if !setup.switches_sets {
@@ -212,7 +214,7 @@ impl Sets {
         let tables = (0..LINES).take_while(|number| seen.tables.get(*number).is_some()).count();
         self.count = tables.checked_div(usize::from(setup.tables)).unwrap_or(0).min(LINES) as u8;
         let inputs = seen.inputs >> u8::from(setup.is_started_by_e1());
-        // As many inputs as there are sets to tell apart.
+        // As many inputs as are needed to select one of the sets.
         let mask = match self.count {
             0 | 1 => 0,
             2 => 0b001,
@@ -225,20 +227,20 @@ impl Sets {
         }
     }
 
-    /// Does the next place for it change the set?
+    /// Returns true if the set changes at the next opportunity.
     #[inline]
     pub(super) fn is_due(&self) -> bool {
         self.wanted.is_some_and(|set| set < self.count && set != self.active)
     }
 
-    /// A place where the selected set comes into force.
+    /// Activates the selected set.
     pub(super) fn switch(&mut self) {
         if let Some(set) = self.wanted.filter(|set| *set < self.count) {
             (self.active, self.taken) = (set, Some(set));
         }
     }
 
-    /// Is the selected set in force?
+    /// Returns true if the selected set is active.
     pub(super) fn is_taken(&self) -> bool {
         self.taken.is_some()
     }

@@ -1,46 +1,47 @@
-//! Printing mark control: a correction of the slave's way, so that a mark comes where it belongs.
+//! Printing mark control: corrects the position of the slave so that a mark reaches its setpoint position.
 //!
-//! Law      c = ((V - D) mod FL) * Ye / FL; dXM = Y(x_mark) - c, wrapped into (-Ye / 2, Ye / 2], valid within W * Ye / FL, then cut to whole
-//!          increments; C = trunc(dXM * F); corr(x) = trunc(C * clamp((x - SK) / LK, 0, 1)), then C for good
-//! Reads    the mark of a call, in passes of the working table alone; of several in a pass the first valid one
-//! Writes   what is added to the sink; whether the last pass had a valid mark
+//! Law      c = ((V - D) mod FL) * Ye / FL; dXM = Y(x_mark) - c, wrapped into (-Ye / 2, Ye / 2], valid within W * Ye /
+//!          FL, then truncated to whole increments; C = trunc(dXM * F); corr(x) = trunc(C * clamp((x - SK) / LK, 0,
+//!          1)), then C permanently
+//! Reads    the mark of a call, in passes of the working table only; the first valid one of a pass counts
+//! Writes   the correction that is added to the sink; whether the last pass had a valid mark
 //! Source   AMK-PMC-01 to -26, AMK-XFIPW-69 to -85; A-32 to -35, A-23 to -28
 
 use crate::cam::{Curve, Scale};
 use serde::{Deserialize, Serialize};
 
-/// Bit of `function` that turns it on.
+/// Bit of `function` that enables printing mark control.
 pub(super) const MARKS: i64 = 1 << 0;
-/// Bit of `function`: compensation sees the correction, too.
+/// Bit of `function`: the compensation includes the correction.
 pub(super) const BEFORE_SAK: i64 = 1 << 1;
-/// Bit of the weight that turns the sense.
+/// Bit of the weight that inverts the direction.
 const INVERTED: i64 = 1 << 7;
-/// The weight that corrects nothing.
+/// Weight without any correction.
 const SUPPRESSED: i64 = 1 << 5;
 
-/// Its part of a set.
+/// Settings of printing mark control.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Marks {
-    /// FL; 0 where there is no control.
+    /// Format length FL; 0: no control.
     pub format: i64,
-    /// D
+    /// Distance of the sensor, D.
     pub distance: i64,
-    /// V
+    /// Synchronous shift V.
     pub shift: i64,
-    /// W
+    /// Valid range W.
     pub range: i64,
-    /// SK, LK
+    /// Start and length of the correction, SK and LK.
     pub window: (i64, i64),
-    /// k
+    /// Weight k.
     pub weight: i64,
     /// Every n-th valid mark is corrected.
     pub every: i64,
-    /// Compensation sees the correction, too.
+    /// Whether the compensation includes the correction.
     pub before_sak: bool,
 }
 
 impl Marks {
-    /// Of the word `function` and the fields FL, D, V, W, SK, LK, k and n; none where that bit is off.
+    /// Returns the settings of the word `function` and the fields FL, D, V, W, SK, LK, k and n; empty if that bit is 0.
     pub(super) fn of(function: i64, values: [i64; 8]) -> Self {
         if function & MARKS == 0 {
             return Self::default();
@@ -55,12 +56,12 @@ impl Marks {
         self.format > 0
     }
 
-    /// SK and LK, as far as they are given (AMK-PMC-16).
+    /// Returns SK and LK, or their defaults if both are 0 (AMK-PMC-16).
     fn window(&self, length: i64) -> (i64, i64) {
         if self.window == (0, 0) { (length * 3 / 4, length / 8) } else { self.window }
     }
 
-    /// dXM at a place of the working table, in whole increments; none where it is not valid.
+    /// Returns dXM at a position of the working table, in whole increments; `None` if it is not valid.
     fn deviation(&self, curve: &Curve<'_>, x: i64, scale: Scale) -> Option<i64> {
         let point = curve.at(x, &mut 0);
         let wide = i128::from;
@@ -79,7 +80,7 @@ impl Marks {
         is_valid.then(|| (off / unit) as i64)
     }
 
-    /// C of a deviation: a share of it, or its opposite.
+    /// Returns C of a deviation: a fraction of it, or its negative.
     fn correction(&self, deviation: i64) -> i64 {
         let share = match self.weight & !INVERTED {
             SUPPRESSED => 0,
@@ -89,32 +90,32 @@ impl Marks {
     }
 }
 
-/// The control of a working table.
+/// State of the control of a working table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Register {
-    /// dXM of the last mark; 0 where the last pass had none.
+    /// dXM of the last mark; 0 if the last pass had none.
     deviation: i64,
-    /// A valid mark came in this pass.
+    /// Whether this pass has had a valid mark.
     is_marked: bool,
-    /// One came in the last pass.
+    /// Whether the last pass had a valid mark.
     was_marked: bool,
-    /// Valid marks so far.
+    /// Number of valid marks.
     count: i64,
     /// C that waits for SK.
     waiting: Option<i64>,
-    /// C that is put out in this pass, and over which window.
+    /// C that is applied in this pass, and its window.
     runs: Option<(i64, (i64, i64))>,
-    /// SK was passed in this pass.
+    /// Whether SK was passed in this pass.
     is_open: bool,
-    /// Of C so much was put out, before this pass.
+    /// Sum of C applied before this pass.
     done: i64,
 }
 
 impl Register {
-    /// A mark at x of the pass that runs, or of the one before it, which had that length.
+    /// Evaluates a mark at x of the present pass; a negative x is in the previous pass, which had that length.
     pub(super) fn mark(&mut self, marks: &Marks, curve: &Curve<'_>, x: i64, scale: Scale) {
         if x >= 0 {
-            // What was there before it goes first.
+            // A correction that waited before the mark is applied first.
             self.open(marks, x, curve.length());
         }
         let place = if x < 0 { x.saturating_add(curve.length()) } else { x };
@@ -135,11 +136,11 @@ impl Register {
         }
     }
 
-    /// What is added at x.
+    /// Returns the correction at x.
     pub(super) fn at(&mut self, marks: &Marks, x: i64, length: i64) -> i64 {
         self.open(marks, x, length);
         let Some((all, (start, wide))) = self.runs else { return self.done };
-        // C has 32 bits, places have 15.
+        // C has 32 bits, positions have 15.
         let part = if x >= start.saturating_add(wide) {
             all
         } else {
@@ -148,7 +149,7 @@ impl Register {
         self.done.wrapping_add(part)
     }
 
-    /// At SK the pass takes what waits.
+    /// Starts the waiting correction when the pass reaches SK.
     fn open(&mut self, marks: &Marks, x: i64, length: i64) {
         if !self.is_open && x >= marks.window(length).0 {
             self.is_open = true;
@@ -156,7 +157,7 @@ impl Register {
         }
     }
 
-    /// The end of a pass: what was to be put out in it is out.
+    /// Ends a pass: its correction has been applied completely.
     pub(super) fn pass(&mut self) {
         let all = if self.is_open { self.runs.take().map(|(all, _)| all) } else { self.waiting.take() };
         self.done = self.done.wrapping_add(all.unwrap_or(0));
@@ -167,7 +168,7 @@ impl Register {
         self.is_open = false;
     }
 
-    /// The working table is left at x: what was put out stays, and what waits is dropped.
+    /// Leaves the working table at x: the applied correction stays, and a waiting one is dropped.
     pub(super) fn leave(&mut self, marks: &Marks, x: i64, length: i64) {
         if self.runs.is_some() {
             self.done = self.at(marks, x, length);
@@ -175,24 +176,25 @@ impl Register {
         (self.runs, self.waiting, self.is_open, self.is_marked) = (None, None, false, false);
     }
 
-    /// The master goes back into the pass before: what this one was to put out waits for the next one, and the mark was of that one.
+    /// Returns to the previous pass: the correction of this pass waits for the next one, and the mark belongs to the
+    /// previous one.
     pub(super) fn go_back(&mut self) {
         let taken = self.runs.take().map(|(all, _)| all);
         self.waiting = self.waiting.or(taken);
         (self.is_open, self.is_marked) = (true, self.was_marked);
     }
 
-    /// All that was put out so far, where no pass of the working table runs.
+    /// Returns the sum of the corrections so far, while no pass of the working table runs.
     pub(super) fn done(&self) -> i64 {
         self.done
     }
 
-    /// dXM (inc).
+    /// Returns dXM, in increments.
     pub(super) fn deviation(&self) -> i64 {
         self.deviation
     }
 
-    /// Had the last pass a valid mark?
+    /// Returns true if the last pass had a valid mark.
     pub(super) fn was_marked(&self) -> bool {
         self.was_marked
     }

@@ -1,57 +1,58 @@
-//! What a set makes of an interpolator.
+//! Settings of an interpolator, converted from its parameter set.
 
 use super::register::Marks;
 use crate::cam::Scale;
 use serde::{Deserialize, Serialize};
 
-/// What begins a movement, and what ends it.
+/// Start and end conditions of a movement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Movement {
-    /// One table, for ever.
+    /// One table, repeated endlessly.
     #[default]
     Cyclic,
-    /// A rising E1 begins at once, at x = 0; it ends with its table.
+    /// A rising E1 begins at once, at x = 0; the movement ends with its table.
     Immediate,
-    /// A rising E1 begins at a zero of x; it ends with its last table.
+    /// A rising E1 begins at a zero of x; the movement ends with its last table.
     Sequence,
-    /// E1 = 1 clocks in at a zero of x: start tables, then the working table; E1 = 0 clocks out by the stop tables.
+    /// E1 = 1 clocks in at a zero of x: start tables, then the working table; E1 = 0 clocks out through the stop
+    /// tables.
     Coupled,
 }
 
-/// A set, taken at START.
+/// Settings, taken at START.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Setup {
     pub movement: Movement,
-    /// By so much x goes on in each call; none: by the way of the source.
+    /// Change of x per call; `None`: the travel of the source.
     pub step: Option<i64>,
-    /// Of a table at equal distances.
+    /// Length of a table at equal distances.
     pub length: i64,
-    /// Units of x in a unit of the tables' places: more than one where calls are no whole half milliseconds.
+    /// Units of x per unit of the table positions: more than one if a call is no multiple of half a millisecond.
     pub parts: i64,
     pub scale: Scale,
-    /// Tables of a movement.
+    /// Number of tables of a movement.
     pub tables: u8,
-    /// Place of the working table.
+    /// Index of the working table.
     pub working: u8,
-    /// Passes of the working table, where a movement ends by itself.
+    /// Passes of the working table, if a movement ends by itself.
     pub passes: i64,
     pub offset: i64,
     pub start_angle: i64,
     pub stop_angle: i64,
     pub sak: i64,
-    /// x begins at the next zero pulse of the master.
+    /// Whether x starts at the next zero pulse of the master.
     pub waits_for_zero: bool,
-    /// The slave is where x is already.
+    /// Whether the slave already is at the position of x.
     pub sets_on: bool,
-    /// Coupled: E1 = 1 is enough once it has risen.
+    /// Coupled: whether E1 = 1 is enough after the first edge.
     pub by_level: bool,
-    /// An edge of E1 in a movement counts at its end.
+    /// Whether an edge of E1 in a movement takes effect at its end.
     pub retriggers: bool,
-    /// Inputs select a set of tables.
+    /// Whether inputs select a set of tables.
     pub switches_sets: bool,
-    /// At each end of a table, not only where the working table is repeated.
+    /// Whether the set may change at each end of a table, not only where the working table is repeated.
     pub switches_everywhere: bool,
-    /// An output tells that the last pass had a mark.
+    /// Whether an output shows that the last pass had a mark.
     pub tells_marks: bool,
     pub marks: Marks,
 }

@@ -1,4 +1,4 @@
-//! Interpolators by their oracles, and against walks of single increments.
+//! Tests of interpolators: oracles, and comparison with single increments.
 
 use super::super::program::{LINES, Outcome, Program, Seen};
 use super::super::trial::{at_rest, set, setting, tabs};
@@ -32,7 +32,7 @@ fn xy(points: &[(i64, i64)]) -> Arc<Table> {
     Arc::new(Table::new(Form::Xy, &x, &y).expect("points"))
 }
 
-/// A function with its tables, at some place of its master.
+/// A function with its tables, and the position of its master.
 struct Bench<'a, P> {
     function: P,
     fields: &'static [Field],
@@ -47,7 +47,7 @@ impl<'a, P: Program> Bench<'a, P> {
         Self { function, fields, tables, call_ns: 2 * HALF, travel: 0, sink: 0 }
     }
 
-    /// Tab0 to Tab7.
+    /// Returns Tab0 to Tab7.
     fn found(&self) -> [Option<&Table>; LINES] {
         std::array::from_fn(|place| self.tables.get(place).map(|table| &**table))
     }
@@ -70,7 +70,7 @@ impl<'a, P: Program> Bench<'a, P> {
         outcome
     }
 
-    /// A call behind so much way.
+    /// Executes a call after a travel of the master.
     fn step(&mut self, way: i64, inputs: u8) -> Outcome {
         self.travel += way;
         let outcome = self.function.step(&self.seen(inputs, None));
@@ -78,7 +78,7 @@ impl<'a, P: Program> Bench<'a, P> {
         outcome
     }
 
-    /// Sink and A1 of calls, each behind some way and with these inputs.
+    /// Returns sink and A1 of calls, each after a travel of the master and with these inputs.
     fn run(&mut self, calls: &[(i64, u8)]) -> Vec<(i64, u8)> {
         calls.iter().map(|(way, inputs)| self.step(*way, *inputs)).map(|out| (out.sink, out.outputs)).collect()
     }
@@ -96,7 +96,7 @@ fn xfipw(tables: &[Arc<Table>]) -> Bench<'_, Xfipw> {
     Bench::of(Xfipw::new(), xfipw::FIELDS, tables)
 }
 
-/// A set of fipw by way, of one table but for what is given.
+/// A set of fipw by travel, with one table unless `more` changes it.
 fn by_way<'a>(mode: i64, more: &[(&'a str, i64)]) -> Vec<(&'a str, i64)> {
     let mut values = vec![("mode", mode), ("mult", 1), ("table_count", 1), ("increments_per_rev", 100)];
     for (name, value) in more {
@@ -115,7 +115,7 @@ fn extended<'a>(ba: i64, more: &[(&'a str, i64)]) -> Vec<(&'a str, i64)> {
     values
 }
 
-/// A call in which a mark lay so far back.
+/// Executes a call with a mark that is `back` increments behind.
 fn marked<P: Program>(bench: &mut Bench<'_, P>, way: i64, back: i64) -> Outcome {
     bench.travel += way;
     let outcome = bench.function.step(&bench.seen(0, Some(bench.travel - back)));
@@ -123,7 +123,7 @@ fn marked<P: Program>(bench: &mut Bench<'_, P>, way: i64, back: i64) -> Outcome 
     outcome
 }
 
-/// The oracle's set: FL 3000, D 2500, V 0, W 200.
+/// The set of the oracle: FL 3000, D 2500, V 0, W 200.
 fn registered<'a>(more: &[(&'a str, i64)]) -> Vec<(&'a str, i64)> {
     let set = [
         ("function", 1),

@@ -1,9 +1,12 @@
-//! The extended interpolator: larger tables, places of their own, sets of tables that inputs switch, several passes, a begin where the slave stands.
+//! Extended interpolator (XFIPW): larger tables, tables with positions, sets of tables that inputs select, several
+//! passes, a start at the position of the slave.
 //!
-//! Law      as the interpolator's; a movement needs a rising E1 always, or one that was stored while the last one ran
-//! Reads    in odd modes E_SUEn and E_SU0 to 2 behind E1, which select one of the sets
-//! Writes   in odd modes A_SUK: the selected set is in force
-//! Refuses  modes that are not listed, fields that a mode does not use, tables of more than 2000 points, or 1000 with places
+//! Law      as for the interpolator; a movement always needs a rising E1, or one that was stored during the previous
+//!          movement
+//! Reads    in odd modes E_SUEn and E_SU0 to 2 after E1, which select one of the sets
+//! Writes   in odd modes A_SUK: the selected set is active
+//! Refuses  modes that are not listed, fields that a mode does not use, tables of more than 2000 points, or 1000 with
+//!          positions
 //! Source   AMK-XFIPW-01 to -68, -86 to -126; A-04 to -22, A-29, A-31
 
 use super::super::field::{Field, Words, number, place};
@@ -18,7 +21,7 @@ use crate::code::Code;
 use crate::table::Form;
 use serde::{Deserialize, Serialize};
 
-/// The set.
+/// The parameter set.
 pub(in super::super) const FIELDS: &[Field] = &[
     Field::new(
         "function",
@@ -97,7 +100,7 @@ pub(in super::super) const FIELDS: &[Field] = &[
     ),
 ];
 
-/// A field of printing mark control, which VALUE_NEW changes.
+/// Returns a field of printing mark control, which VALUE_NEW changes.
 const fn live(name: &'static str, max: i64, unit: &'static str, help: &'static str, source: &'static str) -> Field {
     Field::new(name, 0, max, unit, help, source).live()
 }
@@ -125,7 +128,7 @@ const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
 }
 
-/// The interpolator.
+/// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(in super::super) struct Xfipw(Interpolator);
 
@@ -135,13 +138,13 @@ impl Xfipw {
     }
 }
 
-/// What a mode is, whether it runs by time, and whether it selects sets.
+/// Returns the movement of a mode, whether it runs by time, and whether it selects sets.
 fn mode_of(ba: i64) -> Option<(Movement, bool, bool)> {
     let row = fipw::MODES.into_iter().find(|row| row.0 == ba & !1)?;
     Some((row.1, row.2, ba & 1 == 1))
 }
 
-/// A set as it is meant. Its mode has to be one.
+/// Converts a parameter set with a valid mode.
 fn setup(words: Words<'_>, call_ns: u64) -> Setup {
     let get = |name: usize| words.get(name);
     let (movement, by_time, switches_sets) = mode_of(get(at("ba"))).unwrap_or_default();
@@ -172,13 +175,13 @@ fn setup(words: Words<'_>, call_ns: u64) -> Setup {
     }
 }
 
-/// Its printing mark control; none where that is off.
+/// Returns the settings of printing mark control; empty if it is off.
 fn marks(words: Words<'_>) -> Marks {
     let get = |name| words.get(place(FIELDS, name));
     Marks::of(get("function"), REGISTER.map(get))
 }
 
-/// How many tables a set needs: those of one movement, or all that there are.
+/// Returns the number of tables that a set needs: those of one movement, or all tables of the slot.
 fn tables_of(setting: &Setting<'_>, total: i64, switches_sets: bool) -> Result<usize, Fault> {
     let (there, total) = (present(setting), total as usize);
     if !switches_sets || there < total {
@@ -192,7 +195,7 @@ fn tables_of(setting: &Setting<'_>, total: i64, switches_sets: bool) -> Result<u
 }
 
 impl Xfipw {
-    /// What the ranges of the fields do not say, but for the offset, which READ_VALUE takes in all modes.
+    /// Checks the fields against each other, except the offset, which READ_VALUE accepts in all modes.
     fn check_set(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let field = |name| number(FIELDS, name);
         let get = |name: usize| words.get(name);
@@ -201,12 +204,12 @@ impl Xfipw {
             return Err(Fault::new(Code::AMK_NO_MODE).of(field("ba")).with(ba, 0));
         };
         let cycles = movement == Movement::Cyclic;
-        // Each bit has its modes: it is not taken where nothing comes of it.
+        // A bit is rejected in modes in which it has no effect.
         let controls = function & MARKS != 0;
         let unused = [
             (MARKS, by_time || switches_sets),
             (BEFORE_SAK, !controls),
-            // A source has one kind of pulse.
+            // A source has one type of pulse.
             (ZERO_PULSE, by_time || controls),
             (SET_ON, !cycles),
             (RETRIGGER, cycles),
@@ -227,7 +230,7 @@ impl Xfipw {
             needs(field("tables_start"), starts, 0, ba)?;
         }
         if matches!(movement, Movement::Coupled | Movement::Cyclic) {
-            // 1 is 0 (AMK-XFIPW-37).
+            // 1 is the same as 0 (AMK-XFIPW-37).
             needs(field("work_cycles"), get(at("work_cycles")).max(1), 1, ba)?;
         }
         let count = tables_of(setting, total, switches_sets)?;
@@ -253,7 +256,7 @@ impl Xfipw {
         check_tables(setting, count, &Takes { length, ..TAKES }, &setup(words, setting.call_ns))
     }
 
-    /// The offset and the windows, of which each mode has its own.
+    /// Checks the offset and the windows, which depend on the mode.
     fn check_places(words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let get = |name: usize| words.get(name);
         let ba = get(at("ba"));
@@ -301,7 +304,7 @@ impl Program for Xfipw {
         self.0.step(seen)
     }
 
-    /// The slave's place at `master_offset`, counted from the zero of the first table.
+    /// Returns the position of the slave at `master_offset`, relative to the zero of the first table.
     fn read(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
         Self::check_set(words, setting)?;
         let setup = setup(words, setting.call_ns);

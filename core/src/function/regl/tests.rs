@@ -1,4 +1,4 @@
-//! The oracles of the regulator, its switches, limits, filters and synchronization.
+//! Test oracles of the controller, its switches, limits, filters and synchronization.
 
 use super::super::program::{LINES, Reading};
 use super::super::trial::{at_rest, set, setting};
@@ -8,10 +8,10 @@ mod laws;
 
 const E2: u8 = 1 << 1;
 const E3: u8 = 1 << 2;
-/// The source as 16 bits.
+/// Value of `source_assess` for a source of 16 bits.
 const DIRECT: i64 = 2;
 
-/// A regulator with what it sees.
+/// A controller with its inputs.
 #[derive(Clone)]
 struct Bench {
     regl: Regl,
@@ -19,7 +19,7 @@ struct Bench {
     words: [i64; WORDS],
 }
 
-/// The manual's example.
+/// The example of the manual.
 const EXAMPLE: [(&str, i64); 9] = [
     ("switch_mask", 7),
     ("kp", 512),
@@ -38,7 +38,7 @@ fn example(more: &[(&'static str, i64)]) -> Bench {
     bench
 }
 
-/// P alone, with gain 1 and w2 of 0, of a source of 16 bits: the output is -x.
+/// P control with gain 1 and w2 = 0, and a source of 16 bits: the output is -x.
 fn plain(more: &[(&'static str, i64)]) -> Bench {
     let plain = [("kp", 256), ("ki", 0), ("kd", 0), ("gain_v", 1), ("cmd1", 0), ("cmd2", 0), ("source_assess", DIRECT)];
     let mut bench = example(&plain);
@@ -54,7 +54,7 @@ impl Bench {
         }
     }
 
-    /// What START says to the set with these values changed, or VALUE_NEW while it runs.
+    /// Returns the result of START, or of VALUE_NEW while it runs, for the set with these values changed.
     fn checked(&self, more: &[(&'static str, i64)], runs: bool) -> Result<(), Fault> {
         let mut asked = self.clone();
         asked.take(more);
@@ -67,7 +67,7 @@ impl Bench {
         Seen { source, inputs, words: self.words, ..at_rest() }
     }
 
-    /// Sink and outputs of START.
+    /// Returns sink and outputs of START.
     fn start(&mut self, value: i64, inputs: u8) -> (i64, u8) {
         assert_eq!(self.checked(&[], false), Ok(()));
         let words = set(FIELDS, &self.values);
@@ -84,7 +84,7 @@ impl Bench {
         self.regl.renew(Words(&set(FIELDS, &self.values)));
     }
 
-    /// Sink and outputs of a call.
+    /// Returns sink and outputs of a call.
     fn step(&mut self, value: i64, inputs: u8) -> (i64, u8) {
         let mut regl = self.regl.clone();
         let told = regl.step(&self.seen(value, inputs));
@@ -93,7 +93,7 @@ impl Bench {
         (told.sink, told.outputs)
     }
 
-    /// The sink of START, then of calls, with these values of the source.
+    /// Returns the sink of START, then of calls, with these values of the source.
     fn controls<const N: usize>(&mut self, values: [i64; N]) -> [i64; N] {
         let mut is_first = true;
         values.map(|value| if std::mem::take(&mut is_first) { self.start(value, 0).0 } else { self.step(value, 0).0 })
@@ -142,10 +142,10 @@ fn the_manuals_example() {
         example(&[("kp", 0), ("ki", 0), ("kd", 256), ("gain_v", 1)]).controls([2148, 2147]),
         [5_000_000, 5_000_001]
     );
-    // Tn = kp / ki = 4 ms: with an error that stays, I is as large as P in the fourth call. P 20, I 5, 10, 15, 20.
+    // Tn = kp / ki = 4 ms: with a constant error, I equals P in the fourth call. P 20, I 5, 10, 15, 20.
     let mut bench = example(&[("cmd2", 0), ("kd", 0)]);
     assert_eq!(bench.controls([2138; 4]), [25_000, 30_000, 35_000, 40_000]);
-    // Fractions of 1/256 stay in I: 1/256 of 1 in each call.
+    // I keeps fractions of 1/256: 1/256 of 1 in each call.
     let mut bench = plain(&[("kp", 0), ("ki", 1), ("cmd1", 1)]);
     bench.start(0, 0);
     assert_eq!((0..254).map(|_| bench.step(0, 0).0).max(), Some(0));
@@ -162,7 +162,7 @@ fn limits_behind_the_sum_hold_its_side() {
     assert_eq!(one_sided(24).start(-24_000, 0), (5_000_000, 0));
     assert_eq!(one_sided(20).start(-24_000, 0), (0, A1));
     assert_eq!(one_sided(20).start(24_000, 0), (-1_000_000, 0));
-    // w2 is multiplied, too (R3); before the sum it is not, nor limited.
+    // w2 is multiplied, too (R3); after the limit it is neither multiplied nor limited.
     assert_eq!(plain(&[("ba", 16), ("gain_v", -3), ("cmd2", 100)]).start(10, 0), (-270, 0));
     assert_eq!(plain(&[("ba", 0), ("gain_v", -3), ("cmd2", 100), ("y_max", 20)]).start(10, 0), (120, A1));
 }
@@ -176,15 +176,15 @@ fn the_outputs_tell_which_limit_binds() {
     let mut bench = plain(&[("y_max", 50), ("ba", 12)]);
     assert_eq!(bench.start(0, 0), (0, 0), "at a limit of 0 nothing binds (R8)");
     assert_eq!([bench.step(-1, 0), bench.step(1, 0)], [(0, A1), (0, A2)]);
-    // Half of one more than 50 is rounded away.
+    // The fraction of 50.5 is cut off, so that it does not exceed the limit of 50.
     let mut bench = plain(&[("y_max", 50), ("kp", 128)]);
     bench.start(0, 0);
     assert_eq!([bench.step(-101, 0), bench.step(-102, 0)], [(50, 0), (50, A1)]);
-    // Behind the sum with w2 are 32 bits.
+    // The sum with w2 is limited to 32 bits.
     let most = i64::from(i32::MAX);
     assert_eq!(plain(&[("cmd2", most)]).start(-7, 0), (most, 0));
     assert_eq!(plain(&[("cmd2", -most)]).start(7, 0), (-most - 1, 0));
-    // y_max does not stop I, i_max does (AMK-REGL-34).
+    // y_max does not limit I, i_max does (AMK-REGL-34).
     let mut bench = plain(&[("kp", 0), ("ki", 256), ("y_max", 10), ("i_max", 1000)]);
     bench.start(-100, 0);
     (0..50).for_each(|_| {
@@ -197,7 +197,7 @@ fn the_outputs_tell_which_limit_binds() {
 /// Proves: AMK-REGL-03, AMK-REGL-10, AMK-REGL-11, AMK-REGL-26
 #[test]
 fn a_source_is_converted_filtered_and_negated() {
-    // -x goes out.
+    // The output is -x.
     let x = |more: &[(&'static str, i64)], raw: i64| -plain(more).start(raw, 0).0;
     let converter = [0, 2048, 4095, 4096 + 2148, -1].map(|raw| x(&[("source_assess", 0)], raw));
     assert_eq!(converter, [-2048, 0, 2047, 100, 2047], "offset binary of 12 bits (R5)");
@@ -210,14 +210,15 @@ fn a_source_is_converted_filtered_and_negated() {
     );
     assert_eq!(x(&[("source_assess", 3)], -32_768), 32_768);
     let mut bench = plain(&[("filter_type", 2)]);
-    // (90 * 4), (95 + 90 * 3) / 4 = 91.25, (7 + 95 + 180) / 4 = 70.5, (-500 + 7 + 95 + 90) / 4 = -77, -475 / 4 = -118.75.
+    // (90 * 4), (95 + 90 * 3) / 4 = 91.25, (7 + 95 + 180) / 4 = 70.5, (-500 + 7 + 95 + 90) / 4 = -77, -475 / 4 =
+    // -118.75.
     assert_eq!(bench.controls([90, 95, 7, -500, -77]).map(|y| -y), [90, 91, 70, -77, -118]);
 }
 
 /// Proves: AMK-REGL-32, AMK-REGL-33, AMK-REGL-38, AMK-REGL-39, AMK-REGL-40, AMK-REGL-41
 #[test]
 fn switches_open_and_close_what_they_stand_for() {
-    // w1 100, w2 7000, x 30, so e is 70, and -30 with S1 open; P alone.
+    // w1 100, w2 7000, x 30, so e is 70, and -30 with S1 open; P only.
     let mut bench = plain(&[("cmd1", 100), ("cmd2", 7000), ("switch_mask", 7)]);
     bench.start(30, 0);
     let mut outputs = [0; 8];
@@ -237,7 +238,7 @@ fn an_open_loop_holds_its_integrator_or_clears_it_and_closes_without_a_step_of_d
         bench.value_new(&[("switch_mask", 1)]);
         told.extend([bench.step(0, 0).0, bench.step(9000, 0).0]);
         bench.value_new(&[("switch_mask", 3)]);
-        // e is 3 and 4 now: D was seeded with 3.
+        // e is 3 and 4 now: D was initialized with 3.
         told.extend([bench.step(7, 0).0, bench.step(6, 0).0]);
         told
     };
@@ -264,16 +265,16 @@ fn an_edge_makes_a_control_cycle_and_w2_is_of_each_call() {
         let mut bench = plain(&[("ba", ba), ("kp", 256), ("ki", 256), ("switch_mask", 7), ("i_max", 100_000)]);
         bench.regl = Regl::new([false, true]);
         bench.words[1] = 1000;
-        // An input that stands at START is no edge.
+        // An input that is 1 at START is no edge.
         assert_eq!(bench.start(-5, edge | more).0, 1000, "ba {ba}");
         assert_eq!(bench.step(-5, more).0, 1000);
-        // P 5, I 5; then frozen, while the edge stands and behind it.
+        // P 5, I 5; then frozen, while the input stays 1 and after it.
         assert_eq!([bench.step(-5, edge | more).0, bench.step(-9, edge | more).0, bench.step(-9, more).0], [1010; 3]);
         bench.words[1] = 2000;
         assert_eq!(bench.step(-9, more).0, 2010);
         assert_eq!(bench.step(-9, edge | more).0, 2000 + 9 + 14);
     }
-    // S2 takes the regulator away at once; closed again it waits for its edge.
+    // Opening S2 disables the controller at once; closed again it waits for its edge.
     let mut bench = plain(&[("ba", 3), ("ki", 256), ("i_max", 100_000)]);
     bench.start(0, E2);
     assert_eq!(bench.step(-5, E2 | E4).0, 10);
@@ -285,12 +286,12 @@ fn an_edge_makes_a_control_cycle_and_w2_is_of_each_call() {
 #[test]
 fn the_first_control_cycle_seeds_mean_and_differential() {
     let mut bench = plain(&[("ba", 2), ("filter_type", 2), ("kp", 256), ("kd", 256)]);
-    // What stands there before the first edge counts nowhere.
+    // Values before the first edge are ignored.
     bench.start(9999, 0);
     bench.step(-9999, 0);
     assert_eq!(bench.step(-40, E1).0, 40);
     bench.step(-40, 0);
-    // The mean goes to -30: e from 40 to 30, and 10 less of D.
+    // The mean becomes -30: e changes from 40 to 30, and D is -10.
     assert_eq!(bench.step(0, E1).0, 20);
 }
 

@@ -14,14 +14,14 @@ fn tables(table: &Table) -> [Option<&Table>; LINES] {
     tables
 }
 
-/// A call in which the first drives have these errors and shares.
+/// A call in which the first drives have these errors and compensations.
 fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Arc<Table>>) -> Seen<'a> {
     let mut seen = Seen { sink: 7, tables: table.map_or(NO_TABLES, tab0), ..at_rest() };
     let mut told = *NO_DRIVES;
     for (drive, (error, sak_share)) in told.iter_mut().zip(drives) {
         *drive = Drive { error: *error, sak_share: *sak_share, actual: 0 };
     }
-    // A test is over before it is missed.
+    // The leak ends with the test.
     seen.drives = Box::leak(Box::new(told));
     seen
 }
@@ -30,7 +30,7 @@ fn outcome(sink: i64, outputs: u8, writes: u8) -> Outcome {
     Outcome { sink, outputs, writes, ..Outcome::default() }
 }
 
-/// Starts one with drive 1 monitored and displayed, and returns what its first call gives.
+/// Starts a function with drive 1 monitored and displayed, and returns the outcome of its first call.
 fn first(others: &[(&str, i64)], drive: (i64, i64), table: Option<&Arc<Table>>) -> (Sidiff, Outcome) {
     let one = [("aw_mask", 1), ("display_aw", 1), ("mean_n", 1), ("agreements", 1)];
     let words = set(FIELDS, &[others, &one].concat());
@@ -52,14 +52,14 @@ fn two_drives_as_the_manual_sets_them_up() {
     let setting = setting(CALL_NS, tables(&table));
     assert_eq!(Sidiff::new().check(Words(&words), &setting), Ok(()));
     let mut sidiff = Sidiff::new();
-    // Drive 1: 151 - 2 * 50 = 51, above; drive 2: 100 - 50 = 50, not above. Drive 3 is not looked at.
+    // Drive 1: 151 - 2 * 50 = 51, above; drive 2: 100 - 50 = 50, not above. Drive 3 is not monitored.
     let seen = call(&[(151, 50), (100, 50), (9999, 0)], Some(&table));
     assert_eq!(sidiff.start(Words(&words), &seen), outcome(51, 0, 3));
     for _ in 2..10 {
         assert_eq!(sidiff.step(&seen), outcome(51, 0, 3));
     }
     assert_eq!(sidiff.step(&seen), outcome(51, 1, 3));
-    // Ten values of 51 and one of -1 are 509 / 11 = 46.27: the mean is not above any more.
+    // Ten values of 51 and one of -1 are 509 / 11 = 46.27: the mean is no longer above.
     let low = call(&[(99, 50), (100, 50)], Some(&table));
     assert_eq!(sidiff.step(&low).sink, 46);
 }
@@ -83,10 +83,10 @@ fn a_ratio_rounds_towards_zero_and_does_not_overflow() {
         table(&[&[0, 0], &words[..]].concat())
     };
     let corrected = |table: &Arc<Table>, share| first(&[], (0, share), Some(table)).1.sink;
-    // 65535 / 65536 of an increment is none, whichever way.
+    // 65535 / 65536 of an increment is truncated to 0, in both directions.
     let little = ratio(65_536, 65_535);
     assert_eq!([1, -1, 2, -2].map(|share| corrected(&little, share)), [0, 0, -1, 1]);
-    // -2^31 / 2^16 = -32768; the product of 2^50 leaves 64 bits on the way, that of 2^62 what comes of it too.
+    // -2^31 / 2^16 = -32768; the product of 2^50 exceeds 64 bits as an intermediate result, that of 2^62 as a result.
     let large = ratio(65_536, i32::MIN);
     assert_eq!([1, 1 << 47, i64::MAX].map(|share| corrected(&large, share)), [32_768, 1 << 62, 0]);
     assert_eq!(first(&[], (i64::MIN, i64::MAX), None).1.sink, i64::MIN);
@@ -132,7 +132,7 @@ fn zero_means_ten_values_and_five_agreements_and_no_display() {
     let mut given = vec![sidiff.start(Words(&words), &call(&[(2000, 0)], None))];
     given.extend((2..=24).map(|_| sidiff.step(&call(&[(0, 0)], None))));
     assert!(given.iter().all(|outcome| outcome.sink == 7));
-    // The mean is above 100 in the calls 1 to 10; the bit follows with the fifth call that agrees, 5 and 15.
+    // The mean is above 100 in calls 1 to 10; the bit changes with the fifth call that agrees, 5 and 15.
     let bits: Vec<_> = given.iter().map(|outcome| outcome.outputs).collect();
     assert_eq!(bits, [&[0; 4][..], &[1; 10], &[0; 10]].concat());
     let left_out = set(FIELDS, &[]);
@@ -149,20 +149,20 @@ fn new_values_keep_bits_and_means_and_read_the_table_again() {
     let mut sidiff = Sidiff::new();
     let high = [(60, 0), (200, 0)];
     assert_eq!(sidiff.start(Words(&values(3, 1, 4)), &call(&high, Some(&old))), outcome(60, 3, 3));
-    // A table that is exchanged does not count before VALUE_NEW.
+    // A replaced table has no effect before VALUE_NEW.
     assert_eq!(sidiff.step(&call(&high, Some(&new))), outcome(60, 3, 3));
-    // The mean of drive 1 goes on: (60 + 60 + 0) / 3 = 40, not above 40; drive 2: 200, not above 300.
+    // The mean of drive 1 continues: (60 + 60 + 0) / 3 = 40, not above 40; drive 2: 200, not above 300.
     sidiff.renew(Words(&values(3, 1, 4)));
     assert_eq!(sidiff.step(&call(&[(0, 0), (200, 0)], Some(&new))), outcome(40, 0, 3));
-    // Another length begins anew.
+    // Another length restarts the mean.
     sidiff.renew(Words(&values(3, 1, 5)));
     assert_eq!(sidiff.step(&call(&[(90, 0), (400, 0)], Some(&new))), outcome(90, 3, 3));
-    // Drive 2 is not monitored any more: its bit goes once, then it is not written. Drive 3 is displayed only.
+    // Drive 2 is no longer monitored: its bit is written once as 0, then not at all. Drive 3 is only displayed.
     sidiff.renew(Words(&values(1, 3, 5)));
     let third = [(90, 0), (400, 0), (5000, 0)];
     assert_eq!(sidiff.step(&call(&third, Some(&new))), outcome(5000, 1, 3));
     assert_eq!(sidiff.step(&call(&third, Some(&new))), outcome(5000, 1, 1));
-    // It comes back without what it knew.
+    // Monitored again, it starts without its old state.
     sidiff.renew(Words(&values(3, 2, 5)));
     assert_eq!(sidiff.step(&call(&[(90, 0), (0, 0)], Some(&new))), outcome(0, 1, 3));
 }
@@ -195,7 +195,7 @@ fn a_table_that_does_not_fit_the_drives_is_refused_with_its_number() {
     assert_eq!(check(1, 0, &of([0, 1], [0, 1])), refused(Code::AMK_THRESHOLD, 65_536, 32_767));
     assert_eq!(check(1, 0, &of([0, 0], [65_535, 0])), refused(Code::AMK_RATIO_DIVIDER, 65_535, 65_536));
     assert_eq!(check(1, 0, &of([0, 0], [0, 0x8000])), refused(Code::AMK_RATIO_DIVIDER, i32::MIN.into(), 65_536));
-    // What is wrong of a drive that is not chosen does not matter.
+    // Errors of a drive that is not selected are ignored.
     let second = table(&[&MANUAL[..6], &[-1; 6]].concat());
     assert_eq!((check(1, 0, &second), check(1, 2, &second).is_err()), (Ok(()), true));
     let points = Table::new(Form::Y, &[], &[0; 48]).expect("points");
@@ -216,7 +216,7 @@ fn a_state_that_cannot_be_is_told() {
         let mut sidiff = Sidiff::new();
         change(&mut sidiff);
         assert!(!sidiff.is_sound());
-        // And it does no harm.
+        // The step does not panic.
         sidiff.step(&call(&[(i64::MAX, i64::MIN); 8], None));
     }
 }
@@ -235,7 +235,7 @@ fn a_copy_goes_on_as_its_original() {
 }
 
 proptest! {
-    /// Bit and mean of each call are made anew of all values since START.
+    /// Bit and mean of each call are recomputed from all values since START.
     ///
     /// Proves: AMK-SIDIFF-13, AMK-SIDIFF-14, AMK-SIDIFF-15
     #[test]

@@ -1,22 +1,22 @@
-//! Bounds that the cell sets to fields: its axes, and the full scale of an analog output.
+//! Limits of fields that depend on the cell: its axes, and the full scale of an analog output.
 
 use crate::code::Code;
 use crate::function::kind::{Description, Kind};
 use crate::function::program::{Fault, LINES};
 use crate::function::wires::{Sink, Wires};
 
-/// What of the cell bounds a field.
+/// Property of the cell that limits a field.
 #[derive(Clone, Copy)]
 enum CellBound {
-    /// A mask of axes: the cell has to have each.
+    /// A mask of axes, all of which must exist.
     AxisMask,
-    /// The number of an axis that the cell has; 0 is none.
+    /// The number of an existing axis; 0: none.
     AxisNumber,
-    /// Full scale of an analog output as sink, of a value that the set uses only if it has this bit of `mode`.
+    /// Full scale of the analog output that is the sink; applies only if the set has this bit of `mode`.
     FullScale(i64),
 }
 
-/// The fields that the cell bounds.
+/// Fields that the cell limits.
 const CELL_BOUNDS: [(Kind, &str, CellBound); 5] = [
     (Kind::Sidiff, "aw_mask", CellBound::AxisMask),
     (Kind::Sidiff, "display_aw", CellBound::AxisNumber),
@@ -25,7 +25,7 @@ const CELL_BOUNDS: [(Kind, &str, CellBound); 5] = [
     (Kind::Ecopy, "value_e1_1", CellBound::FullScale(2)),
 ];
 
-/// Returns an error if a value of a whole set exceeds what the cell has.
+/// Returns an error if a value of a whole set exceeds a limit of the cell.
 pub(super) fn check_set_in_cell(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
     let row = wires.kind.description();
     let mode = row.find("mode").and_then(|(_, place)| values.get(place)).copied();
@@ -39,8 +39,8 @@ pub(super) fn check_set_in_cell(wires: &Wires, values: &[i64]) -> Result<(), Fau
     Ok(())
 }
 
-/// Returns an error if a value exceeds what the cell has. Without the `mode` of its set nothing says whether the set uses the value, so a
-/// voltage is accepted.
+/// Returns an error if a value exceeds a limit of the cell. Without the `mode` of its set it is unknown whether the set
+/// uses the value, so a voltage is accepted.
 pub(super) fn check_in_cell(
     wires: &Wires,
     row: &Description,

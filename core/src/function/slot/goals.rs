@@ -1,4 +1,4 @@
-//! Goals of a slot: orders that a client waits for, and how they end.
+//! Goals of a slot: orders for which a client waits, and their ends.
 
 use super::{Phase, Slot};
 use crate::code::Code;
@@ -7,7 +7,7 @@ use crate::function::program::Progress;
 use crate::function::wires::Wires;
 
 impl Slot {
-    /// May a goal begin an order?
+    /// Returns an error if a goal cannot begin an order now.
     pub(crate) fn check_goal(&self, wires: &Wires) -> Result<(), Code> {
         match () {
             () if !wires.kind.description().takes_goals => Err(Code::FUNCTION_NO_GOALS),
@@ -18,18 +18,18 @@ impl Slot {
         }
     }
 
-    /// Takes a goal that was checked; what an order before it has left is dropped.
+    /// Accepts a checked goal; the rest of a previous order is dropped.
     pub(crate) fn take_goal(&mut self, sequence: u64) {
         self.function.drop_order();
         self.goal = Some(Goal::new(sequence));
     }
 
-    /// Is a goal of it under way, whose axis has heard of the START by now?
+    /// Returns true if a goal runs; its axis has handled the START by then.
     pub(crate) fn follows_goal(&self) -> bool {
         self.goal.is_some() && self.phase == Phase::Active
     }
 
-    /// Cancels its goal, if it is that one.
+    /// Cancels its goal, if it has that sequence number.
     pub(crate) fn cancel_goal(&mut self, sequence: u64) -> bool {
         let Some(goal) = self.goal.as_mut().filter(|goal| goal.sequence == sequence) else { return false };
         if goal.cancel() {
@@ -38,7 +38,7 @@ impl Slot {
         true
     }
 
-    /// Its goal ends by something else than its order, which is dropped.
+    /// Ends its goal for another reason than its order, which is dropped.
     pub(crate) fn fail_goal(&mut self, code: Code) {
         if self.goal.is_some() {
             self.end_goal(code);
@@ -53,18 +53,18 @@ impl Slot {
         }
     }
 
-    /// Has it a goal, or one that has ended?
+    /// Returns true if a goal runs, or has ended and was not reported.
     #[inline]
     pub(crate) fn has_goal(&self) -> bool {
         self.goal.is_some() || self.ended.is_some()
     }
 
-    /// How its goal has ended, once.
+    /// Takes the end of its goal, once.
     pub(crate) fn take_end(&mut self) -> Option<GoalEnd> {
         self.ended.take()
     }
 
-    /// What the call means to its goal.
+    /// Advances the goal by the result of the call.
     #[cold]
     pub(super) fn follow_goal(&mut self) {
         let Some(goal) = &mut self.goal else { return };

@@ -1,4 +1,4 @@
-//! A slot that runs a program of the user: its calls, what it has left, its end, its exchange.
+//! Slots with a user program: calls, results, errors and exchange.
 
 use super::{Cycle, Phase, Slot, Written};
 use crate::code::Code;
@@ -10,7 +10,7 @@ use lineshaft_program::Module;
 use std::sync::Arc;
 
 impl Slot {
-    /// The same with what a program runs with.
+    /// Returns the inputs of a call together with the environment of a program.
     pub(super) fn hosted<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &'a Board, sink: i64) -> Seen<'a> {
         let host = module(wires, cx.programs).map(|module| Host {
             module,
@@ -23,7 +23,7 @@ impl Slot {
         Seen { host, ..self.seen(wires, cx, board, sink) }
     }
 
-    /// A call of a program; other types do not pay for it.
+    /// Calls a program; separate, so that other types take no time for it.
     #[inline(never)]
     pub(super) fn call_program(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
         let seen = self.hosted(wires, cx, board, self.sink);
@@ -31,7 +31,7 @@ impl Slot {
         self.take_program(wires, cx, outcome, board)
     }
 
-    /// What a program has given, or its end.
+    /// Applies the result of a program, or ends it.
     pub(super) fn take_program(
         &mut self,
         wires: &Wires,
@@ -49,7 +49,7 @@ impl Slot {
         written
     }
 
-    /// The end of one that cannot go on.
+    /// Ends a program after an error.
     #[cold]
     pub(super) fn fail(&mut self, wires: &Wires, code: Code, board: &mut Board) -> Written {
         let written = self.rest_sink(wires, board);
@@ -61,7 +61,7 @@ impl Slot {
         Written { failed: Some(code), ..written }
     }
 
-    /// Memory cells get what a program has left for them.
+    /// Copies the values of a program to memory cells.
     pub(super) fn write_cells(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) {
         if wires.writes.is_empty() {
             return;
@@ -72,23 +72,23 @@ impl Slot {
         }
     }
 
-    /// Pages of memory that it has for its program.
+    /// Returns the reserved pages of memory for its program.
     pub(crate) fn room(&self) -> usize {
         self.function.room()
     }
 
-    /// Goes on with another program; false where it cannot keep its state, or has no room.
+    /// Replaces the program. Returns false if it cannot keep the state, or lacks memory for the new one.
     pub(crate) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
         self.function.exchange(modules, keeps)
     }
 }
 
-/// The first output that is wired: the bit mask of A1 (AMK-APSF-11).
+/// Returns the first output that is wired: the bit mask of A1 (AMK-APSF-11).
 pub(super) fn first_output(wires: &Wires) -> u8 {
     wires.outputs.iter().position(Option::is_some).map_or(0, |first| first as u8)
 }
 
-/// The program of a slot that has one.
+/// Returns the program of a slot; `None` for other types.
 pub(super) fn module<'a>(wires: &Wires, programs: &'a [Arc<Module>]) -> Option<&'a Module> {
     programs.get(usize::from(wires.program?)).map(|module| &**module)
 }

@@ -31,7 +31,7 @@ fn started(words: &[i64], seen: &Seen<'_>) -> Varsync {
     varsync
 }
 
-/// What 10000 inc of the master move the slave in a call with these inputs: the ratio that counts.
+/// Returns the travel of the slave for 10000 inc of the master in a call with these inputs: the active ratio.
 fn ratio_at(varsync: &mut Varsync, inputs: u8) -> (i64, u8) {
     let (master, slave) = (varsync.master, varsync.slave);
     let outcome = varsync.step(&at(master.wrapping_add(ONE), inputs));
@@ -64,7 +64,7 @@ fn an_edge_takes_the_ratio_of_three_bits_and_keeps_it() {
     // E4, E3, E2, E1. m6 = 1 of 10000.
     let given = [0b0000, 0b1011, 0b0101, 0b1111, 0b0110, 0b0000].map(|inputs| ratio_at(&mut varsync, inputs));
     assert_eq!(given, [(10_000, 0), (1, 1), (1, 1), (1, 1), (1, 0), (1, 0)]);
-    // Each selection by an edge of its own.
+    // Each selection by a separate edge.
     for (selection, (_, ratio)) in (0_u8..).zip(RATIOS) {
         assert_eq!(ratio_at(&mut varsync, selection << 1 | 1), (ratio, 1));
         assert_eq!(ratio_at(&mut varsync, 0), (ratio, 0));
@@ -88,7 +88,7 @@ fn two_levels_choose_of_three_ratios_and_both_keep_it() {
     let given = [0b11, 0b01, 0b11, 0b10, 0b11, 0b00, 0b11, 0b1101].map(|inputs| ratio_at(&mut varsync, inputs));
     assert_eq!(given.map(|(ratio, _)| ratio), [10_000, -10_000, -10_000, 5_000, 5_000, 10_000, 10_000, -10_000]);
     assert_eq!(given.map(|(_, a1)| a1), [0; 8]);
-    // What stands at the first call is chosen by it.
+    // Inputs of the first call select the ratio.
     let mut varsync = started(&words(2, &RATIOS), &at(0, 0b10));
     assert_eq!(ratio_at(&mut varsync, 0b11), (5_000, 0));
 }
@@ -107,7 +107,7 @@ fn a_word_is_the_ratio_of_each_call() {
 /// Proves: AMK-VARSYNC-11
 #[test]
 fn a_remainder_passes_on_from_ratio_to_ratio() {
-    // 0.3333 and 0.0001: a third of an increment is kept while the other ratio counts.
+    // 0.3333 and 0.0001: a third of an increment is kept while the other ratio is active.
     let mut varsync = started(&words(0, &[("m1", 3_333), ("m2", 1)]), &Seen { sink: -5, ..at(1 << 40, 0) });
     let mut slave = |travel, inputs| varsync.step(&at((1_i64 << 40) + travel, inputs)).sink;
     // 3333, 6666, 6667, 10000 of 10000; and back by 1 of m2: 9999.
@@ -150,7 +150,7 @@ fn a_word_and_the_cycle_of_the_slot_are_needed_in_mode_3_only() {
     assert_eq!([word(3, true), word(0, false), word(1, false), word(2, false)], [Ok(()); 4]);
 }
 
-/// Which of the ratios counts in each call, by what the inputs have been.
+/// Returns the index of the active ratio in each call, from the inputs so far.
 fn chosen(mode: i64, inputs: &[u8], k: usize) -> usize {
     let bit = |at: usize, n: u8| usize::from(inputs[at] >> n & 1);
     match mode {
@@ -163,7 +163,7 @@ fn chosen(mode: i64, inputs: &[u8], k: usize) -> usize {
     }
 }
 
-/// More than 10^9 increments of the master, there and back, with a switch-over every few calls.
+/// More than 10^9 increments of the master, forward and back, with a change of ratio every few calls.
 ///
 /// Proves: AMK-VARSYNC-11
 #[test]

@@ -1,7 +1,7 @@
-//! Parameters of an encoder of the velocity loop alone.
+//! Parameters of a separate encoder of the velocity loop.
 //!
-//! Law      AMPENCNO -1: the velocity loop has the encoder of the position loop; n: that in the drive of axis n, of which AMPENCRES increments are
-//!          a turn, and AMPENCRPM turns a minute the full velocity; 0: as many as VELMAX
+//! Law      AMPENCNO -1: the velocity loop uses the encoder of the position loop; n: the encoder in the drive of axis
+//!          n, with AMPENCRES increments per turn and AMPENCRPM turns per minute at full velocity; AMPENCRPM 0: VELMAX
 //! Refuses  another axis than its own, an axis with two drives, an encoder without a turn
 //! Source   MACS-AMP-06, D01, D02
 
@@ -9,7 +9,7 @@ use super::super::AxisParameters;
 use crate::code::Code;
 use serde::{Deserialize, Serialize};
 
-/// What AMPENCNO, AMPENCRES and AMPENCRPM say.
+/// Values of AMPENCNO, AMPENCRES and AMPENCRPM.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct VelocityEncoder {
     /// AMPENCNO
@@ -21,15 +21,15 @@ pub struct VelocityEncoder {
 }
 
 impl VelocityEncoder {
-    /// Has the velocity loop an encoder of its own?
+    /// Returns true if the velocity loop has a separate encoder.
     pub fn is_own(self) -> bool {
         self.number >= 1
     }
 
-    /// Can the axis of that number, from 1, have it?
+    /// Checks that the axis of that number, from 1, can use it.
     ///
     /// # Errors
-    /// The key that cannot be, and why.
+    /// The key of the invalid parameter, and the reason.
     pub fn check(self, own: usize, has_two_drives: bool) -> Result<(), (&'static str, Code)> {
         if !self.is_own() {
             return Ok(());
@@ -48,19 +48,20 @@ impl VelocityEncoder {
 }
 
 impl AxisParameters {
-    /// Does its velocity loop see another encoder than its position loop?
+    /// Returns true if its velocity loop uses another encoder than its position loop.
     #[inline]
     pub fn has_velocity_encoder(&self) -> bool {
         self.amplifier.encoder.is_own() && self.amplifier.has_velocity_loop()
     }
 
-    /// Have both loops a sense of their own?
+    /// Returns true if both loops have different directions of counting.
     pub(crate) fn turns_loops_apart(&self) -> bool {
         let sense = self.sense();
         sense.position != sense.velocity
     }
 
-    /// Full velocity of the encoder of the velocity loop, where `full` is that of the axis (both in increments of their own by the second).
+    /// Returns the full velocity of the encoder of the velocity loop, for the full velocity `full` of the axis (both in
+    /// their own increments per second).
     pub(crate) fn full_of_velocity_encoder(&self, full: f64) -> f64 {
         let VelocityEncoder { resolution, rpm, .. } = self.amplifier.encoder;
         let turns = if rpm > 0 { rpm as f64 / 60.0 } else { full / self.revolution() as f64 };
@@ -78,14 +79,14 @@ mod tests {
         p
     }
 
-    /// 3000 rpm are 50 turns a second, of 65536 inc each; the axis has no part in it.
+    /// 3000 rpm are 50 turns per second, of 65536 inc each, independently of the axis.
     ///
     /// Proves: MACS-AMP-06
     #[test]
     fn the_full_velocity_is_that_of_ampencrpm_or_turn_for_turn_that_of_velmax() {
         assert_eq!(parameters(65_536, 3_000).full_of_velocity_encoder(100_000.0), 50.0 * 65_536.0);
         assert_eq!(parameters(65_536, 3_000).full_of_velocity_encoder(7.0), 50.0 * 65_536.0);
-        // ENCODER 500 are 2000 inc a turn: 100000 inc/s are 50 turns a second, VELMAX 3000.
+        // ENCODER 500 is 2000 inc per turn: 100000 inc/s are 50 turns per second, VELMAX 3000.
         assert_eq!(parameters(65_536, 0).full_of_velocity_encoder(100_000.0), 50.0 * 65_536.0);
         assert_eq!(parameters(65_536, 0).velmax(), 3_000.0);
         assert_eq!(parameters(1, 1).full_of_velocity_encoder(1.0), 1.0 / 60.0);

@@ -1,4 +1,4 @@
-//! What is shown of each row converts back.
+//! The shown value of each row converts back.
 
 use super::*;
 use crate::parameter::ROWS;
@@ -27,7 +27,7 @@ fn convert_back(row: &Row, scale: &Scale, shown: BorderValue) -> Result<Value, s
     convert(row, scale, &shown.into())
 }
 
-/// Values of a row's type, near and far.
+/// Values of the type of a row, small and large.
 fn samples(row: &Row) -> Vec<Value> {
     let ints = [0, 1, -1, 7, 1000, 125_829_120, -987_654_321, 3_600_000_000_000, (1 << 50) + 1];
     let reals = [0.1 + 0.2, 1.0, 1e-3, 125_829_120.0, 33.333_333_333_333_336, 9.9e14, 123_456.789];
@@ -54,12 +54,12 @@ fn what_is_shown_converts_back_into_the_value() {
                     (_, shown) => convert_back(row, &scale, shown),
                 };
                 match (value, back) {
-                    // Of 62 bits of increments 53 fit a number.
+                    // Only 53 of 62 bits of increments fit a number.
                     (Value::Int(number), Ok(Value::Int(back))) if number.unsigned_abs() >= 1 << 53 => {
                         assert!(number.abs_diff(back) <= 1024, "{}: {number} is shown as {shown:?}", row.key);
                     }
                     (Value::Int(number), Err(_)) if number.unsigned_abs() >= 1 << 53 => {}
-                    // Where the factor leaves none that hits it, the number beside it; a unit reads no more than 27 decimals.
+                    // If the factor allows no exact number, the nearest one is used; a unit reads at most 27 decimals.
                     (Value::Real(number), Ok(Value::Real(back))) => {
                         let most = if number.abs() < 1.0 { 1e-12 } else { 2.0 * f64::EPSILON };
                         let is_near = (number - back).abs() <= most * number.abs();
@@ -81,7 +81,7 @@ fn what_was_set_reads_as_it_was_written() {
                 let shown = row.shown(&scale, value);
                 match value {
                     Value::Real(_) => assert_eq!(shown, BorderValue::Real(number), "{}", row.key),
-                    // Nearest increment.
+                    // The nearest increment.
                     _ => assert_eq!(convert_back(row, &scale, shown), Ok(value), "{}: {number}", row.key),
                 }
             }

@@ -1,4 +1,4 @@
-//! The gain of the position loop, in 1/s and in (mm/min)/um.
+//! Gain of the position loop, in 1/s and in (mm/min)/um.
 
 use super::super::*;
 use super::parameters;
@@ -9,14 +9,14 @@ fn row(key: &str) -> &'static Row {
     Row::find(key).map(|(_, row)| row).unwrap_or_else(|| panic!("{key}"))
 }
 
-/// Both values, in 1/s and in (mm/min)/um.
+/// Returns both values, in 1/s and in (mm/min)/um.
 fn gains(p: &AxisParameters) -> [Value; 2] {
     ["position_loop.kv", "wf.md22"].map(|key| row(key).value(p))
 }
 
 proptest! {
-    /// Any servo gain of a positioning module reads as it was given, and the loop takes it times 1000/60 1/s, bit for bit; a
-    /// gain in 1/s the same by its own name.
+    /// Any servo gain of a positioning module reads as it was given, and the loop uses it times 1000/60 1/s, bit for
+    /// bit; the same holds for a gain in 1/s by its own name.
     ///
     /// Proves: WF-MD-14
     #[test]
@@ -33,7 +33,7 @@ proptest! {
     }
 }
 
-/// The ends and the default of both rows are the same gains.
+/// Limits and default of both rows are the same gains.
 #[test]
 fn ends_and_default_are_the_same_by_either_name() {
     let [kv, md22] = ["position_loop.kv", "wf.md22"].map(row);

@@ -1,14 +1,14 @@
-//! Every row takes its range and nothing else.
+//! Every row accepts its range and no other values.
 
 use super::super::*;
 use super::parameters;
 
-/// The next number up, or down.
+/// Returns the next number up, or down.
 fn beyond(number: f64, up: bool) -> f64 {
     if up { number.next_up() } else { number.next_down() }
 }
 
-/// Values that a row must take, and values that it must refuse.
+/// Returns values that a row must accept, and values that it must refuse.
 fn good_and_bad(row: &Row) -> (Vec<Value>, Vec<Value>) {
     let (mut good, mut bad) = (Vec::new(), Vec::new());
     match row.range {
@@ -31,7 +31,7 @@ fn good_and_bad(row: &Row) -> (Vec<Value>, Vec<Value>) {
             bad.extend([beyond(low, false), beyond(high, true)].map(Value::Real));
         }
     }
-    // Of the other type, and what no range holds.
+    // Values of the other type, and values that no range contains.
     if matches!(row.range, Range::Int(..) | Range::Among(_)) {
         bad.extend([Value::Real(1.0), Value::Real(f64::NAN)]);
     } else {
@@ -40,7 +40,7 @@ fn good_and_bad(row: &Row) -> (Vec<Value>, Vec<Value>) {
     if row.default != Value::Unset || row.required {
         bad.push(Value::Unset);
     }
-    // The default is legal beside the range (D02).
+    // The default is allowed even outside the range (D02).
     bad.retain(|value| *value != row.default);
     (good, bad)
 }
@@ -66,7 +66,7 @@ fn every_default_lies_in_its_range_and_reads_back() {
     assert!(bare.is_sound());
 }
 
-/// Is it shown, and never set?
+/// Returns true if the row is read-only.
 fn is_read(row: &Row) -> bool {
     row.storage == Storage::Derived
 }
@@ -98,7 +98,7 @@ fn every_row_holds_its_range_and_changes_nothing_when_it_refuses() {
     assert!(tried > 5000, "{tried}");
 }
 
-/// The same of the machine.
+/// The same for the machine.
 #[test]
 fn every_row_of_the_machine_holds_its_range_and_changes_nothing_when_it_refuses() {
     for row in ROWS.iter().filter(|row| row.applies == Applies::Machine) {
@@ -140,7 +140,7 @@ fn gaps_are_no_values() {
         let row = Row::find(key).map(|(_, row)| row).unwrap_or_else(|| panic!("{key}"));
         row.check(Value::Int(value)) == Err(Refused::OutOfRange)
     };
-    // rule 0 to 2, output 0 to 9, node 0 to 127; negative only tens.
+    // rule 0 to 2, output 0 to 9, node 0 to 127; negative values only in tens.
     for (value, is_refused) in
         [(20, false), (12_792, false), (3, true), (12_793, true), (-10, false), (-15, true), (-100, true)]
     {

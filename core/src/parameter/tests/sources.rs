@@ -1,4 +1,4 @@
-//! The rows of the other sources against their tables, and of all rows what they say of where they come from.
+//! The rows of the other sources against their tables, and the source references of all rows.
 
 use super::super::*;
 use super::spec::{AMC, MACS, SAIA, SET_ASIDE, WF, requirements};
@@ -18,7 +18,7 @@ fn menu_34_is_complete() {
         let row = of(System::Amc, number).unwrap_or_else(|| panic!("no row {number}"));
         assert_eq!(row.mnemonic, name);
         assert!(row.source.contains(id), "{id}");
-        // 0..3: what they are.
+        // `0..3: meaning`.
         let whole = range.split([':', ' ']).next().and_then(|range| range.split_once(".."));
         if let Some((low, high)) = whole {
             let (low, high) = (low.parse().unwrap(), high.parse().unwrap());
@@ -34,7 +34,7 @@ fn menu_34_is_complete() {
     }
     // 34.008 has three values, written as names.
     assert_eq!(of(System::Amc, "34.008").map(|row| row.range), Some(Range::Int(0, 2)));
-    // What it uses of other menus has a row where it is a parameter.
+    // Values of other menus that the selector uses have a row if they are parameters.
     assert!(of(System::Amc, "41.007").is_some() && of(System::Amc, "41.024").is_some());
 }
 
@@ -59,7 +59,7 @@ fn the_registers_are_complete() {
     }
 }
 
-/// Machine data whose number is not a row but a part of the cell, and where it stands there.
+/// Machine data that are a part of the cell instead of a row, and their keys.
 const IN_THE_CELL: [(&str, &str); 3] = [("18", "type, modulo"), ("19", "scale"), ("20", "scale")];
 
 /// Proves: WF-MD-01, WF-MD-02, WF-MD-14, WF-MD-15, WF-MD-19, WF-MD-20
@@ -83,7 +83,7 @@ fn the_machine_data_are_complete() {
     }
 }
 
-/// A register that is shown is a signal behind the axis.
+/// A register that is shown is a signal of the axis.
 #[test]
 fn every_signal_that_a_row_names_exists() {
     let mut directory = crate::signal::Directory::default();
@@ -109,7 +109,7 @@ fn every_row_names_requirements_that_exist() {
         assert!(!row.source.is_empty(), "{}", row.key);
         let mut prefix = "";
         for id in row.source.split([',', ' ']).filter(|id| !id.is_empty()) {
-            // `AMC-STP-02..06` is a range; `contract section 7` no requirement.
+            // `AMC-STP-02..06` is a range; `contract section 7` is no requirement.
             let id = id.split("..").next().unwrap_or(id);
             if id.contains('-') {
                 let is_there =
@@ -119,7 +119,7 @@ fn every_row_names_requirements_that_exist() {
             prefix = if prefix.is_empty() { id } else { prefix };
         }
         assert_eq!(row.system == System::Macs, prefix.starts_with("MACS") && !row.mnemonic.is_empty(), "{}", row.key);
-        // A view belongs to whom its value belongs.
+        // A view applies to the same axes as its native row.
         if row.is_view() {
             let native = Row::find(row.view_of).map(|(_, row)| row.applies);
             assert_eq!(native, Some(row.applies), "{}", row.key);
@@ -127,7 +127,7 @@ fn every_row_names_requirements_that_exist() {
     }
 }
 
-/// Sentences, as people write them.
+/// Texts are complete sentences.
 #[test]
 fn descriptions_and_notes_read_well() {
     for row in ROWS {

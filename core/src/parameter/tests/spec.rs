@@ -1,4 +1,4 @@
-//! The documents of the specification, as the tests read them.
+//! Documents of the specification, for the tests.
 
 /// MACS.
 pub(super) const MACS: &str = include_str!("../../../../docs/spec/macs.md");
@@ -8,17 +8,17 @@ pub(super) const AMC: &str = include_str!("../../../../docs/spec/amc.md");
 pub(super) const SAIA: &str = include_str!("../../../../docs/spec/saia-h3.md");
 /// Siemens WF 725 / 726.
 pub(super) const WF: &str = include_str!("../../../../docs/spec/wf725.md");
-/// What was set aside.
+/// Requirements that were set aside.
 pub(super) const SET_ASIDE: &str = include_str!("../../../../docs/spec/not-applicable.md");
 
-/// The lines of the first table below a heading, without its own head.
+/// Returns the lines of the first table below a heading, without the head of the table.
 pub(super) fn table(text: &'static str, heading: &str) -> Vec<&'static str> {
     let start = text.find(heading).unwrap_or_else(|| panic!("no {heading}"));
     let lines = text[start..].lines().skip_while(|line| !line.starts_with('|'));
     lines.take_while(|line| line.starts_with('|')).skip(2).collect()
 }
 
-/// The cells of a line; a `|` inside one is escaped.
+/// Returns the cells of a line; a `|` inside a cell is escaped.
 pub(super) fn cells(line: &'static str) -> Vec<&'static str> {
     let mut cells = Vec::new();
     let mut start = 1;
@@ -32,7 +32,7 @@ pub(super) fn cells(line: &'static str) -> Vec<&'static str> {
     cells
 }
 
-/// The lines of tables that begin with such a requirement.
+/// Returns the table lines that begin with such a requirement.
 pub(super) fn requirements(text: &'static str, start: &str) -> Vec<Vec<&'static str>> {
     let is_one = |line: &&str| line.strip_prefix("| ").is_some_and(|line| line.starts_with(start));
     text.lines().filter(is_one).map(cells).collect()

@@ -52,9 +52,9 @@ fn number(text: &str) -> Option<i64> {
     }
 }
 
-/// Of `1..5, 9`, `±7`: ascending, without gaps between neighbours.
+/// Parses `1..5, 9`, `±7`: ascending, without gaps between neighbours.
 fn ranges(text: &str) -> Option<Vec<(i64, i64)>> {
-    // What follows is a remark.
+    // The rest is a remark.
     let text = text.split([';', '(']).next()?.split(" or ").next()?.split(", read only").next()?;
     let mut ranges = Vec::new();
     for part in text.split(',') {
@@ -80,35 +80,35 @@ fn merge(ranges: Vec<(i64, i64)>) -> Vec<(i64, i64)> {
     merged
 }
 
-/// Where the rows differ from the printed range, and why.
+/// Differences of the rows from the printed range, with the reasons.
 fn exception(name: &str) -> Option<Vec<(i64, i64)>> {
     let mask = |bits: i64| merge((0..=bits).filter(|value| value & !bits == 0).map(|value| (value, value)).collect());
     let digits = |tens: std::ops::RangeInclusive<i64>, most: i64| tens.map(move |tens| (10 * tens, 10 * tens + most));
     Some(match name {
         // D09: 110 is used, so that +-100 added is part of it.
         "DRIVETYPE" => vec![(-194, 194)],
-        // What the machine computes follows max_velocity, for which MLONG is no bound.
+        // The values computed from max_velocity are not limited to MLONG.
         "VELMAXQC" | "ACCMAXQC" => vec![(-((1 << 62) - 1), (1 << 62) - 1)],
-        // VELRES itself goes up to 10000; that they do not exceed it is checked as a set.
+        // VELRES itself may be up to 10000; the check of the set compares them with it.
         "HOME_VEL" => vec![(-10_000, 10_000)],
         "DFLTVEL" | "DFLTACC" | "HOME_RAMP" => vec![(1, 10_000)],
-        // The printed bounds depend on other values.
+        // The printed limits depend on other values.
         "POSFACT_Z" | "SYNCFACTS" => vec![(1, MLONG)],
         "SYNCPOSOFFS" => vec![(-MLONG, MLONG)],
         "SYNCMPULSM" => vec![(0, 2 * MLONG)],
-        // 0 is legal, and means not set.
+        // 0 is allowed, and means not set.
         "TESTVAL" => vec![(0, 10_000)],
-        // as a distance of marks any above 0; as a clock rate it is checked as a set.
+        // a distance of marks may be any value above 0; the check of the set handles a clock rate.
         "ENCODERFREQ" => vec![(1, MLONG)],
         // MACS-DIR-01: other values are refused.
         "POSDRCT" => vec![(-22, -21), (-12, -11), (-2, -1), (1, 2), (11, 12), (21, 22)],
-        // 255 is the word of a controller that has homed.
+        // 255 is the value of a controller that has homed.
         "HOME_FORCE" => vec![(0, 1), (255, 255)],
         // Any sum of the bits.
         "SYNCMFPAR" => mask(1 + 2 + 4 + 16 + 64),
         // MACS-SYNC-05: bit 0 is unused.
         "SYNCTYPE" => mask(2 + 4),
-        // MACS-MARK-05, MACS-MARK-06: units digit 0 to 3.
+        // MACS-MARK-05, MACS-MARK-06: ones digit 0 to 3.
         "SYNCMTYPM" => {
             let negative = digits(10..=99, 3).map(|(low, high)| (-high, -low)).rev();
             negative.chain(digits(0..=99, 3)).collect()
@@ -118,9 +118,9 @@ fn exception(name: &str) -> Option<Vec<(i64, i64)>> {
         "REVERS" => (1..=9).rev().map(|tens| (-10 * tens, -10 * tens)).chain(digits(0..=1279, 2)).collect(),
         // A-48, and MACS-LIM-07: any input.
         "I_REFSWITCH" | "I_POSLIMITSW" | "I_NEGLIMITSW" => vec![(-MLONG, MLONG)],
-        // D07: none is printed.
+        // D07: no range is printed.
         "CURFTIME" => vec![(0, MLONG)],
-        // The list goes on without an end; -1 is the default beside it.
+        // The list has no upper end; -1 is the default outside it.
         "AMPENCNO" => vec![(1, MLONG)],
         // D23: the nodes of CANopen; the others are reserved.
         "CANNR" => vec![(0, 127), (9999, 9999)],
@@ -128,7 +128,7 @@ fn exception(name: &str) -> Option<Vec<(i64, i64)>> {
         "CANBAUD" => digits(0..=8, 8).collect(),
         // MACS-VM-07: the index, or an edge of an input.
         "VMENCMTYP" => std::iter::once((0, 1)).chain((1..=9).map(|tens| (10 * tens + 2, 10 * tens + 3))).collect(),
-        // The optional 1000.
+        // With the optional 1000.
         "PRGPAR" => vec![(-1, 127), (999, 1127)],
         _ => return None,
     })
@@ -157,7 +157,7 @@ fn all_120_parameters_stand_once_in_their_space() {
         assert_eq!(row.number, line.number, "{}", line.name);
         assert_eq!(row.applies == Applies::Machine, line.group == "GL", "{}", line.name);
     }
-    // The same number in both spaces is two parameters.
+    // The same number in both groups is two parameters.
     let both = lines.iter().filter(|line| line.group == "GL" && line.number == "114").count();
     assert_eq!((both, Row::find("posencqc").map(|(_, row)| row.number)), (1, Some("114")));
 }
@@ -166,7 +166,7 @@ fn all_120_parameters_stand_once_in_their_space() {
 #[test]
 fn groups_are_those_of_the_table() {
     for line in lines() {
-        // D01, D07: AXA is taken.
+        // D01, D07: AXA is correct.
         let group = if line.name.starts_with("AMPENC") || line.name == "CURFTIME" { "AXA" } else { line.group };
         assert!(row(&line).group.text().ends_with(&format!("({group})")), "{}", line.name);
     }
@@ -176,7 +176,7 @@ fn groups_are_those_of_the_table() {
 fn units_are_those_of_the_table() {
     for line in lines() {
         let expected = match (line.name, line.unit) {
-            // printed as kHz, the values are Hz.
+            // printed as kHz, but the values are Hz.
             ("ENCODERFREQ", _) => "Hz",
             // D21: a factor.
             ("FEEDREV", _) => "",
@@ -217,7 +217,7 @@ fn defaults_are_those_of_the_table() {
     for line in lines() {
         let row = row(&line);
         let printed = line.init.split(" (").next().and_then(number);
-        // it begins as not set, so that in_position_time alone means what it says.
+        // it is not set at the start, so that in_position_time alone applies.
         let printed = if line.name == "TESTVAL" { Some(0) } else { printed };
         let unit = if row.measure == Measure::Time { 1_000_000 } else { 1 };
         match (row.default, printed) {
@@ -229,7 +229,8 @@ fn defaults_are_those_of_the_table() {
     }
 }
 
-/// Where the manual's overview and its details disagree, a row says which is taken, and the values are those.
+/// Where the overview and the details of the manual disagree, a row names the one that is used, and its values follow
+/// it.
 #[test]
 fn each_disagreement_is_told_by_its_row() {
     for line in lines() {
@@ -276,7 +277,7 @@ fn each_disagreement_is_told_by_its_row() {
     }
 }
 
-/// Is the value inside the range, built or not?
+/// Returns true if the value is within the range, whether or not it is implemented.
 fn takes(key: &str, value: i64) -> bool {
     let row = Row::find(key).map(|(_, row)| row).unwrap_or_else(|| panic!("{key}"));
     row.check(Value::Int(value)) != Err(Refused::OutOfRange)
@@ -298,7 +299,7 @@ fn moments_of_effect_are_those_of_the_source() {
     }
 }
 
-/// Limits of a set are meant in the sense of rotation that it ends with.
+/// Limits of a set refer to the direction of rotation at the end of the set.
 #[test]
 fn the_sense_of_rotation_comes_first_wherever_it_stands() {
     let place = |key: &str| Row::find(key).unwrap().0;

@@ -35,14 +35,14 @@ fn a_number_takes_its_own_unit_and_others_of_its_kind() {
         ("velocity_override", "12.5 %", Value::Real(12.5)),
         ("wf.fixed_speed_1", "10 %", Value::Real(10.0)),
         ("amppwmfreq", "24 kHz", Value::Int(24_000)),
-        // A time was one already.
+        // A time has always had a unit.
         ("rampmin", "500 ms", Value::Int(500_000_000)),
     ] {
         assert_eq!(converted(key, text), Ok(value), "{key}: {text}");
     }
 }
 
-/// What programs compute with doubles, such as 0.1 + 0.2, is seldom a whole number of nanoseconds.
+/// Results of calculations with doubles, such as 0.1 + 0.2, are rarely a whole number of nanoseconds.
 #[test]
 fn a_time_without_a_unit_goes_to_the_nearest_nanosecond() {
     let of = |key, number| {
@@ -69,7 +69,7 @@ fn another_unit_or_a_part_of_a_whole_number_is_refused() {
     }
     assert_eq!(converted("proftime", "1500 us"), Err(ConvertError::Type("1500 us".to_owned())));
     assert_eq!(converted("poserr", "0.5 inc"), Err(ConvertError::Type("0.5 inc".to_owned())));
-    // No unit of its own, or one that no file knows.
+    // Rows without a unit, or with one that files do not support.
     for key in ["velres", "dfltvel", "bandwidth", "kprop", "error_reaction", "saia.destp"] {
         assert_eq!(converted(key, "5 inc"), Err(ConvertError::Type("5 inc".to_owned())), "{key}");
     }
@@ -83,7 +83,7 @@ fn what_is_expected_names_the_unit() {
     assert_eq!(expected("velres").as_deref(), Some("a whole number"));
 }
 
-/// Each plain number that has a unit a file knows takes it, and gives itself back.
+/// Each plain number with a unit that files support accepts it, and reads back in it.
 #[test]
 fn one_of_its_unit_is_one() {
     let mut count = 0;

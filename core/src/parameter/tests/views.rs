@@ -1,4 +1,4 @@
-//! Two views of one value agree, in whatever order values are set.
+//! Two views of one value agree, in any order of sets.
 
 use super::super::*;
 use super::parameters;
@@ -13,7 +13,7 @@ fn set(parameters: &mut AxisParameters, key: &str, value: Value) {
     assert_eq!(row(key).change(parameters, value), Ok(()), "{key}");
 }
 
-/// A legal value.
+/// Returns a legal value.
 fn pick(row: &Row, seed: u64) -> Value {
     let (choice, seed) = (seed % 8, seed / 8);
     match row.range {
@@ -21,7 +21,7 @@ fn pick(row: &Row, seed: u64) -> Value {
         Range::Int(low, high) => Value::Int(match choice {
             1 => low,
             2 => high,
-            // Mostly numbers as people have them.
+            // Mostly usual numbers.
             3..6 => low.max(-1000) + (seed % 2000) as i64 % (high - low.max(-1000)).saturating_add(1),
             _ => low + (i128::from(seed) % (i128::from(high) - i128::from(low) + 1)) as i64,
         }),
@@ -34,7 +34,7 @@ fn pick(row: &Row, seed: u64) -> Value {
     }
 }
 
-/// May both stand in one set? A limit and its switch are one value, each a part of it.
+/// Returns true if both may be in one set. A limit and its switch are one value, each a part of it.
 fn go_together(one: &Row, other: &Row) -> bool {
     let is_part = |row: &Row| row.key.ends_with("limit") || row.key.ends_with("limact");
     // In inverted units a limit of MACS is the other native one.
@@ -50,7 +50,7 @@ type Set = Vec<(usize, u64)>;
 /// Rows that may be set together, with values.
 fn a_set() -> impl Strategy<Value = Set> {
     let all: Vec<usize> = (0..ROWS.len()).filter(|place| ROWS[*place].is_stored() || ROWS[*place].is_view()).collect();
-    // The rows that depend on one another more often than the others.
+    // Rows that depend on one another are chosen more often.
     let bound: Vec<usize> = all
         .iter()
         .copied()
@@ -75,7 +75,7 @@ fn a_set() -> impl Strategy<Value = Set> {
     })
 }
 
-/// As every door does it: the sense of rotation first.
+/// Applies the changes as all interfaces do: the direction of rotation first.
 fn apply(parameters: &mut AxisParameters, changes: &Set) {
     let is_first = |(place, _): &&(usize, u64)| *place == usize::from(rows::SENSE_ROW);
     for (place, seed) in changes.iter().filter(is_first).chain(changes.iter().filter(|change| !is_first(change))) {
@@ -98,34 +98,35 @@ fn int(parameters: &AxisParameters, key: &str) -> i64 {
     }
 }
 
-/// Is the whole number the nearest one, but for rounding of the last bits?
+/// Returns true if the whole number is the nearest one, apart from rounding of the last bits.
 fn is_nearest(whole: i64, exact: f64) -> bool {
     (whole as f64 - exact).abs() <= 0.5 + exact.abs() * 1e-9 || exact > i64::MAX as f64 && whole == i64::MAX
 }
 
-/// The views by the formulas of the specification (sections 7 to 9 and 1.1).
+/// Compares the views with the formulas of the specification (sections 7 to 9 and 1.1).
 fn agree(p: &AxisParameters) -> Result<(), TestCaseError> {
     let encoder = int(p, "encoder") as f64;
-    // MACS-PROF-02: RPM at the encoder, 4 increments a line, of an absolute one 1.
+    // MACS-PROF-02: RPM at the encoder, 4 increments per line, or 1 for an absolute encoder.
     let is_absolute = (1..=4).contains(&int(p, "encodertype")) || int(p, "wf.md4") == 1;
     let velmax = p.max_velocity * 60.0 / (if is_absolute { 1.0 } else { 4.0 } * encoder);
     prop_assert!((real(p, "velmax") - velmax).abs() <= velmax * 1e-12, "VELMAX {} {velmax}", real(p, "velmax"));
-    // MACS-PROF-03: RAMPMIN = VELMAX / largest acceleration; MACS-PROF-10: JERKMIN = largest acceleration / largest jerk.
+    // MACS-PROF-03: RAMPMIN = VELMAX / maximum acceleration; MACS-PROF-10: JERKMIN = maximum acceleration / maximum
+    // jerk.
     prop_assert!(is_nearest(int(p, "rampmin"), p.max_velocity / p.max_acceleration * 1e9));
     match p.max_jerk {
         Some(jerk) => prop_assert!(is_nearest(int(p, "jerkmin"), p.max_acceleration / jerk * 1e9)),
         None => prop_assert_eq!(int(p, "jerkmin"), 0),
     }
-    // MACS-PROF-04, MACS-PROF-06; without a value of its own it is half.
+    // MACS-PROF-04, MACS-PROF-06; the default is half.
     let velres = int(p, "velres") as f64;
     let velocity = p.default_velocity.unwrap_or(p.max_velocity / 2.0);
     let acceleration = p.default_acceleration.unwrap_or(p.max_acceleration / 2.0);
     prop_assert!(is_nearest(int(p, "dfltvel"), velocity / p.max_velocity * velres));
     prop_assert!(is_nearest(int(p, "dfltacc"), acceleration / p.max_acceleration * velres));
-    // MACS-PROF-02, MACS-PROF-03, MACS-STO-08: cut, never out of date.
+    // MACS-PROF-02, MACS-PROF-03, MACS-STO-08: truncated, never out of date.
     prop_assert_eq!(int(p, "velmaxqc"), (p.max_velocity / 1000.0 * 65536.0).trunc() as i64);
     prop_assert_eq!(int(p, "accmaxqc"), (p.max_acceleration / 1e6 * 65536.0).trunc() as i64);
-    // MACS-LIM-02; A-56: whatever the sign of POSDRCT.
+    // MACS-LIM-02; A-56: for either sign of POSDRCT.
     let (falling, rising) = if int(p, "posdrct") < 0 {
         (p.max_position.map(|high| -high), p.min_position.map(|low| -low))
     } else {
@@ -165,7 +166,7 @@ proptest! {
         apply(&mut other, &shuffled);
         prop_assert_eq!(one, other);
         agree(&one)?;
-        // What was set reads back.
+        // Set values read back.
         for (place, seed) in &second {
             let row = &ROWS[*place];
             prop_assert_eq!(row.value(&one), pick(row, *seed), "{}", row.key);
@@ -182,7 +183,7 @@ proptest! {
         }
         prop_assert_eq!(forth, one);
         prop_assert_eq!(back, one);
-        // What may stand is sound, and nothing else is.
+        // Exactly the consistent parameters are valid.
         prop_assert_eq!(one.is_sound(), one.check().is_ok());
     }
 }
@@ -197,7 +198,7 @@ fn velmaxqc_of_the_defaults_is_that_of_the_manual() {
     assert!((p.max_velocity / 1000.0 - 33.333_333_333_333).abs() < 1e-9);
     // 2184533.33 / 1000 ms
     assert_eq!(int(&p, "accmaxqc"), 2184);
-    // It follows each of what it comes from, and takes no value itself.
+    // It follows each of its sources, and cannot be set itself.
     set(&mut p, "encoder", Value::Int(1000));
     assert_eq!(int(&p, "velmaxqc"), 4_369_066);
     set(&mut p, "max_velocity", Value::Real(1000.0));
@@ -205,8 +206,8 @@ fn velmaxqc_of_the_defaults_is_that_of_the_manual() {
     assert_eq!(row("velmaxqc").change(&mut p, Value::Int(5)), Err(Refused::ReadOnly));
 }
 
-/// The values of an absolute encoder are taken 1:1: ENCODER 4096 at 1000 rpm is 1000 * 4096 / 60 inc/s, or 4096000 /
-/// 60000 * 65536 in VELMAXQC. It follows the source, in whatever order both are given.
+/// Values of an absolute encoder are used 1:1: ENCODER 4096 at 1000 rpm is 1000 * 4096 / 60 inc/s, or 4096000 / 60000 *
+/// 65536 in VELMAXQC. It follows the source, in whatever order both are given.
 ///
 /// Proves: MACS-ENC-01, MACS-PROF-02
 #[test]
@@ -225,7 +226,7 @@ fn an_absolute_encoder_drops_the_factor_4() {
         (5, INCREMENTAL, 16_384),
         (9, INCREMENTAL, 16_384),
         (10, INCREMENTAL, 16_384),
-        // A CANopen encoder behaves as absolute, a drive on the bus as incremental (MACS-ENC-07).
+        // A CANopen encoder is absolute, a drive on the bus incremental (MACS-ENC-07).
         (50_012, ABSOLUTE, 4096),
         (-150_012, ABSOLUTE, 4096),
         (1_005, INCREMENTAL, 16_384),
@@ -242,7 +243,7 @@ fn an_absolute_encoder_drops_the_factor_4() {
     set(&mut p, "encodertype", Value::Int(0));
     set(&mut p, "wf.md4", Value::Int(1));
     assert_eq!(int(&p, "velmaxqc"), ABSOLUTE);
-    // A velocity in increments stays what it is; what is shown of it in rpm follows.
+    // A velocity in increments does not change; its value in rpm follows.
     set(&mut p, "max_velocity", Value::Real(68_266.0));
     assert_eq!(real(&p, "velmax"), 68_266.0 * 60.0 / 4096.0);
     set(&mut p, "wf.md4", Value::Int(0));
@@ -260,10 +261,10 @@ fn jerk_values_are_those_of_the_manual() {
     }
     // 100 qc/ms, 0.2 qc/ms^2, 0.001 qc/ms^3.
     assert_eq!((p.max_velocity, p.max_acceleration, p.max_jerk), (100e3, 0.2e6, Some(0.001e9)));
-    // A ramp given as a time stays a time.
+    // A ramp that is given as a time stays a time.
     set(&mut p, "velmax", Value::Real(1500.0));
     assert_eq!((p.max_acceleration, p.max_jerk), (0.1e6, Some(0.0005e9)));
-    // An acceleration given as such stays one.
+    // An acceleration that is given directly stays constant.
     set(&mut p, "max_acceleration", Value::Real(0.3e6));
     set(&mut p, "velmax", Value::Real(3000.0));
     assert_eq!((p.max_acceleration, int(&p, "rampmin")), (0.3e6, 333_333_333));
@@ -277,7 +278,7 @@ fn the_period_of_the_profile_is_kept_from_1_to_5_ms() {
         assert_eq!(row("proftime").change(&mut p, Value::Int(value)), result, "{value}");
     }
     assert_eq!(int(&p, "proftime"), 5);
-    // Nothing follows from it.
+    // No other value depends on it.
     assert_eq!(AxisParameters { macs: Macs { proftime: 1, ..p.macs }, ..p }, parameters());
 }
 
@@ -294,12 +295,12 @@ fn a_set_that_contradicts_itself_is_told() {
     assert_eq!(check(&[("dfltvel", Value::Int(101)), ("velres", Value::Int(1000))]), Ok(()));
     assert_eq!(check(&[("velres", Value::Int(40)), ("dfltacc", Value::Int(41))]), above("dfltacc", "velres"));
     assert_eq!(check(&[("dfltvel", Value::Int(100)), ("dfltacc", Value::Int(100))]), Ok(()));
-    // What follows leaves its range: 1e15 inc/s in 1 ms are 1e18 inc/s^2.
+    // A derived value leaves its range: 1e15 inc/s in 1 ms are 1e18 inc/s^2.
     let fast = [("max_velocity", Value::Real(1e15)), ("rampmin", Value::Int(1_000_000))];
     assert_eq!(check(&fast), Err(Contradiction::OutOfRange("max_acceleration")));
     let hard = [("max_acceleration", Value::Real(1e15)), ("jerkmin", Value::Int(1_000_000))];
     assert_eq!(check(&hard), Err(Contradiction::OutOfRange("max_jerk")));
-    // MACS-LIM-02: limits that are off bound nothing.
+    // MACS-LIM-02: limits that are off have no effect.
     let limits = [("neglimit", Value::Int(10)), ("poslimit", Value::Int(10))];
     let on = |key| (key, Value::Int(1));
     assert_eq!(check(&limits), Ok(()));
@@ -309,7 +310,7 @@ fn a_set_that_contradicts_itself_is_told() {
     assert_eq!(check(&both), above("min_position", "max_position"));
 }
 
-/// POSLIMIT bounds rising counts, which are falling positions in inverted units, in whatever order a set is written.
+/// POSLIMIT limits increasing counts, which are decreasing positions in inverted units, in any order of a set.
 ///
 /// Proves: MACS-LIM-01
 #[test]
@@ -331,12 +332,12 @@ fn limits_in_counts_guard_the_same_places_in_either_sense() {
     assert!(p.is_sound());
 }
 
-/// MACS keeps a limit that is off. One that it has no number for is the nearest that it has.
+/// MACS keeps a limit that is off. A limit beyond the range of MACS becomes the nearest number.
 #[test]
 fn a_switched_off_limit_can_be_written_again() {
     let mut p = parameters();
     set(&mut p, "min_position", Value::Int(-(1 << 60)));
-    // It is in force already.
+    // The limit is active already.
     set(&mut p, "swneglimact", Value::Int(1));
     assert_eq!(p.min_position, Some(-(1 << 60)));
     set(&mut p, "min_position", Value::Unset);

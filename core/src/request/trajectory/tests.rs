@@ -50,7 +50,7 @@ fn names_and_units_become_axes_and_increments() {
     // 1 rad of 36000 inc per turn is 5729.578 inc.
     assert!((y.knots[0].position.to_f64() - 36_000.0 / std::f64::consts::TAU).abs() < 1e-9);
     assert_eq!(x.knots[0], Knot { position: Position::from_f64(0.25), velocity: None, acceleration: None });
-    // 10000.6 inc as it is given, and the whole increment next to it where the axis rests at last.
+    // 10000.6 inc exactly, and the nearest whole increment at the end of the trajectory.
     let end = Position::whole(10_000) + Position::from_f64(0.6);
     assert!((x.knots[1].position - end).to_f64().abs() < 1e-9, "{:?}", x.knots[1]);
     assert_eq!((x.knots[1].velocity, x.knots[1].acceleration), (Some(0.0), Some(-500_000.0)));
@@ -177,7 +177,7 @@ fn a_position_of_two_to_the_62_is_refused() {
     }
 }
 
-/// What a float rounds away is no velocity: 1.19e-7 rad/s, as in joint_trajectory_controller.
+/// A velocity within the rounding of a float counts as zero: 1.19e-7 rad/s, as in joint_trajectory_controller.
 #[test]
 fn a_trajectory_may_end_with_the_rounding_of_a_velocity() {
     let ends = |velocity: f64| {
@@ -193,7 +193,7 @@ fn a_trajectory_may_end_with_the_rounding_of_a_velocity() {
     assert!(error.starts_with("the velocity of `y` in the last point is 0.00000012 rad/s; 0 is expected"), "{error}");
 }
 
-/// A client that names joints is answered with its names, and in SI units before those of the axis.
+/// For a client that names joints, errors contain its names, and SI units before those of the axis.
 #[test]
 fn errors_have_the_names_of_the_request_and_its_units_first() {
     let mut config = config();

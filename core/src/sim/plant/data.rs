@@ -1,47 +1,47 @@
-//! What a simulated motor and its load are made of.
+//! Data of a simulated motor and its load.
 //!
-//! Law      all of it is seen from the shaft of the motor: a load behind a gear of ratio i has its inertia, friction and stiffness divided by
-//!          i^2, its torque and Coulomb friction by i
-//! Refuses  what lies outside its range, with name, value and range
+//! Law      all values refer to the motor shaft: a load behind a gear of ratio i has its inertia, friction and
+//!          stiffness divided by i^2, its torque and Coulomb friction by i
+//! Refuses  values outside their ranges, with name, value and range
 //! Source   contract section 3
 
 use crate::sim::ModelError;
 use std::f64::consts::TAU;
 
-/// Friction of a body that turns.
+/// Friction of a rotating body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Friction {
-    /// In proportion to the velocity (N m s/rad), 0 to 1e6.
+    /// Viscous friction (N m s/rad), 0 to 1e6.
     pub viscous: f64,
-    /// While it slides, against its direction (N m), 0 to 1e6.
+    /// Coulomb friction, against the direction of motion (N m), 0 to 1e6.
     pub coulomb: f64,
-    /// Most that it holds at rest (N m), `coulomb` to 1e6.
+    /// Static friction (N m), `coulomb` to 1e6.
     pub holding: f64,
 }
 
-/// What the motor turns.
+/// Load of the motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Load {
-    /// (kg m^2), 0 to 1e6; behind a coupling 1e-9 to 1e6.
+    /// Inertia (kg m^2), 0 to 1e6; with a coupling 1e-9 to 1e6.
     pub inertia: f64,
-    /// Of its bearings and guides.
+    /// Friction of its bearings and guides.
     pub friction: Friction,
-    /// What pulls it all the time, a weight (N m), -1e6 to 1e6; positive turns it forwards.
+    /// Constant torque, such as a weight (N m), -1e6 to 1e6; positive in positive direction.
     pub torque: f64,
 }
 
-/// What is elastic between motor and load.
+/// Elastic coupling between motor and load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
-    /// (N m/rad), 1e-6 to 1e12.
+    /// Stiffness (N m/rad), 1e-6 to 1e12.
     pub stiffness: f64,
-    /// (N m s/rad), 0 to 1e9.
+    /// Damping (N m s/rad), 0 to 1e9.
     pub damping: f64,
-    /// How far the load turns alone, from one flank to the other (rad), 0 to one turn.
+    /// Backlash from one flank to the other (rad), 0 to one turn.
     pub backlash: f64,
 }
 
-/// What makes torque of a setpoint.
+/// Torque stage: conversion of the setpoint to torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stage {
     /// A drive with a current loop: the torque follows its setpoint with a lag.
@@ -55,19 +55,19 @@ pub enum Stage {
     Winding {
         /// Voltage of setpoint 1 (V), 1e-3 to 1e6.
         voltage: f64,
-        /// R (Ohm), 1e-6 to 1e6.
+        /// Resistance R (Ohm), 1e-6 to 1e6.
         resistance: f64,
-        /// L (H), 0 to 1e3.
+        /// Inductance L (H), 0 to 1e3.
         inductance: f64,
-        /// kt (N m/A), 1e-9 to 1e6.
+        /// Torque constant kt (N m/A), 1e-9 to 1e6.
         torque_constant: f64,
-        /// ke (V s/rad), 0 to 1e6.
+        /// Voltage constant ke (V s/rad), 0 to 1e6.
         back_emf: f64,
     },
 }
 
 impl Stage {
-    /// Torque that setpoint 1 makes at rest, in the end (N m).
+    /// Returns the steady torque of setpoint 1 at rest (N m).
     pub(super) fn full(&self) -> f64 {
         match *self {
             Self::Torque { rated, .. } => rated,
@@ -75,7 +75,7 @@ impl Stage {
         }
     }
 
-    /// Time constant between setpoint and torque (s).
+    /// Returns the time constant between setpoint and torque (s).
     pub(super) fn lag_s(&self) -> f64 {
         match *self {
             Self::Torque { lag_ns, .. } => lag_ns as f64 / 1e9,
@@ -83,7 +83,7 @@ impl Stage {
         }
     }
 
-    /// Torque that its own turning takes away (N m s/rad).
+    /// Returns the loss of torque per velocity (N m s/rad).
     pub(super) fn drag(&self) -> f64 {
         match *self {
             Self::Torque { .. } => 0.0,
@@ -92,40 +92,40 @@ impl Stage {
     }
 }
 
-/// From the setpoint of a drive to what turns its motor.
+/// Amplifier: from the setpoint of a drive to the torque of its motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Amplifier {
-    /// What makes the torque.
+    /// Torque stage.
     pub stage: Stage,
-    /// Largest setpoint, in parts of the rated torque or of the voltage, 1e-3 to 1000: what is beyond is cut off.
+    /// Limit of the setpoint, as a multiple of the rated torque or of the voltage, 1e-3 to 1000.
     pub limit: f64,
-    /// From a setpoint until it begins to act (ns), 0 to 1 s; need not be whole cycles.
+    /// Dead time of a setpoint (ns), 0 to 1 s; need not be whole cycles.
     pub dead_time_ns: i64,
 }
 
-/// The encoder on the shaft of the motor, and that of the load.
+/// Encoder on the shaft of the motor, and that of the load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
-    /// Counts of a turn of the motor, 1 to 2^32.
+    /// Counts per turn of the motor, 1 to 2^32.
     pub counts_per_turn: f64,
-    /// Standard deviation of a reading (counts), 0 to 1e6; no more than 3.5 times that far.
+    /// Standard deviation of a reading (counts), 0 to 1e6; limited to 3.5 times that.
     pub noise: f64,
-    /// What the noise is drawn from.
+    /// Seed of the noise.
     pub seed: u64,
-    /// The encoder beside that of the drive, which the axis reads, sits on the load.
+    /// Whether the second encoder, which the axis reads, is at the load.
     pub at_load: bool,
 }
 
 /// A motor with its amplifier, its load and its encoder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotorData {
-    /// Of the rotor (kg m^2), 1e-9 to 1e6.
+    /// Inertia of the rotor (kg m^2), 1e-9 to 1e6.
     pub inertia: f64,
-    /// Of the motor's own bearings.
+    /// Friction of the bearings of the motor.
     pub friction: Friction,
-    /// What it turns.
+    /// Load of the motor.
     pub load: Load,
-    /// Between motor and load; without one both turn as one body.
+    /// Coupling between motor and load; without one both turn as one body.
     pub coupling: Option<Coupling>,
     /// From setpoint to torque.
     pub amplifier: Amplifier,
@@ -133,16 +133,16 @@ pub struct MotorData {
     pub reading: Reading,
 }
 
-/// A motor whose data have been checked.
+/// A motor with checked data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor {
     pub(super) data: MotorData,
-    /// Wired so that it turns against its setpoint.
+    /// Whether it turns against its setpoint.
     pub(in crate::sim) inverted: bool,
 }
 
 impl Motor {
-    /// A motor of those data.
+    /// Creates a motor with those data.
     ///
     /// # Errors
     /// The first value outside its range.
@@ -150,33 +150,33 @@ impl Motor {
         data.problems().into_iter().next().map_or(Ok(Self { data, inverted: false }), Err)
     }
 
-    /// Is its setpoint the voltage of a winding?
+    /// Returns true if its setpoint is the voltage of a winding.
     pub(in crate::sim) fn has_winding(&self) -> bool {
         matches!(self.data.amplifier.stage, Stage::Winding { .. })
     }
 }
 
-/// Longest lag and dead time (ns).
+/// Maximum lag and dead time (ns).
 const SECOND: i64 = 1_000_000_000;
-/// Lightest body (kg m^2).
+/// Minimum inertia (kg m^2).
 const LIGHTEST: f64 = 1e-9;
-/// Largest torque, inertia and friction.
+/// Maximum torque, inertia and friction.
 const MOST: f64 = 1e6;
 
-/// The problem of a value outside its range.
+/// Returns the error of a value outside its range.
 fn beyond(name: &'static str, value: f64, unit: &'static str, least: f64, most: f64) -> Option<ModelError> {
     let is_good = (least..=most).contains(&value);
     (!is_good).then_some(ModelError::Motor { name, value, unit, least, most })
 }
 
 impl Friction {
-    /// Does it hold anything at rest?
+    /// Returns true if it has static friction.
     pub(super) fn is_dry(&self) -> bool {
         self.holding > 0.0
     }
 
     fn problems(&self, [viscous, coulomb, holding]: [&'static str; 3]) -> [Option<ModelError>; 3] {
-        // One that is wrong itself bounds nothing.
+        // An invalid value is no lower limit of another one.
         let least = if (0.0..=MOST).contains(&self.coulomb) { self.coulomb } else { 0.0 };
         [
             beyond(viscous, self.viscous, "Nm*s/rad", 0.0, MOST),
@@ -187,7 +187,7 @@ impl Friction {
 }
 
 impl MotorData {
-    /// Every value outside its range.
+    /// Returns an error for every value outside its range.
     pub fn problems(&self) -> Vec<ModelError> {
         let lightest = if self.coupling.is_some() { LIGHTEST } else { 0.0 };
         let coupling = self.coupling.map(|Coupling { stiffness, damping, backlash }| {

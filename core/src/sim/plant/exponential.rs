@@ -1,32 +1,33 @@
-//! The exponential of a small matrix: what a linear system does over a time, exactly.
+//! Matrix exponential of a small matrix: the exact solution of a linear system over a time.
 //!
-//! Law      exp(A t) = (sum of (A t / 2^s)^n / n!)^(2^s); the norm of the balanced A t / 2^s is 0.5 at most, so that what is left out of the sum
-//!          lies below its rounding. Rows and columns are balanced by powers of two, which round nothing
+//! Law      exp(A t) = (sum of (A t / 2^s)^n / n!)^(2^s); the norm of the balanced A t / 2^s is at most 0.5, so that
+//!          the omitted terms are below the rounding of the sum. Rows and columns are balanced by powers of two, which
+//!          causes no rounding
 //! Reads    a matrix (1/s) and a time (s)
-//! Writes   the matrix that takes a state over that time
-//! Refuses  nothing: its callers have checked that the matrix is finite
+//! Writes   the matrix that advances a state by that time
+//! Refuses  nothing: the callers have checked that the matrix is finite
 //! Source   Moler and Van Loan, Nineteen dubious ways to compute the exponential of a matrix, method 3
 
 use libm::{ilogb, scalbn};
 use nalgebra::SMatrix;
 
-/// States and held inputs.
+/// Number of states and held inputs.
 pub(super) const WIDTH: usize = 8;
 
-/// A system with its held inputs: the rows of these are 0.
+/// Matrix of a system with its held inputs, whose rows are 0.
 pub(super) type Square = SMatrix<f64, WIDTH, WIDTH>;
 
 /// Terms of the sum: 0.5^18 / 18! is below 1e-21.
 const TERMS: u32 = 18;
-/// Rounds of balancing; after a few nothing changes any more.
+/// Rounds of balancing; further rounds change nothing.
 const ROUNDS: usize = 4;
 
-/// The sum of the magnitudes in a row or a column, without its diagonal.
+/// Returns the sum of the magnitudes in a row or a column, without its diagonal.
 fn beside<'a>(values: impl Iterator<Item = &'a f64>, diagonal: usize) -> f64 {
     values.enumerate().filter(|(index, _)| *index != diagonal).map(|(_, value)| value.abs()).sum()
 }
 
-/// Makes rows and columns of like size: D^-1 A D in the place of A. The diagonal of D.
+/// Balances rows and columns: replaces A by D^-1 A D. Returns the diagonal of D.
 fn balance(matrix: &mut Square) -> [f64; WIDTH] {
     let mut scales = [1.0; WIDTH];
     for _ in 0..ROUNDS {
@@ -44,7 +45,7 @@ fn balance(matrix: &mut Square) -> [f64; WIDTH] {
     scales
 }
 
-/// exp(`matrix` * `time`), outside the cycle.
+/// Returns exp(`matrix` * `time`); not for use in the cycle.
 pub(super) fn exponential(matrix: &Square, time: f64) -> Square {
     let mut small = matrix * time;
     let scales = balance(&mut small);
@@ -96,7 +97,7 @@ mod tests {
         }
     }
 
-    /// Time constants of 1 us and 1 s over 10 ms: the fast one is gone, the slow one has lost exp(-0.01).
+    /// Time constants of 1 us and 1 s over 10 ms: the fast one has decayed, the slow one has lost exp(-0.01).
     #[test]
     fn a_stiff_system_stays_stable() {
         let mut matrix = Square::zeros();
@@ -108,7 +109,7 @@ mod tests {
     }
 
     proptest! {
-        /// exp(A s) exp(A t) = exp(A (s + t)), whatever A.
+        /// exp(A s) exp(A t) = exp(A (s + t)), for any A.
         #[test]
         fn times_add_up(values in proptest::array::uniform32(-3.0..3.0_f64), s in 0.0..1.0_f64, t in 0.0..1.0_f64) {
             let mut matrix = Square::zeros();

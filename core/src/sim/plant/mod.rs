@@ -1,8 +1,9 @@
-//! The plant of one axis: amplifier, motor, coupling, load and encoders, exactly over one cycle.
+//! Plant of one axis: amplifier, motor, coupling, load and encoders, solved exactly over one cycle.
 //!
 //! Law      setpoint -> limit -> dead time -> torque, by a lag or by a winding -> [`train`] -> counts, floored
-//! Reads    a setpoint in parts of the rated torque, or of the voltage of the winding; or a velocity for the drive's own loop
-//! Writes   whole counts of the motor in a cycle, of its load, and what a noisy encoder reads beside them
+//! Reads    a setpoint as a fraction of the rated torque, or of the voltage of the winding; or a velocity for the loop
+//!          of the drive
+//! Writes   whole counts of the motor per cycle, of its load, and the noise of the encoder reading
 //! Refuses  data outside their ranges
 //! Source   contract section 3
 

@@ -1,9 +1,10 @@
-//! The linear regions of a drive train, and its exact steps in each.
+//! Linear regions of a drive train, and its exact steps in each.
 //!
-//! Law      with the travel x, the velocities w and v of motor and load, their twist d and the acceleration a that the stage gives the motor:
-//!          x' = w; w' = a - (spring d + damping d') - viscous w + held input; d' = w - v; v' likewise, driven by the coupling;
-//!          a' = (u - a - drag w) / lag. What stands has velocity 0; an open coupling has neither spring nor damping. A step is
-//!          the exponential of that with its held inputs. Halves of halves of a step have steps of their own
+//! Law      with the travel x, the velocities w and v of motor and load, their twist d and the acceleration a that the
+//!          stage gives the motor: x' = w; w' = a - (spring d + damping d') - viscous w + held input; d' = w - v; v'
+//!          likewise, driven by the coupling; a' = (u - a - drag w) / lag. A body at rest has velocity 0; an open
+//!          coupling has neither spring nor damping. A step is the exponential of that system with its held inputs.
+//!          Repeated halves of a step have steps of their own
 //! Reads    the data of a motor
 //! Writes   steps, by region and length
 //! Refuses  nothing: the data have been checked
@@ -12,43 +13,44 @@ use super::data::{Coupling, MotorData};
 use super::exponential::{Square, WIDTH, exponential};
 use nalgebra::{SMatrix, SVector};
 
-/// States of a drive train.
+/// Number of states of a drive train.
 pub(super) const STATES: usize = 5;
-/// Angle that the motor has turned in this cycle (rad).
+/// Angle of the motor in this cycle (rad).
 pub(super) const TRAVEL: usize = 0;
 /// Velocity of the motor (rad/s).
 pub(super) const MOTOR: usize = 1;
-/// Motor ahead of load, in units of 1 / pace (rad/s): so its equation has entries of the size of the others.
+/// Angle of the motor relative to the load, in units of 1 / pace (rad/s): so its equation has coefficients of the same
+/// size as the others.
 pub(super) const TWIST: usize = 2;
 /// Velocity of the load (rad/s).
 pub(super) const LOAD: usize = 3;
-/// Torque of the stage over the inertia that it turns (rad/s^2).
+/// Torque of the stage divided by the inertia that it turns (rad/s^2).
 pub(super) const DRIVE: usize = 4;
-/// Held over a step: what is asked of the stage, and what else acts on the motor and on the load (rad/s^2).
+/// First of the inputs held over a step: setpoint of the stage, other effects on the motor and on the load (rad/s^2).
 const ASKED: usize = 5;
 
-/// State behind a step, from state and held inputs before it.
+/// Matrix from state and held inputs before a step to the state after it.
 type Step = SMatrix<f64, STATES, WIDTH>;
 /// The state.
 pub(super) type Vector = SVector<f64, STATES>;
 /// Held inputs: of the stage, of the motor, of the load (rad/s^2).
 pub(super) type Held = SVector<f64, 3>;
 
-/// Times that a step is halved to find an event: 2^-30 of it is 1 ps of 1 ms.
+/// Halvings of a step to find an event: 2^-30 of it is 1 ps of 1 ms.
 const HALVINGS: u32 = 30;
-/// A vibration turns no further than that between two looks at what may happen (rad).
+/// Maximum angle of a vibration between two checks for events (rad).
 const LOOK: f64 = 0.5;
-/// Most halvings of a cycle for that: 1024 looks.
+/// Maximum halvings of a cycle for that: 1024 checks.
 const MOST_LOOKS: u32 = 10;
 
-/// Where the equations are linear.
+/// A region in which the equations are linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Region {
-    /// The coupling transmits.
+    /// Whether the coupling transmits.
     pub pressed: bool,
-    /// The motor does not turn.
+    /// Whether the motor is at rest.
     pub motor_stands: bool,
-    /// The load does not turn.
+    /// Whether the load is at rest.
     pub load_stands: bool,
 }
 
@@ -68,18 +70,18 @@ impl Region {
     }
 }
 
-/// The numbers of the equations, over the inertia of motor and load.
+/// Coefficients of the equations, divided by the inertia of motor and load.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Equations {
-    /// What the stage turns (kg m^2).
+    /// Inertia that the stage turns (kg m^2).
     pub inertia: f64,
-    /// There is a load behind a coupling.
+    /// Whether there is a load with a coupling.
     pub is_elastic: bool,
-    /// (1/s^2)
+    /// Spring coefficients of motor and load (1/s^2).
     pub spring: [f64; 2],
-    /// (1/s)
+    /// Damping coefficients of motor and load (1/s).
     pub damping: [f64; 2],
-    /// (1/s)
+    /// Viscous friction of motor and load (1/s).
     pub viscous: [f64; 2],
     /// Frequency of the two masses against each other (rad/s); 1 without a coupling.
     pub pace: f64,
@@ -87,7 +89,7 @@ pub(super) struct Equations {
     pub half_gap: f64,
     /// Time constant of the stage (s).
     pub lag_s: f64,
-    /// Of the stage (1/s).
+    /// Loss of torque of the stage per velocity (1/s).
     pub drag: f64,
 }
 
@@ -117,13 +119,13 @@ impl Equations {
         }
     }
 
-    /// The fastest vibration that there can be (rad/s).
+    /// Returns the fastest possible vibration (rad/s).
     fn fastest(&self) -> f64 {
         let electric = if self.lag_s > 0.0 { (self.drag / self.lag_s).sqrt() } else { 0.0 };
         electric.max(if self.is_elastic { self.pace } else { 0.0 })
     }
 
-    /// The system with its held inputs.
+    /// Returns the matrix of the system with its held inputs.
     fn matrix(&self, region: Region) -> Square {
         let mut a = Square::zeros();
         if !region.motor_stands {
@@ -163,19 +165,20 @@ impl Equations {
     }
 }
 
-/// Exact steps over a part of a cycle, by region: the whole part in equal pieces, and halves of halves of one.
+/// Exact steps over a part of a cycle, by region: the part in equal pieces, and repeated halves of a piece.
 #[derive(Clone, Debug)]
 pub(super) struct Ladder {
-    /// By region; the shortest step first, each twice as long as the one before. None where a region is never entered.
+    /// Steps by region; the shortest first, each twice as long as the previous one. Empty for a region that is never
+    /// entered.
     steps: [Vec<Step>; 8],
-    /// How many pieces make up the part.
+    /// Number of pieces in the part.
     pub pieces: u32,
-    /// Steps of the shortest kind in a piece, a power of two.
+    /// Number of shortest steps per piece, a power of two.
     pub ticks: u32,
 }
 
 impl Ladder {
-    /// Steps over `duration_s` in the regions that are entered; halved where something may happen within.
+    /// Creates the steps over `duration_s` in the regions that are entered; halved if an event may happen within.
     pub(super) fn new(
         equations: &Equations,
         duration_s: f64,
@@ -199,7 +202,7 @@ impl Ladder {
         Self { steps, pieces: if duration_s > 0.0 { pieces } else { 0 }, ticks: 1 << halvings }
     }
 
-    /// The state 2^`level` ticks later; as it is where there is no such step.
+    /// Returns the state 2^`level` ticks later; unchanged if there is no such step.
     pub(super) fn step(&self, region: Region, level: u32, state: &Vector, held: &Held) -> Vector {
         let step = self.steps.get(region.place()).and_then(|steps| steps.get(level as usize));
         step.map_or(*state, |step| {

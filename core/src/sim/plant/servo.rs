@@ -1,13 +1,13 @@
-//! A motor as its drive sees it: setpoints in, counts out.
+//! Motor as seen by its drive: from setpoints to counts.
 //!
-//! Law      a setpoint u in parts of the rated torque is limited, acts from its dead time on, and turns the train; the encoder
-//!          reads floor(angle * counts_per_turn / 2 pi + noise). A velocity w* is closed by the drive itself, on the true velocity w of the
-//!          motor, as its own sampling is finer than a cycle: acceleration = b (w* - w + b' / 5 * sum of (w* - w) T), with
-//!          b = 1 / (4 (1.5 T + dead time + lag)) for the inertia of the motor, b' = b times that over all inertia; the sum stands while it
-//!          would only push further beyond the limit
+//! Law      a setpoint u as a fraction of the rated torque is limited, acts after its dead time, and turns the train;
+//!          the encoder reads floor(angle * counts_per_turn / 2 pi + noise). The drive closes the loop of a velocity w*
+//!          on the true velocity w of the motor, because its sampling is finer than a cycle: acceleration = b (w* - w +
+//!          b' / 5 * sum of (w* - w) T), with b = 1 / (4 (1.5 T + dead time + lag)) for the inertia of the motor, b' =
+//!          b times that over all inertia; the sum is held while it would only increase a limited setpoint
 //! Reads    setpoints, velocities (inc/s)
 //! Writes   counts, torque (per mille of the rated torque)
-//! Refuses  nothing: the data have been checked, and a setpoint that is no number is 0
+//! Refuses  nothing: the data have been checked, and a setpoint of NaN is 0
 //! Source   contract section 3
 
 use super::data::{Load, Motor, MotorData, Reading};
@@ -18,22 +18,22 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Dead times of the drive's own loop in its time constant: 76 degrees of phase are left of 90.
+/// Time constant of the loop of the drive, in dead times: 76 of 90 degrees of phase are left.
 const DELAYS: f64 = 4.0;
-/// Cycles from a velocity to what its loop asks for, held for a cycle: a half, and one to be heard.
+/// Dead time of the loop in cycles: half a cycle for holding the setpoint, and one for its transfer.
 const CYCLES: f64 = 1.5;
-/// Its integral takes over that many times slower: it costs 11 degrees.
+/// Ratio of the time constant of the integral to that of the loop: it costs 11 degrees.
 const SLOWER: f64 = 5.0;
-/// The standard deviation of the mean of four numbers that are even in 0..1.
+/// Standard deviation of the mean of four numbers that are uniform in 0..1.
 const DEVIATION: f64 = 0.144_337_567_297_406_43;
 
-/// Angle as counts.
+/// Conversion of the angle to counts.
 #[derive(Clone, Copy, Debug)]
 struct Encoder {
     reading: Reading,
-    /// Part of a count beyond the last whole one, 0 to 1; 1 is a part that rounding has made whole.
+    /// Fraction of a count after the last whole one, 0 to 1; 1 is a fraction that rounding has made whole.
     part: f64,
-    /// Readings so far.
+    /// Number of readings.
     readings: u64,
 }
 
@@ -42,7 +42,7 @@ impl Encoder {
         angle * (self.reading.counts_per_turn / TAU)
     }
 
-    /// Turns by an angle (rad), and returns by how many whole counts.
+    /// Turns by an angle (rad). Returns the change in whole counts.
     fn turn(&mut self, angle: f64) -> i64 {
         let total = self.part + self.counts(angle);
         let whole = total.floor();
@@ -51,12 +51,12 @@ impl Encoder {
         whole as i64
     }
 
-    /// The whole count at an angle from where it stands, from its last whole one.
+    /// Returns the whole count at an angle from the present one, relative to the last whole count.
     fn at(&self, angle: f64) -> i64 {
         (self.part + self.counts(angle)).floor() as i64
     }
 
-    /// What the next reading is beside the whole count.
+    /// Returns the deviation of the next reading from the whole count.
     fn read(&mut self) -> i64 {
         self.readings = self.readings.wrapping_add(1);
         if self.reading.noise == 0.0 {
@@ -69,71 +69,73 @@ impl Encoder {
     }
 }
 
-/// A motor, as it turns.
+/// State of a motor.
 #[derive(Clone, Debug)]
 pub(in crate::sim) struct Servo {
     data: MotorData,
     inverted: bool,
     train: Arc<Train>,
     state: State,
-    /// Setpoints in their dead time, oldest first; always as many.
+    /// Setpoints in their dead time, oldest first; their number is constant.
     on_the_way: VecDeque<f64>,
     encoder: Encoder,
-    /// What the drive's own loop has added up (rad).
+    /// Integral of the loop of the drive (rad).
     sum: f64,
     cycle_ns: u64,
 }
 
 impl Servo {
-    /// A motor at rest.
+    /// Creates a motor at rest.
     pub(in crate::sim) fn new(motor: Motor, cycle_ns: u64) -> Self {
         Self::with_weight(motor, 0.0, cycle_ns)
     }
 
-    /// The same with one more torque that pulls all the time (N m).
+    /// Creates a motor with an additional constant torque (N m).
     fn with_weight(Motor { data, inverted }: Motor, weight: f64, cycle_ns: u64) -> Self {
         let (cycle_ns, dead_ns) = (cycle_ns.max(1), data.amplifier.dead_time_ns.unsigned_abs());
         let load = Load { torque: data.load.torque + weight, ..data.load };
         let train = Train::new(&MotorData { load, ..data }, dead_ns % cycle_ns, cycle_ns);
-        // The newest, those of whole cycles, and the one before, which acts until the dead time is over in the cycle.
+        // The newest, those of whole cycles, and the previous one, which acts until the dead time has elapsed in the
+        // cycle.
         let cycles = (dead_ns / cycle_ns) as usize + 2;
-        // Room for one more, which stands there for the length of a step.
+        // Room for one more setpoint during a step.
         let mut on_the_way = VecDeque::with_capacity(cycles + 1);
         on_the_way.resize(cycles, 0.0);
         let encoder = Encoder { reading: data.reading, part: 0.0, readings: 0 };
         Self { state: train.rest(), data, inverted, train: Arc::new(train), on_the_way, encoder, sum: 0.0, cycle_ns }
     }
 
-    /// The same at rest, with a weight on it that lets all of it fall with an acceleration (inc/s^2), and no other one; outside the cycle.
+    /// Attaches a weight at rest, with which the whole train falls with an acceleration (inc/s^2), and no other weight;
+    /// not for use in the cycle.
     pub(in crate::sim) fn hang(&mut self, acceleration: f64) {
         let Self { data, inverted, cycle_ns, .. } = *self;
         let weight = acceleration * TAU / data.reading.counts_per_turn * (data.inertia + data.load.inertia);
         *self = Self::with_weight(Motor { data, inverted }, weight, cycle_ns);
     }
 
-    /// Stands where it is.
+    /// Stops at the present position.
     pub(in crate::sim) fn rest(&mut self) {
         self.state = self.train.rest();
         self.sum = 0.0;
         self.on_the_way.iter_mut().for_each(|setpoint| *setpoint = 0.0);
     }
 
-    /// Turns it against its setpoint?
+    /// Returns true if it turns against its setpoint.
     pub(in crate::sim) fn is_inverted(&self) -> bool {
         self.inverted
     }
 
-    /// Does the encoder that the axis reads beside the drive's own sit on the load?
+    /// Returns true if the second encoder, which the axis reads, is at the load.
     pub(in crate::sim) fn reads_load(&self) -> bool {
         self.data.reading.at_load
     }
 
-    /// Acceleration that a setpoint of 1 asks for (rad/s^2).
+    /// Returns the acceleration of setpoint 1 (rad/s^2).
     fn full(&self) -> f64 {
         self.data.amplifier.stage.full() / self.train.inertia()
     }
 
-    /// One cycle with a setpoint; the counts of the motor in it. Where something holds its shaft it does not turn.
+    /// Executes one cycle with a setpoint. Returns the counts of the motor in it. A held shaft does not turn.
     pub(in crate::sim) fn step(&mut self, setpoint: f64, held: bool) -> i64 {
         let limit = self.data.amplifier.limit;
         let setpoint = if setpoint.is_finite() { setpoint.clamp(-limit, limit) } else { 0.0 };
@@ -146,7 +148,7 @@ impl Servo {
         self.encoder.turn(angle)
     }
 
-    /// The setpoint of the drive's own loop for a velocity (inc/s).
+    /// Returns the setpoint of the loop of the drive for a velocity (inc/s).
     pub(in crate::sim) fn close(&mut self, velocity: f64) -> f64 {
         let (inertia, all) = (self.train.inertia(), self.data.inertia + self.data.load.inertia);
         let (cycle_s, amplifier) = (self.cycle_ns as f64 / 1e9, self.data.amplifier);
@@ -158,30 +160,30 @@ impl Servo {
         let error = asked - self.train.velocity(&self.state);
         let sum = self.sum + error * cycle_s;
         let setpoint = bandwidth * (error + slow * sum) / self.full();
-        // What is limited may come back.
+        // The integral of a limited setpoint may only decrease.
         if setpoint.abs() <= amplifier.limit || error * setpoint < 0.0 {
             self.sum = sum;
         }
         setpoint
     }
 
-    /// The drive's own loop begins anew.
+    /// Resets the loop of the drive.
     pub(in crate::sim) fn open(&mut self) {
         self.sum = 0.0;
     }
 
-    /// Torque, per mille of the rated one; of a winding, of that which its voltage makes at rest.
+    /// Returns the torque, per mille of the rated one; for a winding, of that of its voltage at rest.
     pub(in crate::sim) fn effort(&self) -> f64 {
         let asked = self.on_the_way.get(1).copied().unwrap_or_default() * self.full();
         1000.0 * self.train.drive(&self.state, asked) / self.full()
     }
 
-    /// What the encoder reads now, beside the counts that it was turned.
+    /// Returns the present deviation of the encoder reading from the counts.
     pub(in crate::sim) fn read(&mut self) -> i64 {
         self.encoder.read()
     }
 
-    /// Where an encoder at the load stands, from the whole count of the motor (inc of the motor).
+    /// Returns the position of an encoder at the load, relative to the whole count of the motor (inc of the motor).
     pub(in crate::sim) fn load(&self) -> i64 {
         self.encoder.at(-self.train.twist(&self.state))
     }

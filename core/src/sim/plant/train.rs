@@ -1,37 +1,38 @@
-//! A drive train: motor, coupling and load, exactly over one cycle, whatever happens within.
+//! Drive train: motor, coupling and load, solved exactly over one cycle, including events within it.
 //!
-//! Law      the equations of [`super::regions`], exact while the region stays. A body with dry friction slides against it; when its velocity
-//!          passes 0 it sticks where the rest of the torque is no more than what its friction holds, until it is more. A coupling
-//!          with backlash transmits from its flanks on, with spring and damping. What happens within a step is found by halving it
-//!          30 times. Where a part of a cycle has more than [`MOST_SEARCHES`] searches for events, the rest of that part is left out: all
-//!          stands still for it, so that no energy comes in
-//! Reads    the acceleration that the setpoint asks for (rad/s^2), whether the shaft is held
-//! Writes   what the motor turns in a cycle (rad), velocities (rad/s), twist (rad)
-//! Refuses  nothing: a setpoint that is no number is 0
+//! Law      the equations of [`super::regions`], exact as long as the region does not change. A body with dry friction
+//!          slides against it; when its velocity passes 0 it sticks if the other torques do not exceed its static
+//!          friction, until they do. A coupling with backlash transmits from its flanks on, with spring and damping. An
+//!          event within a step is found by halving it 30 times. If a part of a cycle has more than [`MOST_SEARCHES`]
+//!          searches for events, the rest of that part is omitted: the train does not move in it, so that no energy is
+//!          added
+//! Reads    the acceleration of the setpoint (rad/s^2), whether the shaft is held
+//! Writes   the angle of the motor per cycle (rad), velocities (rad/s), twist (rad)
+//! Refuses  nothing: a setpoint of NaN is 0
 //! Source   contract section 3
 
 use super::data::{Friction, MotorData};
 use super::regions::{DRIVE, Equations, Held, LOAD, Ladder, MOTOR, Region, TRAVEL, TWIST, Vector};
 use nalgebra::SVector;
 
-/// Searches for an event in one part of a cycle; an event takes two at most.
+/// Maximum searches for events in one part of a cycle; an event takes at most two.
 const MOST_SEARCHES: u32 = 128;
 
-/// How the coupling lies.
+/// Contact of the coupling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Contact {
-    /// It has no backlash, or there is none.
+    /// It has no backlash, or there is no coupling.
     Always,
     /// Between its flanks.
     Open,
-    /// The motor pushes the load forwards.
+    /// The motor pushes the load in positive direction.
     Ahead,
-    /// The motor pushes the load backwards.
+    /// The motor pushes the load in negative direction.
     Behind,
 }
 
 impl Contact {
-    /// By the twist and half the gap.
+    /// Returns the contact for the twist and half the gap.
     fn of(twist: f64, half_gap: f64) -> Self {
         match () {
             () if twist > half_gap => Self::Ahead,
@@ -40,7 +41,7 @@ impl Contact {
         }
     }
 
-    /// Which flank, as a sign.
+    /// Returns the flank, as a sign.
     fn side(self) -> f64 {
         match self {
             Self::Always | Self::Open => 0.0,
@@ -50,18 +51,18 @@ impl Contact {
     }
 }
 
-/// What friction does with a body.
+/// State of the friction of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Grip {
     /// It has no dry friction.
     Free,
-    /// It slides forwards.
+    /// It slides in positive direction.
     Forwards,
-    /// It slides backwards.
+    /// It slides in negative direction.
     Backwards,
     /// Friction holds it.
     Sticks,
-    /// Something holds it, whatever pulls.
+    /// It is held externally against any torque.
     Held,
 }
 
@@ -70,12 +71,12 @@ impl Grip {
         matches!(self, Self::Sticks | Self::Held)
     }
 
-    /// Does a body that slides so go the other way with that velocity?
+    /// Returns true if a sliding body reverses with that velocity.
     fn turns(self, velocity: f64) -> bool {
         velocity * self.sign() < 0.0
     }
 
-    /// Direction of sliding.
+    /// Returns the direction of sliding.
     fn sign(self) -> f64 {
         match self {
             Self::Forwards => 1.0,
@@ -85,23 +86,23 @@ impl Grip {
     }
 }
 
-/// Where a drive train is.
+/// State of a drive train.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct State {
     values: Vector,
     contact: Contact,
-    /// Of motor and load.
+    /// Friction states of motor and load.
     grips: [Grip; 2],
 }
 
-/// One of the bodies; accelerations are torques over its inertia (rad/s^2).
+/// One of the bodies; accelerations are torques divided by its inertia (rad/s^2).
 #[derive(Clone, Copy, Debug)]
 struct Body {
-    /// What always pulls.
+    /// Constant acceleration.
     weight: f64,
-    /// Friction while it slides.
+    /// Sliding friction.
     sliding: f64,
-    /// Most that friction holds.
+    /// Static friction.
     holding: f64,
 }
 
@@ -117,7 +118,7 @@ impl Body {
         if self.holding > 0.0 { Grip::Sticks } else { Grip::Free }
     }
 
-    /// What its friction does with it where it stands and that pulls.
+    /// Returns the friction state of a body at rest with that acceleration.
     fn grip_against(&self, pull: f64) -> Grip {
         match () {
             () if pull.abs() <= self.holding => Grip::Sticks,
@@ -126,12 +127,12 @@ impl Body {
         }
     }
 
-    /// What acts on it beside its neighbours.
+    /// Returns the accelerations that do not depend on its neighbours.
     fn held(&self, grip: Grip) -> f64 {
         self.weight - self.sliding * grip.sign()
     }
 
-    /// Leaves it its region with that velocity and pull?
+    /// Returns true if it leaves its region with that velocity and acceleration.
     fn leaves(&self, grip: Grip, velocity: f64, pull: f64) -> bool {
         grip.turns(velocity) || grip == Grip::Sticks && pull.abs() > self.holding
     }
@@ -142,12 +143,12 @@ impl Body {
 pub(super) struct Train {
     equations: Equations,
     bodies: [Body; 2],
-    /// From the beginning of a cycle until a setpoint begins to act in it, and the rest.
+    /// Steps from the beginning of a cycle until a setpoint takes effect in it, and of the rest.
     parts: [Ladder; 2],
 }
 
 impl Train {
-    /// The train of data that have been checked; a setpoint begins to act `part_ns` into its cycle.
+    /// Creates the train of checked data; a setpoint takes effect `part_ns` after the beginning of its cycle.
     pub(super) fn new(data: &MotorData, part_ns: u64, cycle_ns: u64) -> Self {
         let equations = Equations::new(data);
         let (own, load) = (data.friction, data.load.friction);
@@ -164,7 +165,7 @@ impl Train {
         Self { equations, bodies, parts: durations.map(|part| Ladder::new(&equations, part, has_events, enters)) }
     }
 
-    /// All stands, and the coupling hangs as the weight of the load pulls it.
+    /// Returns the state at rest, with the twist of the coupling by the weight of the load.
     pub(super) fn rest(&self) -> State {
         let Equations { half_gap, pace, is_elastic, .. } = self.equations;
         let [_, load] = self.bodies;
@@ -176,7 +177,8 @@ impl Train {
         State { values, contact, grips: self.bodies.map(|body| body.grip_at_rest()) }
     }
 
-    /// One cycle with the accelerations that are asked for in its two parts (rad/s^2). What the motor turns in it (rad).
+    /// Executes one cycle with the accelerations of the setpoint in its two parts (rad/s^2). Returns the angle of the
+    /// motor (rad).
     pub(super) fn cycle(&self, state: &mut State, asked: [f64; 2], held: bool) -> f64 {
         state.values[TRAVEL] = 0.0;
         let grip = &mut state.grips[0];
@@ -191,7 +193,7 @@ impl Train {
         state.values[TRAVEL]
     }
 
-    /// One part of a cycle.
+    /// Executes one part of a cycle.
     fn run(&self, part: &Ladder, state: &mut State, asked: f64) {
         let mut searches = 0;
         for _ in 0..part.pieces {
@@ -207,7 +209,8 @@ impl Train {
         }
     }
 
-    /// Advances by as much of `left` ticks as a step has, or up to what happens within. Ticks that it took, and whether it had to search.
+    /// Advances by the longest possible step of at most `left` ticks, or up to an event within it. Returns the ticks,
+    /// and whether it had to search.
     fn advance(&self, part: &Ladder, state: &mut State, asked: f64, left: u32) -> (u32, bool) {
         let held = self.held(state, asked);
         let region = Region {
@@ -236,7 +239,7 @@ impl Train {
         (taken, searched)
     }
 
-    /// What acts all through a step.
+    /// Returns the constant inputs of a step.
     fn held(&self, state: &State, asked: f64) -> Held {
         let Equations { spring: [of_motor, of_load], half_gap, .. } = self.equations;
         let flank = half_gap * state.contact.side();
@@ -244,7 +247,7 @@ impl Train {
         SVector::from([asked, motor.held(of_its) + of_motor * flank, load.held(of_loads) - of_load * flank])
     }
 
-    /// Acceleration of each body by all but its dry friction.
+    /// Returns the acceleration of each body without its dry friction.
     fn pulls(&self, state: &State, asked: f64) -> [f64; 2] {
         let Equations { spring, damping, half_gap, .. } = self.equations;
         let twist = self.twist(state) - half_gap * state.contact.side();
@@ -257,7 +260,7 @@ impl Train {
         ]
     }
 
-    /// Has a state left its region?
+    /// Returns true if a state has left its region.
     fn happens(&self, state: &State, asked: f64) -> bool {
         let (twist, half_gap) = (self.twist(state), self.equations.half_gap);
         let parts = match state.contact {
@@ -272,7 +275,7 @@ impl Train {
             || load.leaves(state.grips[1], state.values[LOAD], pulls[1])
     }
 
-    /// Goes over to the region that a state belongs to.
+    /// Changes to the region of a state.
     fn switch(&self, state: &mut State, asked: f64) {
         if state.contact != Contact::Always {
             state.contact = Contact::of(self.twist(state), self.equations.half_gap);
@@ -288,23 +291,23 @@ impl Train {
         }
     }
 
-    /// Acceleration that the stage gives the motor (rad/s^2).
+    /// Returns the acceleration of the motor by the stage (rad/s^2).
     pub(super) fn drive(&self, state: &State, asked: f64) -> f64 {
         let Equations { lag_s, drag, .. } = self.equations;
         if lag_s > 0.0 { state.values[DRIVE] } else { asked - drag * state.values[MOTOR] }
     }
 
-    /// What the stage turns (kg m^2).
+    /// Returns the inertia that the stage turns (kg m^2).
     pub(super) fn inertia(&self) -> f64 {
         self.equations.inertia
     }
 
-    /// How far the motor is ahead of the load (rad).
+    /// Returns the angle of the motor relative to the load (rad).
     pub(super) fn twist(&self, state: &State) -> f64 {
         state.values[TWIST] / self.equations.pace
     }
 
-    /// Velocity of the motor (rad/s).
+    /// Returns the velocity of the motor (rad/s).
     pub(super) fn velocity(&self, state: &State) -> f64 {
         state.values[MOTOR]
     }

@@ -1,4 +1,4 @@
-//! Marks printed on a way, and the inputs that see them.
+//! Printed marks, and the inputs that detect them.
 
 use super::*;
 use crate::config::{EncoderConfig, IoConfig};
@@ -13,14 +13,14 @@ fn plain() -> Marks {
     Marks { every: Position::whole(100), first: Position::whole(50), width: Position::whole(10), ..Marks::default() }
 }
 
-/// The edges of a way, with the part of it that is left behind each.
+/// Returns the edges between two positions, each with the fraction of the travel that is left.
 fn edges(marks: &Marks, from: i64, to: i64) -> Vec<(f64, Edge)> {
     let mut edges = vec![];
     marks.pass(from, to, |left, edge| edges.push((left, edge)));
     edges
 }
 
-/// Where marks begin on a way upwards (inc), gone in pieces.
+/// Returns the beginnings of marks in positive direction (inc), passed in pieces.
 fn begins(marks: &Marks, from: i64, to: i64) -> Vec<f64> {
     let mut places = vec![];
     for from in (from..to).step_by(4_000) {
@@ -37,20 +37,20 @@ fn a_mark_rises_at_its_first_edge_either_way() {
     let up = [(0.75, Rising), (0.7, Falling), (0.25, Rising), (0.2, Falling)];
     let down = [(0.8, Rising), (0.75, Falling), (0.3, Rising), (0.25, Falling)];
     assert_eq!((edges(&plain(), 0, 200), edges(&plain(), 200, 0)), (up.to_vec(), down.to_vec()));
-    // At its beginning it is seen, at its end no more.
+    // It is detected at its beginning, but not at its end.
     assert_eq!([49, 50, 59, 60].map(|place| plain().is_seen(place)), [false, true, true, false]);
     assert_eq!(edges(&plain(), 40, 50), [(0.0, Rising)]);
     assert_eq!(edges(&plain(), 50, 60), [(0.0, Falling)]);
     assert_eq!(edges(&plain(), 60, 50), [(1.0, Rising)]);
     assert_eq!(edges(&plain(), 50, 49), [(1.0, Falling)]);
     assert_eq!((edges(&plain(), 7, 7), edges(&plain(), 61, 149)), (vec![], vec![]));
-    // Without a width there is an edge, and nothing to be seen.
+    // Without a width there is an edge, and no level.
     let thin = Marks { width: Position::ZERO, ..plain() };
     assert_eq!((edges(&thin, 0, 100), edges(&thin, 100, 0)), (vec![(0.5, Rising)], vec![(0.5, Rising)]));
     assert!(!thin.is_seen(50));
 }
 
-/// A way of 1000 inc that grows by 10 % and comes back, in four marks: 1100, 1000, 900, 1000.
+/// A distance of 1000 inc that stretches by 10 % and back, in four marks: 1100, 1000, 900, 1000.
 #[test]
 fn a_web_stretches_and_comes_back() {
     let stretch = Some(Stretch { share: 0.1, period: 4 });
@@ -60,14 +60,15 @@ fn a_web_stretches_and_comes_back() {
     let places = begins(&marks, -3_500, 5_500);
     assert!(places.iter().zip(expected).all(|(place, expected)| (place - expected).abs() < 1e-6), "{places:?}");
     assert_eq!(places.len(), expected.len());
-    // Half-way between two that are 1100 apart.
+    // Halfway between two marks at a distance of 1100.
     let doubled = Marks { extra: 1.0, ..marks };
     let places = begins(&doubled, 1, 1_200);
     assert!(places.len() == 2 && (places[0] - 550.0).abs() < 1e-6 && (places[1] - 1_100.0).abs() < 1e-6, "{places:?}");
     assert_eq!(begins(&Marks { lost: 1.0, ..marks }, -3_500, 5_500), []);
 }
 
-/// Of 100,000 marks 2 % are lost and 1 % are followed by one more, within four standard deviations (177 and 126); places tremble evenly.
+/// Of 100,000 marks 2 % are missing and 1 % are followed by an extra one, within four standard deviations (177 and
+/// 126); the jitter is uniform.
 #[test]
 fn as_many_are_lost_and_extra_as_was_said() {
     let marks =
@@ -79,7 +80,7 @@ fn as_many_are_lost_and_extra_as_was_said() {
     assert!(extra.iter().all(|beside| *beside == 50.0) && own.iter().all(|beside| (-5.0..5.0).contains(beside)));
     let mean = own.iter().sum::<f64>() / own.len() as f64;
     let square = own.iter().map(|beside| beside * beside).sum::<f64>() / own.len() as f64;
-    // Evenly spread: 5^2 / 3.
+    // Uniform distribution: 5^2 / 3.
     assert!(mean.abs() < 0.04 && (square - 25.0 / 3.0).abs() < 0.1, "{mean} {square}");
     assert_eq!(places, begins(&marks, -5_000_000, 5_000_000));
     assert_ne!(places, begins(&Marks { seed: 8, ..marks }, -5_000_000, 5_000_000));
@@ -106,7 +107,7 @@ fn marks_that_could_overlap_are_not_sound() {
     }
 }
 
-/// A free encoder that carries marks for the second of two inputs, of which only that one latches.
+/// A free encoder with marks for the second of two inputs, of which only that one latches.
 fn plant(marks: Marks) -> Plant {
     let input = |name: &str, latch| IoConfig { name: name.into(), kind: IoKind::DigitalInput, latch };
     let belt =
@@ -141,7 +142,7 @@ fn an_input_latches_what_passes_it() {
     };
     use Edge::{Falling, Rising};
     let mut see = |by| seen(&mut plant, by);
-    // Where it stands at the start is no edge.
+    // The level at the start is no edge.
     assert_eq!(see(55), (vec![], true));
     assert_eq!(see(0), (vec![], true));
     assert_eq!(see(15), (vec![(Falling, Some(666_667))], false));
@@ -150,18 +151,18 @@ fn an_input_latches_what_passes_it() {
     assert_eq!(see(-30), (vec![], false));
     // From 160: an age is below a cycle.
     assert_eq!(see(-5), (vec![(Rising, Some(999_999))], true));
-    // A slip of the encoder leaves the web where it is.
+    // A slip of the encoder does not move the web.
     plant.slip_encoder(0, 1_000);
     let inputs = read(&mut plant);
     assert_eq!((inputs.encoder[0].count, inputs.latch.len(), inputs.digital(1)), (1_155, 0, true));
-    // An input that is stuck sees nothing more.
+    // An input that is stuck detects no more marks.
     plant.set_digital(1, false);
     plant.jump_encoder(0, 1_000);
     let inputs = read(&mut plant);
     assert_eq!((inputs.latch.len(), inputs.digital(1)), (0, false));
 }
 
-/// Ten marks of two edges: 16 are told, 4 counted.
+/// Ten marks with two edges: 16 are reported, 4 counted.
 #[test]
 fn more_than_fit_are_counted() {
     let mut plant = plant(plain());
@@ -169,7 +170,7 @@ fn more_than_fit_are_counted() {
     plant.jump_encoder(0, 1_000);
     let inputs = read(&mut plant);
     assert_eq!((inputs.latch.len(), inputs.latches_lost), (16, 4));
-    // As far as a way goes; more than any input tells is not looked at.
+    // At most the marks that an input can report are evaluated, for any travel.
     plant.jump_encoder(0, i64::MAX - 1_000);
     assert_eq!(read(&mut plant).latches_lost, 2 * 4_096 - 16);
 }
@@ -184,7 +185,7 @@ fn a_bus_that_is_off_tells_of_none() {
     assert_eq!((inputs.latch.len(), inputs.latches_lost, inputs.digital(1)), (0, 0, false));
 }
 
-/// A drive carries marks from where it starts.
+/// A drive has marks relative to its start position.
 #[test]
 fn a_drive_carries_marks_by_its_place() {
     let mut drive = switched_on(Model::Ideal, 0);
@@ -204,7 +205,8 @@ fn a_drive_carries_marks_by_its_place() {
     assert!(!inputs.digital(0));
 }
 
-/// 16 bits, an index each 100 inc, marks from 50 on: counts that a scenario gives are the way that passes them, over the seam too.
+/// 16 bits, an index each 100 inc, marks from 50 on: counts of a scenario define the travel past them, also across the
+/// wrap.
 #[test]
 fn index_and_marks_follow_the_counts_that_a_scenario_gives() {
     use Edge::{Falling, Rising};
@@ -223,14 +225,14 @@ fn index_and_marks_follow_the_counts_that_a_scenario_gives() {
         let latches: Vec<_> = inputs.latch.iter().map(|latch| (latch.edge, latch.age_ns)).collect();
         (inputs.encoder[0].index, latches, inputs.digital(0))
     };
-    // Where it begins nothing is passed.
+    // The first count passes nothing.
     assert_eq!(see(Some(55), 0), (None, vec![], true));
     assert_eq!(see(Some(40), 0), (None, vec![(Falling, Some(666_667))], false));
     assert_eq!(see(Some(60), 0), (None, vec![(Rising, Some(500_000)), (Falling, Some(0))], false));
     assert_eq!(see(Some(120), 0), (Some(100), vec![], false));
     // 65526 is -10 in 16 bits: 130 inc back, past 60 and 50, and past the index at 100 and at 0.
     assert_eq!(see(Some(65_526), 0), (Some(0), vec![(Rising, Some(538_462)), (Falling, Some(461_538))], false));
-    // It tells its own counts again, 0: that is no motion. Then it is turned itself.
+    // The change back to its own count, 0, is no motion. Then the encoder is turned.
     assert_eq!(see(None, 0), (None, vec![], false));
     assert_eq!(see(None, 55), (None, vec![(Rising, Some(90_909))], true));
 }
@@ -263,7 +265,7 @@ fn any_marks() -> impl Strategy<Value = Marks> {
         prop_oneof![Just(None), (0.0..0.4, 2_u32..2_000).prop_map(|(share, period)| Some(Stretch { share, period }))];
     (2.0..5_000.0, -1e4..1e4, 0.0..0.49, 0.0..0.49, stretch, 0.0..=1.0, 0.0..=1.0, any::<u64>()).prop_map(
         |(every, first, width, jitter, stretch, lost, extra, seed)| {
-            // Within what is left between two.
+            // Within the free distance between two marks.
             let room = every * (1.0 - stretch.map_or(0.0, |stretch: Stretch| stretch.share)) / 2.0;
             let [every, first, width, jitter] = [every, first, width * room, jitter * room].map(Position::from_f64);
             Marks { every, first, width, jitter, stretch, lost, extra, seed }
@@ -272,8 +274,8 @@ fn any_marks() -> impl Strategy<Value = Marks> {
 }
 
 proptest! {
-    /// Whatever way is gone: an input sees a mark where it has seen one more beginning than ends, edges alternate, and a way in two pieces
-    /// passes what the whole one does.
+    /// For any travel: an input detects a mark if it has passed one more beginning than ends, edges alternate, and two
+    /// parts of a travel pass the same marks as the whole.
     #[test]
     fn edges_make_the_level(
         marks in any_marks(), from in -1_000_000_i64..1_000_000, ways in prop::collection::vec(-3_000_i64..3_000, 1..20),
@@ -308,7 +310,7 @@ proptest! {
         }
     }
 
-    /// Marks lie where the distances up to them add up to, whatever the stretch.
+    /// Marks are at the sum of the distances before them, for any stretch.
     #[test]
     fn places_are_the_distances_added_up(
         every in 2.0..5_000.0_f64, first in -1e4..1e4_f64, share in 0.0..0.9_f64, period in 2_u32..500,
@@ -324,7 +326,7 @@ proptest! {
         }
         let (from, to) = (first.floor() - 1, place.floor() as i64 - 1);
         let places = begins(&marks, from, to);
-        // The first one may be mark -1, of which nothing is expected here.
+        // The first one may be mark -1, which is not expected here.
         let places = &places[usize::from(places[0] < first.to_f64() - 1e-3)..];
         prop_assert!(places.len() >= 999, "{}", places.len());
         prop_assert!(places.iter().zip(&expected).all(|(place, expected)| (place - expected).abs() < 1e-5));

@@ -1,4 +1,4 @@
-//! Drives that are given a velocity.
+//! Drives with a velocity setpoint.
 
 use super::*;
 use crate::drive::{DriveInput, Mode};
@@ -8,7 +8,7 @@ fn at(velocity: f64) -> DriveOutput {
     DriveOutput { velocity, control: control::ENABLE, mode: Mode::Speed, ..DriveOutput::default() }
 }
 
-/// A drive in operation and at rest, which has seen nothing but a speed of 0.
+/// Returns an enabled drive at rest, after a speed setpoint of 0.
 fn ready(model: Model) -> SimDrive {
     let mut drive = SimDrive::new(model, 0, MS);
     for word in [control::SHUTDOWN, control::SWITCH_ON, control::ENABLE] {
@@ -19,7 +19,7 @@ fn ready(model: Model) -> SimDrive {
     drive
 }
 
-/// What it shows after so many cycles with one output.
+/// Returns its inputs after a number of cycles with one output.
 fn run(drive: &mut SimDrive, output: DriveOutput, cycles: usize) -> DriveInput {
     let mut input = DriveInput::default();
     for _ in 0..cycles {
@@ -41,7 +41,8 @@ fn valve(time_constant_ms: i64, dead_time_us: i64) -> Model {
     Model::Valve(Valve::new(time_constant_ms * 1_000_000, dead_time_us * 1_000, MS).unwrap())
 }
 
-/// 250.5 inc/s are 0.2505 inc in a cycle: whatever the count, it is the floor of the way, and after 2000 cycles all is in.
+/// 250.5 inc/s are 0.2505 inc per cycle: the count is always the floor of the travel, and after 2000 cycles the total
+/// is exact.
 #[test]
 fn an_ideal_motor_runs_at_once_and_what_is_left_of_a_count_counts_on() {
     let mut drive = ready(Model::Ideal);
@@ -54,8 +55,8 @@ fn an_ideal_motor_runs_at_once_and_what_is_left_of_a_count_counts_on() {
     assert_eq!((stopped.count, stopped.velocity), (0, 0.0));
 }
 
-/// v = u (1 - e^(-t/T)): 63.212 % after T = 50 ms, and the way is u (t - T (1 - e^(-t/T))) = 1839.4 inc; long after it is
-/// u (t - T).
+/// v = u (1 - e^(-t/T)): 63.212 % after T = 50 ms, and the travel is u (t - T (1 - e^(-t/T))) = 1839.4 inc; much later
+/// it is u (t - T).
 ///
 /// Proves: WF-FCE-01, WF-FCE-02
 #[test]
@@ -66,13 +67,14 @@ fn a_dc_drive_lags_to_its_voltage() {
     assert_eq!(input.count, 1_839);
     let input = run(&mut drive, at(100_000.0), 1_950);
     assert_eq!((input.velocity, input.count), (100_000.0, 195_000));
-    // Down it takes the same way again: T u = 5000 inc.
+    // The deceleration takes the same distance: T u = 5000 inc.
     let input = run(&mut drive, at(0.0), 1_000);
     assert_eq!(input.velocity, 0.0);
     assert!((199_999..=200_000).contains(&input.count), "{}", input.count);
 }
 
-/// Selected, the high speed comes with 50 ms and the low one as well; switched off it coasts 100 ms long: 0.1 s * 20000 inc/s.
+/// When selected, both the high and the low speed are reached with 50 ms; switched off it coasts with 100 ms: 0.1 s *
+/// 20000 inc/s.
 ///
 /// Proves: WF-FCE-01, WF-FCE-02, WF-OLC-09
 #[test]
@@ -91,7 +93,7 @@ fn a_pole_changing_motor_coasts_into_its_target() {
     }
 }
 
-/// 2.5 ms of dead time: half of the third cycle runs at full speed where nothing lags.
+/// 2.5 ms of dead time: without a lag, half of the third cycle runs at full speed.
 ///
 /// Proves: WF-FCE-01, WF-FCE-02
 #[test]
@@ -102,13 +104,14 @@ fn a_valve_answers_after_its_dead_time_to_the_part_of_a_cycle() {
     let counts: Vec<_> = (0..5).map(|_| run(&mut drive, at(0.0), 1).count).collect();
     assert_eq!(counts, [3_500, 4_500, 5_000, 5_000, 5_000]);
 
-    // With a lag of 50 ms beside it: after 100 ms it is as fast as the lag was 0.5 ms before, 100000 e^-2 (e^0.01 - 1) slower.
+    // With an additional lag of 50 ms: after 100 ms the velocity is that of the lag 0.5 ms before, 100000 e^-2 (e^0.01
+    // - 1) lower.
     let mut drive = ready(valve(50, 500));
     let mut other = ready(lag(50));
     let (late, expected) = (run(&mut drive, at(100_000.0), 100), run(&mut other, at(100_000.0), 100));
     assert!((expected.velocity - late.velocity - 136.0).abs() < 1.0, "{}", late.velocity);
     assert!(late.count < expected.count && late.count > expected.count - 50);
-    // After 102 ms it is where the lag was after 100 ms: 100000 (0.1 - 0.05 * 0.864665).
+    // After 102 ms the position is that of the lag after 100 ms: 100000 (0.1 - 0.05 * 0.864665).
     let mut drive = ready(valve(50, 2_000));
     assert_eq!(run(&mut drive, at(100_000.0), 102).count, 5_676);
 }
@@ -170,7 +173,7 @@ fn any_setpoint() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    /// Whatever it is asked for: the way in counts is that of the velocities, and no number stops being one.
+    /// For any setpoint: the travel in counts is that of the velocities, and no value becomes NaN.
     #[test]
     fn no_setpoint_breaks_a_motor(
         model in any_model(), asked in prop::collection::vec((any_setpoint(), any::<bool>(), 1_usize..50), 1..20),
@@ -183,7 +186,7 @@ proptest! {
         }
     }
 
-    /// A lag never runs beyond its setpoint, and the way lies between those of the two speeds.
+    /// A lag never overshoots its setpoint, and the travel is between those of the two speeds.
     #[test]
     fn a_lag_stays_between_its_speeds(
         constant in 0..2_000_i64, setpoints in prop::collection::vec(-1e6..1e6_f64, 1..30),

@@ -1,9 +1,9 @@
-//! Drives that are given a torque, or close a velocity on a motor of their own.
+//! Drives with a torque setpoint, or with a velocity loop on a motor.
 
 use super::*;
 use crate::drive::{DriveInput, HomingOrder, Mode, Outputs};
 
-/// 1 Nm on 5e-4 kg m^2 are 2000 rad/s^2; 62832 counts in a turn are 10000 in a radian, nearly.
+/// 1 Nm on 5e-4 kg m^2 is 2000 rad/s^2; 62832 counts per turn are nearly 10000 per radian.
 fn data() -> MotorData {
     MotorData {
         inertia: 2.5e-4,
@@ -46,12 +46,12 @@ fn run(drive: &mut SimDrive, output: DriveOutput, cycles: usize) -> DriveInput {
     input
 }
 
-/// Counts of an angle (rad).
+/// Returns the counts of an angle (rad).
 fn counts(angle: f64) -> i64 {
     (angle * 62_832.0 / std::f64::consts::TAU).floor() as i64
 }
 
-/// 500 per mille are 1000 rad/s^2: after 100 ms 5 rad, and the velocity is what the counts of the last cycle say.
+/// 500 per mille are 1000 rad/s^2: 5 rad after 100 ms, and the velocity is that of the counts of the last cycle.
 #[test]
 fn an_effort_is_per_mille_of_the_rated_torque() {
     let mut drive = ready(motor(data()));
@@ -60,7 +60,7 @@ fn an_effort_is_per_mille_of_the_rated_torque() {
     assert_eq!((before.count, input.count, input.effort), (counts(4.9005), counts(5.0), 500.0));
     assert_eq!(input.velocity, (input.count - before.count) as f64 * 1000.0);
     assert_eq!(input.mode, Mode::Torque.number());
-    // Without a torque it runs on: 100 rad/s.
+    // Without a torque it continues at 100 rad/s.
     assert_eq!(run(&mut drive, asks(f64::NAN), 100).count, counts(15.0));
     // Beyond the limit of 3 times: -6000 rad/s^2 for 10 ms from 100 rad/s.
     let limited = run(&mut drive, asks(-1e9), 10);
@@ -103,7 +103,7 @@ fn a_motor_with_swapped_leads_turns_against_its_setpoint() {
     assert!((input.velocity + 50_000.0).abs() <= 1000.0, "{}", input.velocity);
 }
 
-/// What is jammed, or held by its brake, has its torque and does not turn; let go it begins from rest.
+/// A jammed or braked motor has its torque and does not turn; when released, it starts from rest.
 #[test]
 fn what_is_held_has_its_torque_and_does_not_turn() {
     let mut drive = ready(motor(data()));
@@ -115,7 +115,7 @@ fn what_is_held_has_its_torque_and_does_not_turn() {
     assert_eq!(run(&mut drive, asks(500.0), 100).count, counts(10.0));
 }
 
-/// A load falls with its acceleration, with power and without, but where the brake holds it; a torque carries it.
+/// A load falls with its acceleration, with power and without, unless the brake holds it; a torque can hold it.
 #[test]
 fn a_hanging_load_pulls_all_the_time() {
     let brake = SimBrake { output: 0, closes_with_one: false, opens_ns: 0, closes_ns: 0 };
@@ -140,7 +140,7 @@ fn a_hanging_load_pulls_all_the_time() {
     let further = with_brake(&mut drive, off, true, 100).count;
     assert!((further + 4000).abs() <= 1, "{further}");
     assert_eq!(with_brake(&mut drive, off, false, 100).count, further);
-    // 20 rad/s^2, nearly, on 5e-4 kg m^2 are 10 mNm: 10 per mille.
+    // Nearly 20 rad/s^2 on 5e-4 kg m^2 are 10 mNm: 10 per mille.
     let mut drive = ready(motor(data()));
     drive.hang(&Mechanics { load: -200_000.0, ..Mechanics::default() });
     let torque = 1000.0 * 200_000.0 * std::f64::consts::TAU / 62_832.0 * 5e-4;
@@ -148,7 +148,7 @@ fn a_hanging_load_pulls_all_the_time() {
     assert!((-1..=0).contains(&carried), "{carried}");
 }
 
-/// The drive's own loop has no error that stays; its count tells the velocity.
+/// The loop of the drive has no steady error; its count gives the velocity.
 #[test]
 fn a_velocity_is_closed_by_the_drive() {
     let mut drive = ready(motor(data()));
@@ -157,11 +157,12 @@ fn a_velocity_is_closed_by_the_drive() {
     assert!((after - before - 80_000).abs() < 80, "{}", after - before);
     let at_rest = run(&mut drive, runs(f64::NAN), 1000);
     assert_eq!((at_rest.velocity, at_rest.count), (0.0, run(&mut drive, runs(0.0), 10).count));
-    // A mode without a setpoint makes no torque.
+    // A mode without a setpoint causes no torque.
     assert_eq!(run(&mut drive, DriveOutput { mode: Mode::Position, ..runs(0.0) }, 5).effort, 0.0);
 }
 
-/// A jump and new counts are what they are of any drive; the velocity shows a jump, as a drive derives it from its counts.
+/// A jump and new counts are handled as in any drive; the velocity shows a jump, because a drive derives it from its
+/// counts.
 #[test]
 fn jumps_and_new_counts_are_those_of_any_drive() {
     let mut drive = ready(motor(data()));
@@ -176,7 +177,7 @@ fn jumps_and_new_counts_are_those_of_any_drive() {
     assert_eq!(renewed.velocity, renewed.count as f64 * 1000.0);
 }
 
-/// Index and switches stand along the way of the motor; a lost index gives nothing.
+/// Index and switches are along the travel of the motor; a lost index gives no pulses.
 #[test]
 fn an_index_passes_with_the_motor() {
     let fixtures =
@@ -196,7 +197,7 @@ fn an_index_passes_with_the_motor() {
     assert!((0..100).all(|_| run(&mut drive, asks(100.0), 1).index.is_none()));
 }
 
-/// Homing of the drive itself moves it as that of any other one, and leaves it at rest.
+/// Homing by the drive itself moves a motor like any other drive, and leaves it at rest.
 #[test]
 fn a_motor_that_homes_by_itself_is_at_rest_behind_it() {
     let mut drive = ready(motor(data()));
@@ -210,7 +211,8 @@ fn a_motor_that_homes_by_itself_is_at_rest_behind_it() {
     assert_eq!((behind.count, behind.velocity), (0, 0.0));
 }
 
-/// An encoder on the load reads the twist: -0.4 Nm at 100 Nm/rad are 4 mrad behind, and within the gap nothing of the motor.
+/// An encoder on the load reads the twist: -0.4 Nm at 100 Nm/rad are 4 mrad behind; within the gap it does not follow
+/// the motor.
 #[test]
 fn an_encoder_of_the_axis_may_sit_on_the_load() {
     let mut data = data();
@@ -223,7 +225,7 @@ fn an_encoder_of_the_axis_may_sit_on_the_load() {
     assert_eq!((drive.place(), drive.turned()), (0, counts(-0.004)));
 }
 
-/// Noise is told, and moves nothing: neither place nor index.
+/// Noise is in the reading only, and moves neither position nor index.
 #[test]
 fn noise_is_of_the_reading_alone() {
     let mut data = data();

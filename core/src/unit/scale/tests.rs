@@ -13,7 +13,7 @@ fn angle(text: &str) -> Quantity {
     quantity(text, Dimension::Angle(0))
 }
 
-/// Axis x of the contract's example cell: 1048576 inc per 10 mm.
+/// Axis x of the example cell of the contract: 1048576 inc per 10 mm.
 fn x() -> Scale {
     Scale::new(Fraction::from(1_048_576), length("10 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap()
 }
@@ -44,7 +44,7 @@ fn an_axis_unit_may_be_a_share_of_a_unit() {
     assert_eq!((x.rate_to_unit(50_000.0), x.position_to_si(900_000, 0.0)), (500.0, 0.9));
     assert_eq!((&*x.format_increments(900_000), &*x.format_increments(-50)), ("9000 * 0.1 mm", "-0.5 * 0.1 mm"));
     assert_eq!(x.format_rate(50_000.0, 2), "500 * 0.1 mm/s^2");
-    // What has its own unit is what it was.
+    // A value with its own unit does not change.
     assert_eq!(x.position(&length("900 mm")), Ok(900_000));
     let turret = turret().with_unit(tenth(angle("0.1 deg"))).unwrap();
     assert_eq!((turret.position_from_unit(3600.0), turret.position_to_unit(-10, 0.0)), (Ok(36_000), -1.0));
@@ -54,7 +54,7 @@ fn an_axis_unit_may_be_a_share_of_a_unit() {
     for none in ["0 mm", "-0.1 mm"] {
         assert!(matches!(AxisUnit::new(length(none)), Err(UnitError::NotPositive { .. })), "{none}");
     }
-    // One of them is the unit itself.
+    // A multiple of one is the unit itself.
     assert_eq!(x.with_unit(tenth(length("1 mm"))).unwrap().format_increments(5000), "5 mm");
 }
 
@@ -124,7 +124,7 @@ fn halves_round_away_from_zero() {
 
 #[test]
 fn the_same_number_is_the_same_increment_at_each_door() {
-    // 0.12 is below 12/100 as a binary fraction: taken literally it would round the half down.
+    // 0.12 is below 12/100 as a binary fraction: used literally, the half would be rounded down.
     let scale = Scale::new(Fraction::from(125), length("30 m")).unwrap();
     assert_eq!(scale.position(&length("0.12 m")), Ok(1));
     assert_eq!(scale.position_from_si(0.12), Ok(1));
@@ -153,7 +153,7 @@ fn positions_stay_below_two_to_the_62() {
     assert!(matches!(x().rate_from_si(f64::INFINITY, 1), Err(UnitError::NotFinite { .. })));
 }
 
-/// An end that is written as a file would give it reads as itself, or as what lies next to it on the permitted side.
+/// The end of a range, written in a file, reads back as itself, or as the next value on the permitted side.
 #[test]
 fn the_end_of_a_range_reads_as_a_permitted_rate() {
     let third = Scale::new(Fraction::from(1000), length("3 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
@@ -170,7 +170,7 @@ fn the_end_of_a_range_reads_as_a_permitted_rate() {
     }
 }
 
-/// What is wrong with a number that no exact fraction holds may be its size.
+/// The error of a number that no exact fraction holds may be its size.
 #[test]
 fn a_rate_beyond_all_limits_is_no_matter_of_digits() {
     let fast = quantity("1e37 m/s", Dimension::Length(1));
@@ -250,7 +250,7 @@ fn position_is_shown_as_it_was_given() {
     // A belt of 131072 inc in 20 mm: 328 inc are 0.050048828125 mm, and 50 um are 327.68 inc.
     let belt = Scale::new(Fraction::from(131_072), length("20 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
     assert_eq!(belt.format_with_increments(328), "0.05 mm (328 inc)");
-    // Few digits hold it exactly.
+    // A few digits are exact.
     let eighth = Scale::new(Fraction::from(8), length("1 mm")).unwrap().with_unit(Unit::MILLIMETRE).unwrap();
     assert_eq!(eighth.format_with_increments(9), "1.125 mm");
     let turn = turret().with_unit(Unit::RADIAN).unwrap();
@@ -262,7 +262,7 @@ fn position_is_shown_as_it_was_given() {
     assert_eq!(x().with_unit(Unit::INCREMENT).unwrap().format_with_increments(largest), format!("{largest} inc"));
 }
 
-/// For any scale the shown position reads as its increments.
+/// For any scale the shown position reads back as its increments.
 #[test]
 fn shown_position_reads_as_its_increments() {
     for (increments, per) in [(1_048_576, "10 mm"), (131_072, "20 mm"), (3, "1 m"), (7, "3 mm"), (1, "1 um")] {
@@ -305,7 +305,7 @@ proptest! {
         prop_assert_eq!(scale.position(&Quantity::new(value, scale.unit().unit())), Ok(increments));
     }
 
-    /// An f64 has 53 bits: 2^48 inc leave room for the roundings on the way, also those of pi.
+    /// An f64 has 53 bits: 2^48 inc leave room for the intermediate roundings, also those of pi.
     #[test]
     fn increments_to_f64_and_back_is_identity(scale in any_scale(), increments in -(1_i64 << 48)..1 << 48) {
         prop_assert_eq!(scale.position_from_si(scale.position_to_si(increments, 0.0)), Ok(increments));

@@ -1,4 +1,4 @@
-//! Which values of the selector's parameters the rest of the axis allows.
+//! Checks of the parameters of the selector against the other parameters of the axis.
 
 use super::parameters::{CAM, CAM_ON_FREEZE, GEAR, GEAR_ON_FREEZE, HOME};
 use super::rotary::{Circle, Mode};
@@ -11,41 +11,41 @@ use crate::parameter::{AxisParameters, ROWS, Row};
 use crate::position::Position;
 use crate::vocabulary::Wiring;
 
-/// What is fixed about the axis of a selector.
+/// Fixed properties of the axis of a selector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// Length of a turn (31.010).
     pub modulo: Option<Modulo>,
     /// Increments per user unit.
     pub unit: f64,
-    /// Length of a sample (ns) (31.013).
+    /// Sample time (ns) (31.013).
     pub cycle_ns: u64,
-    /// What it is wired to.
+    /// Connections of the selector.
     pub wiring: Wiring,
-    /// It is virtual: without switches and index there is no way to home.
+    /// Whether it is virtual: homing is impossible without switches and index.
     pub is_virtual: bool,
 }
 
-/// A parameter whose value the rest of the axis does not allow.
+/// A parameter value that conflicts with the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Problem {
-    /// Place of its row.
+    /// Index of its row.
     pub row: u16,
-    /// Why.
+    /// Error code.
     pub code: Code,
     /// Its value.
     pub asked: Number,
-    /// What is allowed.
+    /// Allowed value.
     pub limit: Number,
 }
 
 impl Problem {
-    /// The key of the parameter.
+    /// Returns the key of the parameter.
     pub fn key(&self) -> &'static str {
         ROWS.get(usize::from(self.row)).map_or("", |row| row.key)
     }
 
-    /// As why something is refused.
+    /// Returns the problem as a refusal.
     pub fn refusal(&self, object: Object) -> Refusal {
         Refusal { parameter: Some(self.row), ..Refusal::new(self.code, object).with(self.asked, self.limit) }
     }
@@ -57,10 +57,10 @@ const SPEED_REFERENCE: u16 = Row::place("amc.speed_reference");
 const SELECT: u16 = Row::place("amc.reference_select");
 const TRIGGER: u16 = Row::place("amc.reference_select_trigger");
 
-/// Do the parameters of the selector agree with the axis?
+/// Checks that the parameters of the selector agree with the axis.
 ///
 /// # Errors
-/// The first one that does not.
+/// The first conflict.
 pub fn check(parameters: &AxisParameters, setting: &Setting) -> Result<(), Problem> {
     let p = &parameters.vocabularies.amc;
     check_select(SELECT, p.reference_select, parameters.homing.method, setting)?;
@@ -100,7 +100,8 @@ fn check_event(action: i64, setting: &Setting) -> Result<(), Problem> {
     }
 }
 
-/// M01: within a turn in the modes that know only one, else as far as the integrators reach.
+/// M01: the reference must be within a turn in the modes of a single turn, otherwise within the range of the
+/// integrators.
 fn check_reference(p: &Parameters, setting: &Setting) -> Result<(), Problem> {
     let circle = Circle::new(setting.modulo);
     let reference = circle.exact(Position::whole(p.position_reference));

@@ -1,21 +1,21 @@
 //! Reference selector of the Unidrive M advanced motion controller (menu 34).
 //!
-//! Law      each sample: direct write of 34.007, trigger, event, following-error stop, the later the stronger; what changes by
-//!          that is written back; then the reference in force gives its order
+//! Law      each sample: direct write of 34.007, trigger, event, following-error stop, each with priority over the
+//!          previous one; changes are written back; then the active reference gives its order
 //! Reads    its parameters, the axis, latches, the master
 //! Writes   orders; 34.002, 34.007, 38.006
-//! Refuses  references that do not exist, targets beyond the integrators or the limits: the reference stays what it was
+//! Refuses  references that do not exist, targets beyond the integrators or the limits: the active reference is kept
 //! Source   spec/amc.md
 //!
-//! An absolute target follows its reference, but only a change of the reference (or of the rotary mode, where that may move
-//! it) makes a new profile: between changes PIP stands, and planning anew would lead to the same motion.
+//! An absolute target follows its reference. Only a change of the reference (or of the rotary mode, if that may change
+//! the target) plans a new profile: between changes PIP is constant, and a new plan would give the same motion.
 //!
-//! What takes the axis from the selector (a goal, halt, quick_stop, an error, another vocabulary) sets 34.007 to 0 without
-//! its stop: the axis is not the selector's any more. `disable` leaves 34.007 as it is, and it is in force again, as a change
-//! to its value, when the axis is on (M08). But one that it ends is homing, and that writes 0 (M14): nothing homes by itself
-//! because it did so before.
+//! A goal, halt, quick_stop, an error or another vocabulary takes over the axis and sets 34.007 to 0 without the stop
+//! of the selector, which no longer controls the axis. `disable` keeps 34.007, which becomes active again, like a
+//! change of its value, when the axis is enabled (M08). Homing is an exception: `disable` ends it and writes 0 (M14),
+//! so that no axis starts homing when it is enabled again.
 //!
-//! Reference 5 stops an axis that moves, and homes it once it stands; every other reference ends its homing (AMC-FSM-02..08).
+//! Reference 5 stops a moving axis, and starts homing at rest; every other reference ends its homing (AMC-FSM-02..08).
 
 mod check;
 mod orders;
@@ -36,10 +36,10 @@ use parameters::{HOME, SPEED, STOP};
 use rotary::{Circle, Exact, Mode};
 use serde::{Deserialize, Serialize};
 
-/// What the vocabulary remembers of its axis.
+/// State of the vocabulary.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Amc {
-    /// The reference in force; 0 while the axis is off.
+    /// Active reference; 0 while the axis is off.
     select: i64,
     /// 34.009 of the last sample.
     trigger: i64,
@@ -51,24 +51,24 @@ pub struct Amc {
     speed: f64,
     /// Profile input position, with its turns (38.006).
     input: Exact,
-    /// Where a stop ends or ended (34.002).
+    /// Present or last end of a stop (34.002).
     stop: Position,
-    /// A software limit overrides the speed reference.
+    /// Whether a software limit overrides the speed reference.
     limited: bool,
-    /// The axis may not go where the speed reference leads: it stands until that changes.
+    /// Whether the axis cannot follow the speed reference: it rests until the reference changes.
     barred: bool,
-    /// Reference 5 is in force, and its homing begins once the axis stands.
+    /// Whether reference 5 is active and waits for the axis to come to rest.
     waits: bool,
 }
 
-/// What a step asks.
+/// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Step {
-    /// 34.007 as it is now.
+    /// New value of 34.007.
     pub select: i64,
-    /// What the axis has to do.
+    /// Order to the axis.
     pub order: Option<Order>,
-    /// What could not be asked of the axis at all.
+    /// Error that prevents an order.
     pub problem: Option<Problem>,
 }
 
@@ -79,18 +79,18 @@ impl Step {
 }
 
 impl Amc {
-    /// Is anything asked of a selector that has not been used yet? Until then its step would change nothing that a later
-    /// one does not find out by itself.
+    /// Returns true if a selector that has not been used yet has work to do. Until then a step would change nothing
+    /// that a later one does not detect.
     pub(crate) fn wakes(&self, p: &Parameters) -> bool {
         p.reference_select != STOP || p.reference_select_trigger != self.trigger || p.action_on_event != 0
     }
 
-    /// Its axis counts the other way from now on, and stands where it is.
+    /// Inverts the direction of counting of its axis, which is at rest.
     pub(crate) fn turn_over(&mut self) {
         self.stop = -self.stop;
     }
 
-    /// One step at t_k, after the commands of the cycle.
+    /// Executes one step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Step {
         let p = &view.parameters.vocabularies.amc;
         let before = *self;
@@ -98,21 +98,21 @@ impl Amc {
         self.reference = p.position_reference;
         self.rotary_mode = p.rotary_mode;
         self.speed = p.speed_reference;
-        // AMC-TRG-02: the trigger is stronger than a direct write.
+        // AMC-TRG-02: the trigger has priority over a direct write.
         let written = if self.trigger == before.trigger { p.reference_select } else { self.trigger };
         let is_taken = view.free && before.select != STOP && !view.owns;
         if view.locked || is_taken {
             return self.rest(STOP);
         }
         if !view.free {
-            // M14: so much for homing, which has ended before its time.
+            // M14: homing ended before its completion.
             let ends = before.select == HOME && written == HOME;
             return self.rest(if ends { STOP } else { written });
         }
         self.follow_input(view);
         let mut step = Step::idle(written);
         let past = self.take_event(view, &mut step);
-        // M14: at its end homing gives the axis back.
+        // M14: homing is complete and releases the axis.
         if before.homes() && step.select == HOME && !view.homing {
             step.select = STOP;
         }
@@ -134,13 +134,13 @@ impl Amc {
         step
     }
 
-    /// The axis could not do what the step asked, or the step itself could not. A reference that was to come into force does
-    /// not, and the one before goes on. A speed that was in force already leads elsewhere now, and what it was before is not
-    /// asked for any more: the axis stops, and the speed stays selected (AMC-SEL-09). A place before has an end, and stays in
-    /// force where only the way to the new one is not there. Gives 34.007 as it is then, and the stop.
+    /// Handles an order that the axis rejected, or a step that failed. A new reference is not activated, and the
+    /// previous one continues. A speed that was already active has changed, and its old value is no longer valid: the
+    /// axis stops, and the speed stays selected (AMC-SEL-09). A previous position is kept, unless the new one violates
+    /// a limit: then the axis stops. Returns the new 34.007, and the stop.
     pub(crate) fn order_failed(&mut self, before: &Self, view: &View<'_>, code: Code) -> (i64, Option<Order>) {
         if self.select != before.select {
-            // What has changed of the reference before is seen by the next step.
+            // The next step detects changes of the previous reference.
             *self = Self { trigger: self.trigger, ..*before };
             return (self.select, None);
         }
@@ -156,45 +156,45 @@ impl Amc {
         (self.select, None)
     }
 
-    /// Did this speed reference stay in force since that one?
+    /// Returns true if the speed reference has been active since then.
     pub(crate) fn keeps_speed(&self, before: &Self) -> bool {
         self.select == SPEED && before.select == SPEED
     }
 
-    /// Nothing is in force; gives a step that leaves 34.007 at `written`.
+    /// Deactivates the reference. Returns a step that sets 34.007 to `written`.
     fn rest(&mut self, written: i64) -> Step {
         (self.select, self.waits, self.barred) = (STOP, false, false);
         Step::idle(written)
     }
 
-    /// Is homing under way because reference 5 is in force?
+    /// Returns true if homing runs for reference 5.
     pub(crate) fn homes(&self) -> bool {
         self.select == HOME && !self.waits
     }
 
-    /// Does reference 5 wait for the axis to stand?
+    /// Returns true if reference 5 waits for the axis to come to rest.
     pub(crate) fn waits(&self) -> bool {
         self.waits
     }
 
-    /// M14: homing is done, and the axis stands at its end; 34.007 is 0 from now on.
+    /// M14: homing is complete, and the axis rests at its end; sets 34.007 to 0.
     pub(crate) fn end_homing(&mut self, view: &View<'_>) -> Order {
         self.rest(STOP);
         self.begin_stop(view)
     }
 
-    /// Nothing is in force any more: the axis is locked, or the homing that waited for it to stand is not to be. Gives 34.007
-    /// as it is then.
+    /// Deactivates the reference because the axis is locked, or because the waiting homing is not allowed. Returns the
+    /// new 34.007.
     pub(crate) fn give_up(&mut self) -> i64 {
         self.rest(STOP).select
     }
 
-    /// Every place is `by` more from now on; the target follows by itself.
+    /// All positions change by `by`; the target follows the input position.
     pub(crate) fn shift(&mut self, by: Position) {
         self.stop += by;
     }
 
-    /// M09: where the selector does not give the target itself, PIP is what the profile or the gear puts out.
+    /// M09: if the selector does not set the target itself, PIP is the output of the profile or the gear.
     pub(crate) fn follow_input(&mut self, view: &View<'_>) {
         let circle = Circle::new(view.modulo);
         match self.select {
@@ -205,11 +205,11 @@ impl Amc {
         }
     }
 
-    /// Takes a freeze event of this cycle; gives the way of the master since then, where it counts.
+    /// Handles a freeze event of this cycle. Returns the travel of the master since then, if it counts.
     fn take_event(&self, view: &View<'_>, step: &mut Step) -> Position {
         let freeze = view.wiring.amc.freeze;
         let is_event = |latch: &&Latched| latch.rising && Some(latch.object) == freeze;
-        // Of several the first one is the event.
+        // The first one of several is the event.
         let first = view.latches.iter().filter(is_event).max_by_key(|latch| latch.age_ns);
         let Some(latch) = first.filter(|_| !view.at_limit) else { return Position::ZERO };
         let action = view.parameters.vocabularies.amc.action_on_event;
@@ -234,7 +234,7 @@ impl Amc {
         p.stop_mode >= 2 && view.following_error.unsigned_abs() > window.unsigned_abs()
     }
 
-    /// The order of the reference in force, where it changes anything.
+    /// Returns the order of the active reference, if it changes anything.
     fn refer(&mut self, view: &View<'_>, before: &Self, past: Position) -> Result<Option<Order>, Problem> {
         let enters = self.select != before.select;
         let changed = enters || self.reference != before.reference;
@@ -293,21 +293,21 @@ impl Amc {
         }
     }
 
-    /// Could its state have come about? One that was read from outside may hold anything.
+    /// Returns true if a restored state is valid.
     pub(crate) fn is_sound(&self) -> bool {
         let kept = (!self.waits || self.select == HOME) && (!self.barred || self.select == SPEED);
         (0..=POSITION_PROFILE).contains(&self.select) && kept && self.input.is_sound() && self.speed.is_finite()
     }
 }
 
-/// Where the cam starts (35.001, 35.002).
+/// Start of the cam (35.001, 35.002).
 fn cam_start(view: &View<'_>) -> Option<CamPoint> {
     let p = &view.parameters.vocabularies.amc;
     let point = usize::try_from(p.cam_start_index).unwrap_or(usize::MAX);
     view.wiring.amc.cam.map(|table| CamPoint { table, point, behind: p.cam_start_position })
 }
 
-/// The way of the master from the freeze point to this sample (AMC-EVT-05, M11, AMC-EVT-07).
+/// Returns the travel of the master from the freeze point to this sample (AMC-EVT-05, M11, AMC-EVT-07).
 fn past(view: &View<'_>, latch: &Latched) -> Position {
     let way = |master| latch.way_since(master, view.leads.get(master), view.cycle_ns);
     view.wiring.amc.master.map_or(Position::ZERO, way)

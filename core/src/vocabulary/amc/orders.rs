@@ -1,4 +1,4 @@
-//! The orders of the single references, and the stop reference.
+//! Orders of the single references, and the stop reference.
 
 use super::check::POSITION_REFERENCE;
 use super::parameters::POSITION_RELATIVE;
@@ -11,10 +11,11 @@ use crate::profile::{self, Limits, Motion};
 use crate::state::Reference;
 use crate::vocabulary::{Order, View};
 
-/// Cycles ahead of which a software limit has to be seen, so that a stop with the maximum deceleration still ends at it.
+/// Cycles by which a software limit is anticipated, so that a stop with the maximum deceleration still ends at it.
 const AHEAD_CYCLES: f64 = 2.0;
 
-/// 34.002: where the axis would stop (AMC-STP-02, AMC-STP-03). Whole, as every axis at rest stands.
+/// Returns 34.002, the position at which the axis would stop (AMC-STP-02, AMC-STP-03), in whole increments like every
+/// axis at rest.
 pub(super) fn stop_reference(view: &View<'_>) -> Position {
     if !stops_by_profile(view) {
         return Position::whole(view.actual.position.floor());
@@ -22,7 +23,7 @@ pub(super) fn stop_reference(view: &View<'_>) -> Position {
     let end = profile::stop(view.present, &view.largest_limits(), view.cycle_ns).end();
     let now = view.command.position;
     let p = view.parameters;
-    // A stop ends at a limit that lies before its own end.
+    // The stop ends at the limit if that is nearer.
     let end = match (p.min_position.map(Position::whole), p.max_position.map(Position::whole)) {
         (_, Some(high)) if end > high && now < high => high,
         (Some(low), _) if end < low && now > low => low,
@@ -38,14 +39,14 @@ fn stops_by_profile(view: &View<'_>) -> bool {
 }
 
 impl Amc {
-    /// Reference 0 (AMC-STP-02..05): the stop reference is that of this sample (M03) and the target from now on (M09).
+    /// Reference 0 (AMC-STP-02..05): the stop reference of this sample (M03) becomes the target (M09).
     pub(super) fn begin_stop(&mut self, view: &View<'_>) -> Order {
         self.stop = stop_reference(view);
         self.input = Circle::new(view.modulo).exact(self.stop);
         if stops_by_profile(view) { Order::Stop { limits: view.largest_limits() } } else { Order::StandOnActual }
     }
 
-    /// Adds a change of position to PIP by the rotary mode, and goes there.
+    /// Adds a change of position to PIP according to the rotary mode. Returns the order to move there.
     pub(super) fn add(&mut self, view: &View<'_>, wanted: Exact, enters: bool) -> Result<Option<Order>, Problem> {
         let circle = Circle::new(view.modulo);
         let mode = Mode::new(self.rotary_mode, view.modulo, view.cycle_ns);
@@ -56,7 +57,7 @@ impl Amc {
         if !circle.is_legal(input) {
             return refuse(Code::POSITION_OUT_OF_RANGE, Number::None);
         }
-        // AMC-ROT-04: between the integrators of input, output and slave.
+        // AMC-ROT-04: within the integrators of input, output and slave.
         if let Some(turns) = circle.capacity(view.unit) {
             let others = [view.command.position, view.actual.position].map(|position| circle.exact(position));
             if others.iter().any(|other| circle.exceeds(input.minus(*other), turns)) {
@@ -70,11 +71,11 @@ impl Amc {
         Ok(self.go(view))
     }
 
-    /// To PIP; nothing where that is the end of what is under way.
+    /// Returns the order to move to PIP; `None` if the present motion ends there.
     pub(super) fn go(&self, view: &View<'_>) -> Option<Order> {
         let target = Circle::new(view.modulo).nearest(self.input);
         let is_there = Position::whole(view.target.floor()) == target && (view.rests || view.has_end);
-        // A leg of homing has an end of its own.
+        // A phase of homing has an end of its own.
         if view.owns && !view.homing && is_there {
             return None;
         }
@@ -86,7 +87,7 @@ impl Amc {
         Some(Order::Position { target, limits: view.largest_limits(), reference })
     }
 
-    /// Reference 2: a speed, until a software limit comes near: then to that (AMC-SEL-09: the reference stays selected).
+    /// Reference 2: a speed; near a software limit, a position at the limit (AMC-SEL-09: the reference stays selected).
     pub(super) fn run(&mut self, view: &View<'_>, changed: bool) -> Option<Order> {
         let velocity = self.speed;
         let limits = Limits { velocity: view.parameters.max_velocity, ..view.largest_limits() };
@@ -109,7 +110,7 @@ impl Amc {
     }
 }
 
-/// The software limit in the direction of a velocity.
+/// Returns the software limit in the direction of a velocity.
 fn limit_in(view: &View<'_>, velocity: f64) -> Option<Position> {
     let limit = match velocity {
         v if v > 0.0 => view.parameters.max_position,
@@ -119,7 +120,8 @@ fn limit_in(view: &View<'_>, velocity: f64) -> Option<Position> {
     limit.map(Position::whole)
 }
 
-/// Would a stop that begins a little later, with the axis as fast as it can be then, end beyond the limit?
+/// Returns true if a stop that begins a few cycles later, at the maximum speed possible by then, would end beyond the
+/// limit.
 fn passes(view: &View<'_>, velocity: f64, limit: Position, limits: &Limits) -> bool {
     let sign = velocity.signum();
     let time = AHEAD_CYCLES * view.cycle_ns as f64 / 1e9;

@@ -4,7 +4,7 @@ use crate::signal::Type::{Bit, Int};
 use crate::signal::signal_block;
 
 signal_block! {
-    /// A signal of the vocabulary, by its place in the block.
+    /// A signal of the vocabulary, by its index in the block.
     AmcSignal;
 
     Active "amc.active" Bit, None; "the vocabulary commands the axis"

@@ -1,12 +1,12 @@
-//! The command flags.
+//! Command flags of the module.
 
 use serde::{Deserialize, Serialize};
 
 macro_rules! commands {
     ($($(#[doc = $doc:literal])+ $name:ident $text:literal;)*) => {
-        /// A command flag, in the order in which flags that stand together run.
+        /// A command flag, in the order in which flags that are set together run.
         ///
-        /// The manual leaves that order open (A14): loads before `fressf`, that before starts, reads last.
+        /// The manual leaves that order open (A14): loads before `fressf`, `fressf` before starts, reads last.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Command {
@@ -14,7 +14,7 @@ macro_rules! commands {
         }
 
         impl Command {
-            /// All of them with the manual's names in lower case.
+            /// All commands with the names of the manual in lower case.
             pub const ALL: &'static [(Command, &'static str)] = &[$((Command::$name, $text)),*];
         }
     };
@@ -25,7 +25,7 @@ commands! {
     Initialise "axinit";
     /// Mode and direction for the next start (SAIA-CMD-01).
     SelectMode "fselom";
-    /// Limit of the position error and what it does (SAIA-CMD-02).
+    /// Limit of the position error and its reaction (SAIA-CMD-02).
     SetPositionError "fsetpe";
     /// Destination, relative (SAIA-CMD-04).
     LoadDestinationRelative "flddr";
@@ -39,9 +39,9 @@ commands! {
     LoadAccelerationRelative "fldar";
     /// Acceleration, absolute; switches the motor off (SAIA-CMD-07).
     LoadAcceleration "fldaa";
-    /// Regulator parameters into their buffer (SAIA-CMD-09).
+    /// Controller parameters into their buffer (SAIA-CMD-09).
     LoadRegulator "fldrp";
-    /// Regulator parameters in force (SAIA-CMD-10).
+    /// Activates the controller parameters (SAIA-CMD-10).
     UpdateRegulator "fupdrp";
     /// Waits for one index (SAIA-CMD-28).
     SetIndex "fsetip";
@@ -55,17 +55,17 @@ commands! {
     ResetFlags "fressf";
     /// Motor off (SAIA-CMD-13).
     MotorOff "fmotoff";
-    /// Stops as the control word says (SAIA-CMD-12).
+    /// Stops as selected by the control word (SAIA-CMD-12).
     Stop "fstop";
-    /// Starts, or changes the motion under way (SAIA-CMD-11).
+    /// Starts, or changes the present motion (SAIA-CMD-11).
     Start "fstart";
     /// One count up (SAIA-CMD-14).
     StepForward "fsstepf";
     /// One count down (SAIA-CMD-15).
     StepBackward "fsstepb";
-    /// Up until a stop (SAIA-CMD-16).
+    /// In positive direction until a stop (SAIA-CMD-16).
     Forward "fforw";
-    /// Down until a stop (SAIA-CMD-17).
+    /// In negative direction until a stop (SAIA-CMD-17).
     Backward "fbackw";
     /// Reads the actual position (SAIA-CMD-18).
     ReadActualPosition "frdap";
@@ -75,7 +75,7 @@ commands! {
     ReadActualVelocity "frdav";
     /// Reads the velocity of the profile (SAIA-CMD-21).
     ReadSetVelocity "frdsv";
-    /// Reads the integral part of the regulator (SAIA-CMD-22).
+    /// Reads the integral term of the controller (SAIA-CMD-22).
     ReadIntegral "frdits";
     /// Reads the index position (SAIA-CMD-23).
     ReadIndex "frdip";
@@ -84,17 +84,17 @@ commands! {
 }
 
 impl Command {
-    /// The manual's name in lower case.
+    /// Returns the name of the manual in lower case.
     pub fn name(self) -> &'static str {
         Self::ALL.get(self as usize).map_or("", |(_, name)| name)
     }
 
-    /// The command of that name.
+    /// Returns the command of that name.
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, known)| *known == name).map(|(command, _)| *command)
     }
 
-    /// Does it start a motion?
+    /// Returns true if it starts a motion.
     pub(super) fn starts(self) -> bool {
         matches!(self, Self::Start | Self::StepForward | Self::StepBackward | Self::Forward | Self::Backward)
     }
@@ -105,7 +105,7 @@ impl Command {
 pub struct Commands(u32);
 
 impl Commands {
-    /// Sets one more flag; false if it was set already.
+    /// Sets one more flag. Returns false if it was set already.
     pub fn insert(&mut self, command: Command) -> bool {
         let bit = 1 << command as u8;
         let is_new = self.0 & bit == 0;
@@ -113,17 +113,17 @@ impl Commands {
         is_new
     }
 
-    /// Is none set?
+    /// Returns true if no flag is set.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// Is there one that needs the module initialised?
+    /// Returns true if the flags need an initialised module.
     pub(super) fn wakes(self) -> bool {
         self.0 != 0 && self.0 & 1 << Command::Initialise as u8 == 0
     }
 
-    /// The flags in the order in which they run.
+    /// Returns the flags in the order in which they run.
     pub fn iter(self) -> impl Iterator<Item = Command> {
         Command::ALL.iter().map(|(command, _)| *command).filter(move |command| self.0 >> *command as u8 & 1 == 1)
     }

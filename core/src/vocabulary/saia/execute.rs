@@ -1,4 +1,4 @@
-//! Verbs: the order of their commands, three tries, and what the whole asks of the axis.
+//! Execution of requests: the order of their commands, three tries, and the resulting order to the axis.
 
 use super::{Command, Errors, Fault, Phase, Request, Saia};
 use crate::code::Code;
@@ -6,28 +6,29 @@ use crate::event::Refusal;
 use crate::parameter::saia::{MOTOR_OFF, REFUSE};
 use crate::vocabulary::{Order, Outcome, View};
 
-/// How often a command is tried (SAIA-ERR-03).
+/// Number of tries of a command (SAIA-ERR-03).
 const TRIES: u32 = 3;
 
-/// What the commands of a verb did to the motion.
+/// Effects of the commands of a request on the motion.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Deed {
-    /// The regulator went off.
+    /// The controller was switched off.
     pub off: bool,
-    /// The setpoint became the actual position.
+    /// The actual position became the setpoint.
     pub stand: bool,
     /// A stop ramp began.
     pub ramp: bool,
-    /// A start was given.
+    /// A motion was started.
     pub start: bool,
 }
 
 impl Saia {
-    /// Does a verb whose registers stand in the view's parameters. Where it or its order is refused, the caller keeps the
-    /// state from before; where only commands are to fail, it asks again with the starts `barred` by why the axis cannot.
+    /// Executes a request whose registers are in the parameters of the view. If the request or its order is refused,
+    /// the caller keeps the previous state. If only commands are to fail, the caller calls it again with `barred`, the
+    /// reason why the axis cannot start.
     ///
     /// # Errors
-    /// The first command error, where the parameter says that it refuses the verb.
+    /// The first command error, if the parameter says that it refuses the request.
     pub(crate) fn run(
         &mut self,
         request: &Request,
@@ -65,7 +66,7 @@ impl Saia {
         Ok(outcome)
     }
 
-    /// Up to three tries; what has no way to succeed fails in all of them.
+    /// Tries a command up to three times; a command that cannot succeed fails in each of them.
     fn attempt(
         &mut self,
         command: Command,
@@ -97,7 +98,7 @@ impl Saia {
         self.errors = Errors { code: code.0, count: self.errors.count.saturating_add(1), ..self.errors };
     }
 
-    /// One command; where it fails, nothing is changed.
+    /// Executes one command; an error changes nothing.
     fn execute(&mut self, command: Command, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
         if self.phase == Phase::Power && command != Command::Initialise {
             return Err(Fault::new(Code::SAIA_NOT_INITIALISED));
@@ -160,7 +161,7 @@ impl Saia {
         }
     }
 
-    /// What the commands together ask of the axis now; a start that cannot be at once waits for its step.
+    /// Returns the order that results from all commands; a start that is not possible yet waits for the step.
     fn order(&mut self, view: &View<'_>, deed: Deed) -> Option<Order> {
         if deed.off {
             return Some(Self::off_order(view));

@@ -1,4 +1,4 @@
-//! Commands that fill buffers and limits: nothing moves by them.
+//! Commands that load buffers and limits: they cause no motion.
 
 use super::execute::Deed;
 use super::pid::{Gains, Pid};
@@ -12,16 +12,16 @@ use crate::vocabulary::View;
 const BY_VELOCITY: i32 = 1 << 11;
 /// MCW: forward.
 const FORWARD: i32 = 1 << 12;
-/// Low byte of MCW: the position error only sets its flag.
+/// Low byte of MCW: a position error only sets its flag.
 const FLAG_ONLY: i32 = 0x1B;
-/// Low byte of MCW: it switches the regulator off too (A16).
+/// Low byte of MCW: a position error also switches the controller off (A16).
 const FLAG_AND_OFF: i32 = 0x1A;
-/// Largest position error that the register holds (counts).
+/// Maximum position error of the register (counts).
 const LARGEST_ERROR: i64 = 32_767;
 /// First bit of StaFRR: the order is that of the signal register (A26).
 const FIRST_FLAG: u32 = 2;
 
-/// A register within what its commands take.
+/// Returns the value of a register, or an error outside the range of its commands.
 fn checked(register: Register, value: i32) -> Result<i32, Fault> {
     let (low, high) = register.permitted().unwrap_or((i64::MIN, i64::MAX));
     if (low..=high).contains(&value.into()) {
@@ -34,7 +34,7 @@ fn within(code: Code, register: Register, value: i64, low: i64) -> Result<i64, F
     if (low..=HIGHEST).contains(&value) { Ok(value) } else { Err(Fault::of(code, register, value)) }
 }
 
-/// A negative value is wrong also where it is rounded to 0.
+/// Returns an error for a negative value, even if it is rounded to 0.
 fn not_below_0(code: Code, register: Register, exact: f64) -> Result<(), Fault> {
     let fault = Fault { register: Some(register), ..Fault::new(code) };
     if (-0.5..0.0).contains(&exact) { Err(fault.with(Number::Real(exact), Number::None)) } else { Ok(()) }
@@ -45,7 +45,7 @@ fn position(register: Register, counts: i64) -> Result<i64, Fault> {
 }
 
 impl Saia {
-    /// AxInit: either all of its steps, or none.
+    /// AxInit: executes all of its steps, or none.
     pub(super) fn initialise(&mut self, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
         let p = &view.parameters.vocabularies.saia;
         let mut fresh = Self {
@@ -61,15 +61,16 @@ impl Saia {
         fresh.load_regulator(p)?;
         fresh.gains = fresh.loaded_gains;
         fresh.load_velocity(p, false)?;
-        // Last: it alone touches the deed, and only where it succeeds.
+        // Last, because only this step changes `deed`, and only on success.
         fresh.load_acceleration(view, false, deed)?;
         fresh.keep_loop_of(self, view);
         *self = fresh;
         Ok(())
     }
 
-    /// What a program's start-up does by `axinit`, for an axis that somebody else has switched on: it stays on, and the zero
-    /// is that of the axis. A register that `axinit` would not take leaves what the module has after a reset.
+    /// Initialises the module like `axinit` in the start-up of a program, for an axis that another command has switched
+    /// on: it stays on, and the zero is that of the axis. A register that `axinit` would reject keeps the value after a
+    /// reset.
     pub(super) fn power_up(&mut self, view: &View<'_>) {
         let p = &view.parameters.vocabularies.saia;
         let position = super::actual(view).0.floor();
@@ -87,7 +88,7 @@ impl Saia {
         };
         fresh.flags.on_dest = true;
         fresh.select_mode(p);
-        // Each of them changes nothing where it fails, and the command that loads the register again tells why.
+        // A failed step changes nothing; the command that loads the register again reports the reason.
         let _ = fresh.set_position_error(p);
         if fresh.load_regulator(p).is_ok() {
             fresh.gains = fresh.loaded_gains;
@@ -100,7 +101,7 @@ impl Saia {
         *self = fresh;
     }
 
-    /// A regulator that closes the loop of the axis goes on with its past, until the axis is off.
+    /// Keeps the state of a controller that closes the loop of the axis, until the axis is off.
     fn keep_loop_of(&mut self, before: &Self, view: &View<'_>) {
         if view.regulates {
             (self.pid, self.sample_rest) = (before.pid, before.sample_rest);
@@ -124,13 +125,13 @@ impl Saia {
         Ok(())
     }
 
-    /// Relative loads need a start before them (SAIA-DET-03).
+    /// Returns an error for a relative load before the first start (SAIA-DET-03).
     fn check_relative(&self, register: Register) -> Result<(), Fault> {
         let fault = Fault { register: Some(register), ..Fault::new(Code::SAIA_RELATIVE_TOO_EARLY) };
         if self.started { Ok(()) } else { Err(fault) }
     }
 
-    /// A value from the present one, which is the working one (A19), or from 0.
+    /// Returns the base of a value: the present (working) one (A19), or 0.
     fn base(&self, register: Register, relative: bool, working: i64) -> Result<i64, Fault> {
         if relative { self.check_relative(register).map(|()| working) } else { Ok(0) }
     }
@@ -157,7 +158,7 @@ impl Saia {
         Ok(())
     }
 
-    /// A new acceleration switches the motor off, and waits for a start at rest (SAIA-DET-04).
+    /// Loads an acceleration, which switches the motor off and waits for a start at rest (SAIA-DET-04).
     pub(super) fn load_acceleration(&mut self, view: &View<'_>, relative: bool, deed: &mut Deed) -> Result<(), Fault> {
         let (acceleration, usual) = self.acceleration(view, relative)?;
         self.turn_off(view, deed);
@@ -166,7 +167,7 @@ impl Saia {
         Ok(())
     }
 
-    /// What the register asks for, and whether that is the usual acceleration of the axis.
+    /// Returns the acceleration of the register, and whether it is the default acceleration of the axis.
     fn acceleration(&self, view: &View<'_>, relative: bool) -> Result<(i64, bool), Fault> {
         let p = &view.parameters.vocabularies.saia;
         let base = self.base(Register::Accel, relative, self.working.acceleration)?;
@@ -218,7 +219,7 @@ impl Saia {
         };
     }
 
-    /// Can registers of that size be started (SAIA-EXT-03), and does the axis allow them?
+    /// Checks that registers of that size can be started (SAIA-EXT-03), and that the axis allows them.
     pub(super) fn check_rates(&self, view: &View<'_>, load: &Load) -> Result<(), Fault> {
         if !load.is_startable() {
             let numbers = (Number::Count(load.acceleration), Number::Count(load.velocity));
@@ -243,7 +244,7 @@ impl Saia {
         Ok(())
     }
 
-    /// The regulator goes off: no output, no history, no start that waits.
+    /// Switches the controller off: no output, no history, no waiting start.
     pub(super) fn turn_off(&mut self, view: &View<'_>, deed: &mut Deed) {
         self.phase = Phase::Off;
         self.flags.on_dest = true;

@@ -1,12 +1,11 @@
 //! Command set of the SAIA PCD4.H3 servo module.
 //!
-//! Law      registers are set, then the command flags of the verb run in a fixed order, then one step. Loads fill buffers;
-//!          a start takes them over. Values are quantized to the module's registers here; the generator is the axis' own,
-//!          one count is one increment
-//! Reads    the registers, which are parameters of the axis; the axis by its [`View`]
+//! Law      registers are set, then the command flags of the request run in a fixed order, then one step. Loads fill
+//!          buffers; a start activates them. Values are quantized to the registers of the module here; the profile
+//!          generator is that of the axis, and one count is one increment
+//! Reads    the registers, which are parameters of the axis; the axis through its [`View`]
 //! Writes   status flags, output registers, orders: position, velocity, stop, drive on and off
-//! Refuses  what the module answers with a command error, and what the axis does not allow; see
-//!          [`Parameters::command_error`]
+//! Refuses  command errors of the module, and motion that the axis does not allow; see [`Parameters::command_error`]
 //! Source   spec/saia-h3.md
 
 mod command;
@@ -34,18 +33,18 @@ use crate::position::Position;
 use crate::profile::Motion;
 use pid::{Gains, Pid};
 
-/// Does its regulator damp?
+/// Checks that the controller has damping.
 ///
 /// # Errors
-/// The key that does not.
+/// The key of the missing gain.
 pub(super) fn check_damping(p: &Parameters) -> Result<(), (&'static str, Code)> {
     if p.kder == 0 { Err(("saia.kder", Code::NO_DAMPING)) } else { Ok(()) }
 }
 
-/// Can its regulator close the loop of an axis with the registers as they stand?
+/// Checks that the controller can close the loop of an axis with the present registers.
 ///
 /// # Errors
-/// The key of the first that cannot be.
+/// The key of the first invalid register.
 pub(super) fn check_loop(p: &Parameters) -> Result<(), (&'static str, Code)> {
     Gains::of(p).problem().map_or(Ok(()), |key| Err((key, Code::GAIN_RANGE)))
 }
@@ -58,9 +57,9 @@ enum Phase {
     /// PWR: `axinit` has not run.
     #[default]
     Power,
-    /// OFF: regulator off.
+    /// OFF: controller off.
     Off,
-    /// HOLD: regulator on, profile done.
+    /// HOLD: controller on, profile done.
     Hold,
     /// POS: position profile.
     Position,
@@ -76,20 +75,21 @@ impl Phase {
     }
 }
 
-/// What a start takes over, from the buffers to the working registers.
+/// Values that a start copies from the buffers to the working registers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Load {
-    /// From the vocabulary's zero (counts).
+    /// Destination from the zero of the vocabulary (counts).
     destination: i64,
-    /// (2^-16 counts per sample)
+    /// Velocity (2^-16 counts per sample).
     velocity: i64,
-    /// (2^-16 counts per sample^2)
+    /// Acceleration (2^-16 counts per sample^2).
     acceleration: i64,
-    /// The acceleration is the usual one of the axis, which no register has given: a start takes no more of it than it may.
+    /// Whether the acceleration is the default of the axis instead of a register: a start limits it to the allowed
+    /// value.
     usual: bool,
-    /// Velocity control.
+    /// Whether the mode is velocity control.
     by_velocity: bool,
-    /// Its direction.
+    /// Whether velocity control moves in positive direction.
     forward: bool,
 }
 
@@ -101,22 +101,22 @@ impl Load {
             && registers.contains(&self.acceleration)
     }
 
-    /// Can registers of that size be started (SAIA-EXT-03)?
+    /// Returns true if registers of that size can be started (SAIA-EXT-03).
     fn is_startable(&self) -> bool {
         (1..=self.velocity).contains(&self.acceleration)
     }
 }
 
-/// A break position that waits.
+/// A loaded break position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Break {
-    /// From the vocabulary's zero (counts).
+    /// Position from the zero of the vocabulary (counts).
     position: i64,
-    /// Sign of actual minus break position when it was loaded; none where the actual position has jumped since.
+    /// Sign of actual minus break position at the load; `None` if the actual position has jumped since then.
     side: Option<i64>,
 }
 
-/// The five status flags, latched.
+/// The five latched status flags.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Flags {
     on_dest: bool,
@@ -126,7 +126,7 @@ struct Flags {
     passed: bool,
 }
 
-/// Output registers, as their read commands left them.
+/// Output registers, as set by their read commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Outputs {
     actual_position: i32,
@@ -138,12 +138,12 @@ struct Outputs {
     signals: u32,
 }
 
-/// Command errors so far.
+/// Command errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Errors {
-    /// Of the last one.
+    /// Code of the last one.
     code: u32,
-    /// How often a command failed in all its tries.
+    /// Number of commands that failed in all tries.
     count: u64,
     /// Failed tries.
     tries: u64,
@@ -153,54 +153,54 @@ struct Errors {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Starting {
     waits: bool,
-    /// The drive was asked to switch on.
+    /// Whether the drive was ordered to switch on.
     switched: bool,
 }
 
-/// What the vocabulary remembers of its axis.
+/// State of the vocabulary.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Saia {
     phase: Phase,
-    /// Its zero in the coordinate of the axis (inc).
+    /// Zero of the vocabulary in the coordinate of the axis (inc).
     zero: i64,
-    /// Which is that of the axis itself, wherever it goes: nothing has given it one of its own.
+    /// Whether that is the zero of the axis itself, and follows it: no command has set another zero.
     shares_zero: bool,
     buffer: Load,
     working: Load,
-    /// The working destination is the end of the range, to be reached by no one: `fforw`, `fbackw`.
+    /// Whether the destination is the end of the range, which is not meant to be reached: `fforw`, `fbackw`.
     jogs: bool,
     stop_latch: bool,
     acceleration_pending: bool,
-    /// A start has been since `axinit`: relative loads are allowed.
+    /// Whether a start has been executed since `axinit`: relative loads are allowed.
     started: bool,
     profile_done: bool,
     pwm: bool,
     flags: Flags,
     breaks: Option<Break>,
-    /// Waits for an index, since that cycle.
+    /// Cycle since which it waits for an index.
     armed: Option<u64>,
-    /// From the vocabulary's zero of its time (counts).
+    /// Index position, from the zero of the vocabulary at that time (counts).
     index: i64,
-    /// Largest position error (counts).
+    /// Maximum position error (counts).
     error_limit: i64,
-    /// What it does: true switches the regulator off.
+    /// Whether a position error switches the controller off.
     error_stops: bool,
     loaded_gains: Gains,
     gains: Gains,
     pid: Pid,
-    /// What is left of a chip sample (ns / 3).
+    /// Remainder of a chip sample (ns / 3).
     sample_rest: u64,
     starting: Starting,
-    /// Cycle in which the drive was switched off last.
+    /// Cycle in which the drive was last switched off.
     off_at: Option<u64>,
     outputs: Outputs,
     errors: Errors,
 }
 
-/// Most commands of a verb.
+/// Maximum commands per request.
 pub(super) const MOST: usize = Command::ALL.len();
 
-/// Why a command is not done.
+/// Error of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Fault {
     code: Code,
@@ -228,7 +228,7 @@ impl Fault {
     }
 }
 
-/// The actual motion; a virtual axis is where it is asked to be.
+/// Returns the actual motion; a virtual axis is at its command.
 fn actual(view: &View<'_>) -> (Position, f64) {
     match view.interface {
         None => (view.command.position, view.command.velocity),
@@ -237,17 +237,17 @@ fn actual(view: &View<'_>) -> (Position, f64) {
 }
 
 impl Saia {
-    /// Actual position from its zero (counts).
+    /// Returns the actual position from the zero of the vocabulary (counts).
     fn position(&self, view: &View<'_>) -> i64 {
         actual(view).0.floor().saturating_sub(self.zero)
     }
 
-    /// A count of the vocabulary in the coordinate of the axis.
+    /// Converts a count of the vocabulary to the coordinate of the axis.
     fn place(&self, count: i64) -> i64 {
         self.zero.saturating_add(count)
     }
 
-    /// Limits of the working registers, as far as the axis has them: what quantizing adds does not count.
+    /// Returns the limits of the working registers, without the part by which quantizing exceeds those of the axis.
     fn limits(&self, view: &View<'_>) -> crate::profile::Limits {
         let p = view.parameters;
         let acceleration = scale::acceleration_of(self.working.acceleration as f64);
@@ -259,7 +259,7 @@ impl Saia {
         }
     }
 
-    /// The signal register (SAIA-SIG-00..10).
+    /// Returns the signal register (SAIA-SIG-00..10).
     fn signal_register(&self) -> u32 {
         let bits = [
             self.armed.is_some(),
@@ -329,7 +329,7 @@ impl Saia {
         set(Tries, self.errors.tries);
     }
 
-    /// Could its state have come about? One that was read from outside may hold anything.
+    /// Returns true if a restored state is valid.
     pub(crate) fn is_sound(&self) -> bool {
         let breaks = self.breaks.is_none_or(|breaks| {
             (LOWEST..=HIGHEST).contains(&breaks.position) && breaks.side.is_none_or(|side| (-1..=1).contains(&side))
@@ -343,11 +343,11 @@ impl Saia {
             && (LOWEST..=HIGHEST).contains(&self.index)
             && (0..=32_767).contains(&self.error_limit)
             && self.sample_rest < scale::SAMPLE
-            // An axis that has been started holds registers that move it.
+            // A started axis has registers that move it.
             && (!matches!(self.phase, Phase::Position | Phase::Velocity) || self.working.is_startable())
     }
 
-    /// Motion of the profile; with the regulator off it is where the axis is (A09).
+    /// Returns the motion of the profile; with the controller off it is at the actual position (A09).
     fn profile(&self, view: &View<'_>) -> Motion {
         if self.is_off() { Motion::at_rest(actual(view).0) } else { view.command }
     }

@@ -1,4 +1,4 @@
-//! Starts and stops, and the orders that they become.
+//! Starts and stops, and the resulting orders.
 
 use super::execute::Deed;
 use super::scale::{HIGHEST, LOWEST};
@@ -10,17 +10,17 @@ use crate::profile::Limits;
 use crate::state::Reference;
 use crate::vocabulary::{Order, View};
 
-/// MCW bits 8 to 10: which stop.
+/// MCW bits 8 to 10: type of stop.
 const STOP_BITS: i32 = 0x700;
 const STOP_OFF: i32 = 1 << 8;
 const STOP_HARD: i32 = 1 << 9;
 const STOP_RAMP: i32 = 1 << 10;
 
 impl Saia {
-    /// `fstop` (SAIA-FSM-09..13).
+    /// Executes `fstop` (SAIA-FSM-09..13).
     pub(super) fn stop(&mut self, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
         let bits = view.parameters.vocabularies.saia.mcw & STOP_BITS;
-        // A motion that another command began is stopped too: who says stop means it.
+        // A motion of another command is stopped, too: a stop must always take effect.
         let moves = self.phase.moves() || (self.phase == Phase::Hold && view.free && !view.rests);
         match bits {
             STOP_OFF => self.turn_off(view, deed),
@@ -44,7 +44,7 @@ impl Saia {
         Ok(())
     }
 
-    /// The motion is over, and the regulator stays as it is.
+    /// Ends the motion; the controller stays as it is.
     fn settle(&mut self) {
         if self.phase.moves() {
             self.phase = Phase::Hold;
@@ -53,7 +53,7 @@ impl Saia {
         self.flags.on_dest = true;
     }
 
-    /// `fsstepf`, `fsstepb`: one count from the destination.
+    /// Executes `fsstepf` and `fsstepb`: one count from the destination.
     pub(super) fn single_step(&mut self, view: &View<'_>, by: i64, deed: &mut Deed) -> Result<(), Fault> {
         if self.phase.moves() || (view.on && !view.rests) {
             return Err(Fault::new(Code::SAIA_STEP_IN_MOTION));
@@ -66,13 +66,13 @@ impl Saia {
         self.start(view, Load { destination, ..self.buffer }, Some(false), deed)
     }
 
-    /// `fforw`, `fbackw`: to the end of the range, which only a stop ends.
+    /// Executes `fforw` and `fbackw`: a motion to the end of the range, which only a stop ends.
     pub(super) fn jog(&mut self, view: &View<'_>, destination: i64, deed: &mut Deed) -> Result<(), Fault> {
         self.start(view, Load { destination, ..self.buffer }, Some(true), deed)
     }
 
-    /// Takes `load` over and starts, or changes the motion under way. With `jogs` given it is one of the position moves that
-    /// leave the buffered mode alone (A23) and need no load after a stop.
+    /// Activates `load` and starts, or changes the present motion. `jogs` marks the position moves that do not change
+    /// the buffered mode (A23) and need no load after a stop.
     pub(super) fn start(
         &mut self,
         view: &View<'_>,
@@ -81,7 +81,7 @@ impl Saia {
         deed: &mut Deed,
     ) -> Result<(), Fault> {
         if self.stop_latch && jogs.is_none() {
-            // A18: it moves nothing, and is no error.
+            // A18: without effect, and no error.
             self.flags.on_dest = true;
             return Ok(());
         }
@@ -111,8 +111,8 @@ impl Saia {
         Ok(())
     }
 
-    /// The acceleration that a start takes over. One that no register has given is no more than the velocity (SAIA-EXT-03), and
-    /// that of a motion under way stays (SAIA-PRF-03).
+    /// Returns the acceleration of a start. The default acceleration is limited to the velocity (SAIA-EXT-03), and a
+    /// present motion keeps its acceleration (SAIA-PRF-03).
     fn acceleration_of(&self, load: &Load) -> i64 {
         match self.working.acceleration {
             _ if !load.usual => load.acceleration,
@@ -121,7 +121,7 @@ impl Saia {
         }
     }
 
-    /// Software limits hold as for any goal, also where the drive has to switch on first.
+    /// Checks the software limits as for any goal, even if the drive has to switch on first.
     fn check_target(&self, view: &View<'_>, destination: i64) -> Result<(), Fault> {
         let (p, end) = (view.parameters, self.place(destination));
         let beyond = |code, limit| {
@@ -135,8 +135,8 @@ impl Saia {
         }
     }
 
-    /// The start that waits, as soon as the drive is on; before that the drive is asked to switch on. One that was just
-    /// switched off gets a cycle in which it is, and its brake the time to close.
+    /// Returns the order of a waiting start if the drive is on, otherwise the order to switch it on. A drive that was
+    /// just switched off stays off for one cycle, and until its brake is closed.
     pub(super) fn begin(&mut self, view: &View<'_>) -> Option<Order> {
         if !self.starting.waits {
             return None;
@@ -152,7 +152,7 @@ impl Saia {
         Some(Order::SwitchOn)
     }
 
-    /// The motion of the working registers.
+    /// Returns the motion of the working registers.
     pub(super) fn motion_order(&self, view: &View<'_>) -> Order {
         let limits = self.limits(view);
         let end = self.place(self.working.destination);
@@ -160,7 +160,8 @@ impl Saia {
         let (low, high) = (view.parameters.min_position, view.parameters.max_position);
         let limited = high.is_some_and(|high| up && end > high) || low.is_some_and(|low| !up && end < low);
         if self.working.by_velocity || (self.jogs && limited) {
-            // A jog that a software limit would end before the range does is a motion without end, which the limit stops.
+            // A jog that would reach a software limit before the end of the range is a motion without end, which the
+            // limit stops.
             let forward = if self.working.by_velocity { self.working.forward } else { up };
             let velocity = if forward { limits.velocity } else { -limits.velocity };
             return Order::Velocity { velocity, limits };
@@ -168,7 +169,7 @@ impl Saia {
         Order::Position { target: Position::whole(end), limits, reference: Reference::PositionAbsolute }
     }
 
-    /// Limits of a stop ramp; the axis' own where nothing was started yet.
+    /// Returns the limits of a stop ramp; those of the axis if nothing was started yet.
     pub(super) fn stop_limits(&self, view: &View<'_>) -> Limits {
         if self.working.acceleration > 0 && self.working.velocity > 0 {
             self.limits(view)
@@ -177,7 +178,7 @@ impl Saia {
         }
     }
 
-    /// A virtual axis has no regulator to go off and nothing that coasts: it stops as hard as it may.
+    /// Returns the order to switch off. A virtual axis cannot coast: it stops with its maximum deceleration.
     pub(super) fn off_order(view: &View<'_>) -> Order {
         match view.interface {
             None => Order::Stop { limits: view.largest_limits() },

@@ -1,38 +1,39 @@
-//! The regulator of the module.
+//! PID controller of the module.
 //!
-//! Law      U(n) = kp e(n) + clamp(ki SUM e, -IL, +IL) + kd (e(n') - e(n'-1)); n each sample, n' each SampI + 1 samples.
-//!          Between two cycles e lies on a straight line, on which the samples of a cycle are spaced evenly, the last one at its end. A cycle is no whole
-//!          number of samples, so that e(n') - e(n'-1) is scaled to the interval of the chip. SUM has whole counts
+//! Law      U(n) = kp e(n) + clamp(ki SUM e, -IL, +IL) + kd (e(n') - e(n'-1)); n each sample, n' each SampI + 1
+//!          samples. Between two cycles e is interpolated linearly; the samples of a cycle are spaced evenly, and the
+//!          last one is at its end. A cycle is no whole number of samples, so that e(n') - e(n'-1) is scaled to the
+//!          interval of the chip. SUM has whole counts
 //! Reads    the error, setpoint minus actual (counts)
-//! Writes   U and the output code; a drive that closes its own position loop does not hear it
+//! Writes   U and the output code; a drive with its own position loop does not use them
 //! Refuses  nothing: every value saturates
 //! Source   SAIA-PID-01..06, SAIA-EXT-04..06, A10..A12
 
 use super::Parameters;
 use serde::{Deserialize, Serialize};
 
-/// Parameters of the law, each within its register's range.
+/// Parameters of the law, each within the range of its register.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Gains {
-    /// 0 to 32767
+    /// Proportional gain, 0 to 32767.
     pub proportional: i32,
-    /// 0 to 32767
+    /// Integral gain, 0 to 32767.
     pub integral: i32,
-    /// 0 to 32767
+    /// Derivative gain, 0 to 32767.
     pub derivative: i32,
-    /// Of the integral part, 0 to 32767.
+    /// Limit of the integral term, 0 to 32767.
     pub limit: i32,
-    /// Samples between two derivative samples, less one: 0 to 255.
+    /// Samples between two derivative samples, minus one: 0 to 255.
     pub interval: i32,
 }
 
 impl Gains {
-    /// As the registers stand.
+    /// Returns the gains of the registers.
     pub(super) fn of(p: &Parameters) -> Self {
         Self { proportional: p.kprop, integral: p.kint, derivative: p.kder, limit: p.intl, interval: p.sampi }
     }
 
-    /// The key of the first register that no command would load.
+    /// Returns the key of the first register that no command would load.
     pub(super) fn problem(&self) -> Option<&'static str> {
         let registers = [
             ("saia.kprop", self.proportional, 32_767),
@@ -49,44 +50,45 @@ impl Gains {
     }
 }
 
-/// How the sum of the integral part is kept.
+/// Options of the integral term.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Options {
-    /// It stops growing where its part reaches the limit (A10).
+    /// Whether the sum stops growing when its term reaches the limit (A10).
     pub clamp_sum: bool,
-    /// Its part is made of its top 16 of 24 bits (A12).
+    /// Whether the term is computed from the top 16 of 24 bits of the sum (A12).
     pub chip_integral: bool,
 }
 
-/// The regulator between two samples.
+/// State of the controller between two samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Pid {
     sum: i32,
-    /// Error of the last derivative sample (counts).
+    /// Error at the last derivative sample (counts).
     before: f64,
-    /// Samples since then, and the time that they took (chip samples).
+    /// Samples since the last derivative sample, and their duration (chip samples).
     taken: i32,
     since: f64,
-    /// Derivative part, held until the next derivative sample.
+    /// Derivative term, held until the next derivative sample.
     held: f64,
-    /// Samples until then.
+    /// Samples until the next derivative sample.
     wait: i32,
-    /// Integral part of the last sample.
+    /// Integral term of the last sample.
     integral: i32,
     output: i32,
-    /// Error at the end of the last cycle that had samples (counts); none before the first.
+    /// Error at the end of the last cycle with samples (counts); `None` before the first.
     last: Option<f64>,
-    /// Time since then (chip samples).
+    /// Time since that cycle (chip samples).
     elapsed: f64,
-    /// The next cycle has no past, but for the sum.
+    /// Whether the next cycle starts without history, except the sum.
     forgets_past: bool,
 }
 
-/// Largest magnitude of the sum: 24 bit with sign.
+/// Maximum magnitude of the sum: 24 bits with sign.
 const MOST_SUM: i32 = (1 << 23) - 1;
 
 impl Pid {
-    /// A cycle that is `length` chip samples long and has `count` of them; `error` (counts) is that of its end. U after the last one, within 16 bit.
+    /// Executes a cycle of `length` chip samples with `count` samples; `error` (counts) is that at its end. Returns U
+    /// of the last sample, within 16 bits.
     pub(super) fn cycle(&mut self, gains: &Gains, options: Options, error: i64, (count, length): (u64, f64)) -> i32 {
         let error = error as f64;
         if std::mem::take(&mut self.forgets_past) {
@@ -97,7 +99,7 @@ impl Pid {
             return self.output;
         }
         let elapsed = std::mem::take(&mut self.elapsed);
-        // Before the first cycle there is no line, and no time.
+        // Before the first cycle there is no previous error, and no time.
         let span = if self.last.is_some() { elapsed / count as f64 } else { 1.0 };
         let last = self.last.replace(error).unwrap_or(error);
         for number in 1..=count {
@@ -107,7 +109,7 @@ impl Pid {
         self.output
     }
 
-    /// One sample, `span` (chip samples) after the one before: U, within 16 bit.
+    /// Executes one sample, `span` (chip samples) after the previous one. Returns U, within 16 bits.
     pub(super) fn step(&mut self, gains: &Gains, options: Options, error: f64, span: f64) -> i32 {
         let error = word(error);
         self.sum = self.grow(gains, options, error.round() as i32);
@@ -137,22 +139,23 @@ impl Pid {
         sum.min(high).max(low)
     }
 
-    /// The regulator goes off: no output, no history (SAIA-PID-05, SAIA-PID-06).
+    /// Switches the controller off: no output, no history (SAIA-PID-05, SAIA-PID-06).
     pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Nothing was sampled for a while, in which the error may have changed: the sum stands, and that change is no motion.
+    /// Skips a time without samples, in which the error may have changed: the sum is kept, and the change does not
+    /// count as motion.
     pub(super) fn forget_past(&mut self) {
         self.forgets_past = true;
     }
 
-    /// clamp(ki SUM, -IL, +IL), as `frdits` reads it (A11).
+    /// Returns clamp(ki SUM, -IL, +IL), the value of `frdits` (A11).
     pub(super) fn integral(&self) -> i32 {
         self.integral
     }
 
-    /// The code for the converter: the top 12 bits, or 8 for PWM, of U behind the gain (SAIA-EXT-06).
+    /// Returns the code for the converter: the top 12 bits of U after the gain, or 8 for PWM (SAIA-EXT-06).
     pub(super) fn code(&self, gain: f64, pwm: bool) -> i32 {
         let scaled = (f64::from(self.output) * gain).round().clamp(f64::from(i16::MIN), f64::from(i16::MAX));
         (scaled as i32) >> (if pwm { 8 } else { 4 })
@@ -173,7 +176,7 @@ impl Pid {
     }
 }
 
-/// A number within 16 bit.
+/// Limits a number to 16 bits.
 fn word(value: f64) -> f64 {
     value.clamp(f64::from(i16::MIN), f64::from(i16::MAX))
 }

@@ -1,4 +1,4 @@
-//! Read commands: from the module's registers to the output registers, in units.
+//! Read commands: from the registers of the module to the output registers, in units.
 
 use super::scale::{self, Scaling};
 use super::{Command, Fault, Register, Saia};
@@ -7,7 +7,7 @@ use crate::event::Number;
 use crate::vocabulary::View;
 
 impl Saia {
-    /// One read command; where the value does not fit its register, that keeps what it had.
+    /// Executes one read command; an output register keeps its value if the new one does not fit.
     pub(super) fn read(&mut self, command: Command, view: &View<'_>) -> Result<(), Fault> {
         let scaling = Scaling::of(&view.parameters.vocabularies.saia);
         let profile = self.profile(view);

@@ -1,8 +1,8 @@
-//! The input registers of the module, in its own units.
+//! Input registers of the module, in its own units.
 
 use crate::parameter::{ROWS, Row};
 
-/// An input register, by its offset in the module's memory.
+/// An input register, by its offset in the memory of the module.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Register {
@@ -34,7 +34,7 @@ pub enum Register {
     Mcw,
 }
 
-/// Places of the parameters, by offset.
+/// Indices of the parameter rows, by offset.
 const PLACES: [u16; Register::COUNT] = {
     let mut places = [0; Register::COUNT];
     let mut offset = 0;
@@ -46,10 +46,10 @@ const PLACES: [u16; Register::COUNT] = {
 };
 
 impl Register {
-    /// How many there are.
+    /// Number of registers.
     pub const COUNT: usize = 13;
 
-    /// All of them with their parameters, by offset.
+    /// All registers with their parameters, by offset.
     pub const ALL: [(Register, &'static str); Self::COUNT] = [
         (Register::KProp, "saia.kprop"),
         (Register::KInt, "saia.kint"),
@@ -66,32 +66,32 @@ impl Register {
         (Register::Mcw, "saia.mcw"),
     ];
 
-    /// The manual's name in lower case.
+    /// Returns the name of the manual in lower case.
     pub fn name(self) -> &'static str {
         self.key().strip_prefix("saia.").unwrap_or_default()
     }
 
-    /// The register of that name.
+    /// Returns the register of that name.
     pub fn find(name: &str) -> Option<Self> {
         Self::ALL.iter().map(|(register, _)| *register).find(|register| register.name() == name)
     }
 
-    /// The parameter that it is.
+    /// Returns the key of its parameter.
     pub fn key(self) -> &'static str {
         Self::ALL.get(self as usize).map_or("", |(_, key)| key)
     }
 
-    /// Place of that parameter in the catalogue.
+    /// Returns the index of its parameter row.
     pub fn place(self) -> u16 {
         PLACES.get(self as usize).copied().unwrap_or(u16::MAX)
     }
 
-    /// The same, and its row.
+    /// Returns the index of its parameter row, and the row.
     pub fn row(self) -> Option<(u16, &'static Row)> {
         Some((self.place(), ROWS.get(usize::from(self.place()))?))
     }
 
-    /// Values that the commands take from it; none where they depend on the scaling (SAIA-REG-00..06).
+    /// Returns the range that its commands accept; `None` if the range depends on the scaling (SAIA-REG-00..06).
     pub fn permitted(self) -> Option<(i64, i64)> {
         match self {
             Self::KProp | Self::KInt | Self::KDer | Self::IntL | Self::PosEr => Some((0, 32_767)),

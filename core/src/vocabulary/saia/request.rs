@@ -1,9 +1,9 @@
-//! What a verb of the vocabulary asks for.
+//! Requests of the vocabulary.
 
 use super::{Commands, Register};
 use crate::parameter::Value;
 
-/// One verb for one axis: registers are set, then the command flags run.
+/// One request for one axis: registers are set, then the command flags run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// The axis.
@@ -15,7 +15,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// The same with one more register.
+    /// Returns the request with one more register.
     pub fn with(mut self, register: Register, value: Value) -> Self {
         if let Some(place) = self.set.get_mut(register as usize) {
             *place = Some(value);
@@ -23,12 +23,12 @@ impl Request {
         self
     }
 
-    /// Neither registers nor flags?
+    /// Returns true if it has neither registers nor flags.
     pub fn asks_nothing(&self) -> bool {
         self.commands.is_empty() && self.set.iter().all(Option::is_none)
     }
 
-    /// The registers that are set, with their values.
+    /// Returns the registers to set, with their values.
     pub fn registers(&self) -> impl Iterator<Item = (Register, Value)> + Clone + '_ {
         std::iter::zip(Register::ALL, &self.set).filter_map(|((register, _), value)| Some((register, (*value)?)))
     }

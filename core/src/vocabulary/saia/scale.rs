@@ -1,9 +1,9 @@
-//! Units of the user to the registers of the module, and back.
+//! Conversion of user units to the registers of the module, and back.
 //!
 //! Law      counts = k units; reg_v = k Veloc 65536 T; reg_a = k Accel 65536 T^2; T = 2048 / 6 MHz, one chip sample;
 //!          nearest, half away from zero, in both directions
-//! Reads    MCFac as it stands now
-//! Refuses  what does not fit a register; the caller makes the sentence
+//! Reads    the present MCFac
+//! Refuses  values that do not fit a register; the caller creates the message
 //! Source   SAIA-SCL-01..09, A06..A08
 
 use super::Parameters;
@@ -17,10 +17,10 @@ const CLOCK: f64 = 6e6;
 /// Clock ticks of one sample.
 const TICKS: f64 = 2048.0;
 const FRACTION: f64 = 65_536.0;
-/// 2048 / 6 MHz (ns / 3).
+/// Duration of one sample, 2048 / 6 MHz (ns / 3).
 pub(super) const SAMPLE: u64 = 1_024_000;
 
-/// The conversion that is in force.
+/// The active conversion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scaling {
     k: f64,
@@ -32,30 +32,30 @@ impl Scaling {
         Self { k: parameters.mcfac, legacy: parameters.legacy_scaling }
     }
 
-    /// (counts)
+    /// Returns counts of a number of units.
     pub(super) fn counts(self, units: i32) -> i64 {
         whole(self.k * f64::from(units))
     }
 
-    /// Velocity register of a velocity (units/s).
+    /// Returns the velocity register of a velocity (units/s).
     pub(super) fn velocity(self, units: i32) -> i64 {
         whole(self.exact_velocity(units))
     }
 
-    /// The same before rounding.
+    /// Returns the velocity register before rounding.
     pub(super) fn exact_velocity(self, units: i32) -> f64 {
         self.velocity_of(self.k * f64::from(units))
     }
 
-    /// Acceleration register of an acceleration (units/s^2).
+    /// Returns the acceleration register of an acceleration (units/s^2).
     pub(super) fn acceleration(self, units: i32) -> i64 {
         whole(self.exact_acceleration(units))
     }
 
-    /// The same before rounding.
+    /// Returns the acceleration register before rounding.
     pub(super) fn exact_acceleration(self, units: i32) -> f64 {
         let counts = self.k * f64::from(units);
-        // Products first: powers of two stay exact, and so does the border at 2^30.
+        // Products first: powers of two stay exact, and so does the limit at 2^30.
         if self.legacy { counts * 7.6206e-3 } else { counts * (FRACTION * TICKS * TICKS) / (CLOCK * CLOCK) }
     }
 
@@ -63,55 +63,55 @@ impl Scaling {
         if self.legacy { counts * 22.348 } else { counts * (FRACTION * TICKS) / CLOCK }
     }
 
-    /// Units of a number of counts; none where the register cannot hold them.
+    /// Returns the units of a number of counts; `None` if the register cannot hold them.
     pub(super) fn units(self, counts: i64) -> Option<i32> {
         fits(counts as f64 / self.k)
     }
 
-    /// Units per second of a velocity register.
+    /// Returns the units per second of a velocity register.
     pub(super) fn units_of_velocity(self, register: f64) -> Option<i32> {
         fits(register / self.velocity_of(self.k))
     }
 }
 
-/// The velocity that the chip makes of a register (inc/s).
+/// Returns the velocity of the chip for a register (inc/s).
 pub(super) fn velocity_of(register: f64) -> f64 {
     register * CLOCK / (FRACTION * TICKS)
 }
 
-/// The acceleration that the chip makes of a register (inc/s^2).
+/// Returns the acceleration of the chip for a register (inc/s^2).
 pub(super) fn acceleration_of(register: f64) -> f64 {
     register * (CLOCK * CLOCK) / (FRACTION * TICKS * TICKS)
 }
 
-/// The register nearest to an acceleration (inc/s^2), not 0.
+/// Returns the register nearest to an acceleration (inc/s^2), at least 1.
 pub(super) fn register_of_rate(acceleration: f64) -> i64 {
     whole(acceleration * (FRACTION * TICKS * TICKS) / (CLOCK * CLOCK)).clamp(1, HIGHEST)
 }
 
-/// The register that shows a velocity (inc/s).
+/// Returns the register of a velocity (inc/s).
 pub(super) fn register_of(velocity: f64) -> f64 {
     (velocity * (FRACTION * TICKS) / CLOCK).round()
 }
 
-/// Whole counts in one sample at a velocity (inc/s): what the top 14 bits of the register hold.
+/// Returns the whole counts per sample at a velocity (inc/s): the value of the top 14 bits of the register.
 pub(super) fn counts_a_sample(velocity: f64) -> f64 {
     (velocity * TICKS / CLOCK).floor()
 }
 
-/// Chip samples in a time, with what is left of the last one (a third of ns).
+/// Returns the number of chip samples in a time; `left` is the remainder of the last one (a third of ns).
 pub(super) fn samples(left: &mut u64, cycle_ns: u64) -> u64 {
     let time = left.saturating_add(cycle_ns.saturating_mul(3));
     *left = time % SAMPLE;
     time / SAMPLE
 }
 
-/// The length of a cycle in chip samples, of which it has no whole number.
+/// Returns the length of a cycle in chip samples, with its fraction.
 pub(super) fn in_samples(cycle_ns: u64) -> f64 {
     cycle_ns.saturating_mul(3) as f64 / SAMPLE as f64
 }
 
-/// Nearest, half away from zero; the cast saturates, and what is no number is beyond every range.
+/// Rounds to the nearest, half away from zero; the cast saturates, and NaN becomes a value beyond every range.
 fn whole(value: f64) -> i64 {
     if value.is_nan() { i64::MAX } else { value.round() as i64 }
 }

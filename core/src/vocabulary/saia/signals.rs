@@ -7,7 +7,7 @@ use crate::signal::signal_block;
 pub const STATES: &[&str] = &["PWR", "OFF", "HOLD", "POS", "VEL", "RAMP"];
 
 signal_block! {
-    /// A signal of the vocabulary, by its place in the block.
+    /// A signal of the vocabulary, by its index in the block.
     SaiaSignal;
 
     Active "saia.active" Bit, None; "the vocabulary commands the axis"

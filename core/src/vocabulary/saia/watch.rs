@@ -1,4 +1,4 @@
-//! What happens by itself: each cycle after the commands.
+//! Monitoring in each cycle, after the commands.
 
 use super::execute::Deed;
 use super::pid::{Gains, Options};
@@ -7,11 +7,11 @@ use super::{Parameters, Phase, Saia, Starting};
 use crate::event::Refusal;
 use crate::vocabulary::{Order, View};
 
-/// Length of the position range (counts): beyond its end it wraps by that.
+/// Length of the position range (counts), by which the position wraps.
 const RANGE: i64 = 1 << 31;
 
 impl Saia {
-    /// One step at t_k, after the commands of the cycle.
+    /// Executes one step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Option<Order> {
         if self.phase == Phase::Power {
             return None;
@@ -32,7 +32,7 @@ impl Saia {
         self.begin(view)
     }
 
-    /// The axis could not do what [`step`](Self::step) asked: a start, once the drive was on.
+    /// Handles an order of [`step`](Self::step) that the axis rejected: a start after the drive was switched on.
     pub(crate) fn order_failed(&mut self, refusal: Refusal) {
         self.starting = Starting::default();
         if self.phase.moves() {
@@ -43,7 +43,7 @@ impl Saia {
         self.note_error(refusal.code);
     }
 
-    /// The position register ends at 2^30: beyond it goes on from the other end (SAIA-PRF-07).
+    /// Wraps the position register at 2^30 to the other end (SAIA-PRF-07).
     pub(super) fn wrap(&mut self, view: &View<'_>) {
         let position = self.position(view);
         if self.phase == Phase::Power || (LOWEST..=HIGHEST).contains(&position) {
@@ -55,8 +55,8 @@ impl Saia {
         self.note_jump();
     }
 
-    /// The coordinate of the axis has moved: every place is `by` more (inc). No edge was counted, so that a zero of its own
-    /// keeps its place, and with it the break position.
+    /// Adjusts to a change of all positions by `by` (inc). No edge was counted, so a zero of the vocabulary keeps its
+    /// place, and with it the break position.
     pub(crate) fn take_shift(&mut self, by: i64) {
         match self.phase {
             Phase::Power => {}
@@ -65,14 +65,14 @@ impl Saia {
         }
     }
 
-    /// The actual position has another number, and nothing has moved: that passes no break position.
+    /// Adjusts to a new value of the actual position without motion, which passes no break position.
     pub(crate) fn note_jump(&mut self) {
         if let Some(breaks) = &mut self.breaks {
             breaks.side = None;
         }
     }
 
-    /// The first index after the command, once (SAIA-DET-12).
+    /// Latches the first index after the command, once (SAIA-DET-12).
     fn watch_index(&mut self, view: &View<'_>) {
         if self.armed.is_none_or(|since| since == view.cycle) {
             return;
@@ -84,7 +84,7 @@ impl Saia {
         }
     }
 
-    /// Once, when the actual position reaches the break position or has changed sides (A21).
+    /// Sets the flag once, when the actual position reaches or passes the break position (A21).
     fn watch_break(&mut self, view: &View<'_>) {
         let position = self.position(view);
         let Some(breaks) = &mut self.breaks else { return };
@@ -95,11 +95,11 @@ impl Saia {
         }
     }
 
-    /// Follows what became of the drive, of the profile and of who commands the axis.
+    /// Updates the phase after changes of the drive, the profile and the owner of the axis.
     fn keep_pace(&mut self, view: &View<'_>) {
         let before = self.phase;
         if !view.owns || view.in_error {
-            // Something else has the axis: no start that waits, no fight.
+            // Another owner has the axis: a waiting start is cancelled.
             self.starting = Starting::default();
             self.phase = if view.on { Phase::Hold } else { Phase::Off };
         } else if self.starting.waits || (self.starting.switched && !view.on) {
@@ -110,7 +110,7 @@ impl Saia {
             if !view.on {
                 self.phase = Phase::Off;
             } else if (self.phase == Phase::Off && !is_virtual) || (self.phase.moves() && view.rests) {
-                // Somebody else switched it on; or the profile is done.
+                // Another command has enabled it; or the profile is done.
                 self.phase = Phase::Hold;
             }
         }
@@ -123,7 +123,7 @@ impl Saia {
         }
     }
 
-    /// Sets the flag of the position error; true where that switches the regulator off (SAIA-STA-07).
+    /// Sets the flag of the position error. Returns true if that switches the controller off (SAIA-STA-07).
     fn supervise_error(&mut self, view: &View<'_>) -> bool {
         let regulates = !self.is_off() && view.owns && view.on && !self.starting.waits;
         let exceeds = regulates && self.exceeds(view);
@@ -131,8 +131,8 @@ impl Saia {
         exceeds && self.error_stops
     }
 
-    /// Sets the flag where the error that ends what it does is found in the same inputs: until then it regulated (SAIA-FSM-15).
-    /// What becomes of the drive is the axis' own affair, by its error_reaction.
+    /// Sets the flag if an error of the axis in the same inputs ends the control by this vocabulary, which was active
+    /// until then (SAIA-FSM-15). The axis handles its drive by its error_reaction.
     fn note_error_of_axis(&mut self, view: &View<'_>) {
         let regulated = view.owned && !self.is_off() && !self.starting.waits;
         self.flags.error |= regulated && self.exceeds(view);
@@ -142,13 +142,13 @@ impl Saia {
         view.following_error.unsigned_abs() > self.error_limit.unsigned_abs()
     }
 
-    /// What the regulator would put out, where the drive closes its loop itself, or another law does.
+    /// Computes the output of the controller if the drive or another law closes the loop.
     fn regulate(&mut self, view: &View<'_>) {
         if view.regulates {
             return;
         }
         if self.is_off() || !view.on || self.starting.waits {
-            // Its samples go on.
+            // The sampling continues.
             scale::samples(&mut self.sample_rest, view.cycle_ns);
             self.pid.clear();
             return;
@@ -157,8 +157,8 @@ impl Saia {
         self.sample(&view.parameters.vocabularies.saia, &gains, view.cycle_ns, view.following_error);
     }
 
-    /// The regulator closes the loop of the axis: its output for an error (counts), -1 to 1. Before the module is initialised its registers
-    /// hold as they stand.
+    /// Executes the controller that closes the loop of the axis: returns its output for an error (counts), -1 to 1.
+    /// Before the module is initialised it uses the present registers.
     pub(crate) fn close_loop(&mut self, p: &Parameters, cycle_ns: u64, error: i64) -> f64 {
         let gains = if self.phase == Phase::Power { Gains::of(p) } else { self.gains };
         self.sample(p, &gains, cycle_ns, error);
@@ -166,17 +166,18 @@ impl Saia {
         f64::from(code) / if self.pwm { 128.0 } else { 2048.0 }
     }
 
-    /// Switched off by whomever: no output, no past (SAIA-PID-05, SAIA-PID-06).
+    /// Clears output and history of the controller, because the axis was switched off (SAIA-PID-05, SAIA-PID-06).
     pub(crate) fn open_loop(&mut self) {
         self.pid.clear();
     }
 
-    /// It was not stepped while the axis was held: what has changed meanwhile is no motion to be damped.
+    /// Skips the time in which the axis was held and the controller was not stepped: the change of the error is no
+    /// motion to be damped.
     pub(crate) fn forget_loop_past(&mut self) {
         self.pid.forget_past();
     }
 
-    /// A cycle in chip samples, of which it has some and a rest (SAIA-SW-01).
+    /// Executes the controller for a cycle, which has a number of chip samples and a remainder (SAIA-SW-01).
     fn sample(&mut self, p: &Parameters, gains: &Gains, cycle_ns: u64, error: i64) {
         let options = Options { clamp_sum: p.clamp_sum, chip_integral: p.chip_integral };
         let count = scale::samples(&mut self.sample_rest, cycle_ns);

@@ -1,10 +1,12 @@
 //! Blocks of a closed-loop axis, on the profiles of the axis.
 //!
-//! Law      blocks of one direction are one motion to the end of the last of them. Within each block the velocity stays within
-//!          its own speed: a slower block is slowed down for before its begin, a faster one is sped up for from there on
+//! Law      blocks of one direction are one motion to the end of the last of them. Within each block the velocity is
+//!          limited to its speed: the axis decelerates before the begin of a slower block, and accelerates from the
+//!          begin of a faster one
 //! Reads    the command of the axis
-//! Writes   positions to go to, with the speed that binds
-//! Source   WF-CLC-01, WF-CLC-02, WF-SET-03; the change on the fly of section 8 is told for open loops, this is its like here
+//! Writes   target positions, with the speed of the limiting block
+//! Source   WF-CLC-01, WF-CLC-02, WF-SET-03; section 8 describes the change on the fly for open loops, this is the
+//!          equivalent for closed loops
 
 use super::request::{Mode, Speed};
 use super::{State, Wf, direction, is_open};
@@ -26,7 +28,7 @@ impl Wf {
         self.go_on(view)
     }
 
-    /// To the end of all, with the speed of the block that binds.
+    /// Returns the order to the end of all blocks, with the speed of the limiting block.
     fn go_on(&mut self, view: &View<'_>) -> Order {
         self.speed = self.value_of(self.active, view);
         Order::Position {
@@ -73,10 +75,10 @@ impl Wf {
         Some(self.go_on(view))
     }
 
-    /// The profile has ended.
+    /// Handles the end of the profile.
     fn arrive(&mut self, view: &View<'_>) -> Option<Order> {
         if view.command.position.floor() != self.set.nearest() {
-            // Something else ended it.
+            // Another command ended it.
             self.leave();
             return None;
         }
@@ -85,16 +87,17 @@ impl Wf {
         self.settle(view)
     }
 
-    /// Has the command come to the end of a block?
+    /// Returns true if the command has reached the end of a block.
     fn is_past(&self, block: u8, view: &View<'_>) -> bool {
         let (end, now) = (self.end_of(block), view.command.position);
         if self.direction < 0 { now <= end } else { now >= end }
     }
 
-    /// The block that runs, or a slower one behind it that the motion has to slow down for by now.
+    /// Returns the limiting block: the one that runs, or a slower one after it for which the motion has to decelerate
+    /// now.
     fn binding_block(&self, view: &View<'_>) -> u8 {
         let mut bound = self.active;
-        // Once it slows down for a block it stays as slow until that begins.
+        // Once it decelerates for a block, the limit stays until that block begins.
         if self.bound > bound && self.velocity_of(self.bound, view) < self.velocity_of(bound, view) {
             bound = self.bound;
         }
@@ -106,12 +109,12 @@ impl Wf {
         bound
     }
 
-    /// Would it, a cycle later, come to a block faster than that allows?
+    /// Returns true if the axis would reach a block too fast if it decelerated one cycle later.
     fn must_slow_for(&self, block: u8, view: &View<'_>) -> bool {
         let now = view.command;
         let sign = f64::from(self.direction);
         let cycle_s = view.cycle_ns as f64 / 1e9;
-        // What the next cycle may bring.
+        // The velocity after the next cycle.
         let soon = sign * now.velocity + (sign * now.acceleration).max(0.0) * cycle_s;
         let allowed = self.velocity_of(block, view);
         if soon <= allowed {
@@ -119,7 +122,8 @@ impl Wf {
         }
         let left = sign * (self.end_of(block.saturating_sub(1)) - now.position).to_f64() - 2.0 * soon * cycle_s;
         let limits = self.limits_of(block, view);
-        // With limited jerk slowing down may take more than stopping, but never twice as much: twice the mean velocity.
+        // With limited jerk, the distance for decelerating may exceed the stopping distance, but is at most twice as long,
+        // because the mean velocity is at most twice as high.
         if left > 2.0 * sign * profile::stopping_way(now, &limits) {
             return false;
         }
@@ -127,8 +131,8 @@ impl Wf {
         sign * (slowed.end() - now.position).to_f64() >= left
     }
 
-    /// Alarm 10 in travel, 11 at standstill (WF-MON-04, W13), whoever moves the axis: the module watches its axis from enable
-    /// on. In open loop the way to the end of a block is no error.
+    /// Raises alarm 10 in motion, 11 at standstill (WF-MON-04, W13), for any owner of the axis: the module monitors its
+    /// axis while it is enabled. In open loop the distance to the end of a block is no error.
     pub(super) fn watch_following_error(&mut self, view: &View<'_>) -> Option<Order> {
         let allowed = view.parameters.vocabularies.wf.max_following_error.filter(|_| !is_open(view))?;
         if !view.on || !view.error.is_none() || self.state == State::Alarm {

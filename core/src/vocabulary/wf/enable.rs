@@ -6,7 +6,7 @@
 /// Alarms below this number drop the controller enable.
 const FIRST_HARMLESS_ALARM: u8 = 60;
 
-/// Is the controller enabled? `alarm` 0 is none.
+/// Returns true if the controller is enabled. `alarm` 0 means none.
 pub fn enable(request: bool, ready: bool, reset: bool, alarm: u8) -> bool {
     request && !reset && !(1..FIRST_HARMLESS_ALARM).contains(&alarm) && ready
 }

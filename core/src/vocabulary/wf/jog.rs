@@ -1,7 +1,8 @@
 //! Setup: JOG+ and JOG- run the axis as long as they are set.
 //!
-//! Law      open loop: the set position follows the actual one, the speed comes and goes at once. Where the way to a software
-//!          limit is no more than a step allows, the limit becomes the set position and the steps act (WF-LIM-02)
+//! Law      open loop: the set position follows the actual one, the speed is switched on and off at once. If the
+//!          distance to a software limit is within that of a step, the limit becomes the set position and the steps
+//!          apply (WF-LIM-02)
 //! Source   WF-SET-01, WF-SET-02, WF-LIM-02, WF-LIM-03
 
 use super::program::check_speed;
@@ -14,7 +15,7 @@ use crate::position::Position;
 use crate::vocabulary::{Order, View};
 
 impl Wf {
-    /// Does what the inputs say now.
+    /// Applies the present inputs.
     pub(super) fn jog(&mut self, view: &View<'_>) -> Result<Option<Order>, Objection> {
         let direction = self.jog.direction();
         if direction == 0 {
@@ -44,7 +45,7 @@ impl Wf {
         Ok(Some(Order::Velocity { velocity: f64::from(direction) * velocity, limits }))
     }
 
-    /// The stop of an axis that ran by an input which the verb releases; none where that ran nothing.
+    /// Returns the stop of an axis that ran by an input which the request releases; `None` if no input ran it.
     pub(crate) fn release(&mut self, request: &Request, view: &View<'_>) -> Option<Order> {
         let jog = request.jog?;
         let runs = self.mode == Mode::Jog && view.owns && self.is_running() && !self.ending;
@@ -65,7 +66,7 @@ impl Wf {
         Ok(self.put_out(view, state, speed))
     }
 
-    /// The step that the way to the software limit asks for; the limit is the set position then.
+    /// Returns the step for the distance to the software limit; the limit becomes the set position then.
     fn limited(&mut self, view: &View<'_>, present: i64) -> Option<(State, i64)> {
         let p = view.parameters;
         let limit = if self.direction > 0 { p.max_position } else { p.min_position };

@@ -1,18 +1,20 @@
 //! Blocks and modes of the Siemens WF 725 / 726 positioning modules.
 //!
-//! Law      START fixes the ends of all blocks, from the end before: P + NV + WK + preset (G90), or the end before + P (G91)
-//!          closed loop: trapezoid with MD1, MD2; blocks of one direction run on without a stop, through each end with the
-//!          lower of both speeds
-//!          open loop: the speed is a function of the way that is left; each block of one direction is adopted at a
-//!          deceleration point of the one before
-//!          position reached (PEH): inside the window within MD30 of the switch-off, and never outside again
+//! Law      START fixes the ends of all blocks, from the previous end: P + NV + WK + preset (G90), or previous end + P
+//!          (G91)
+//!          closed loop: trapezoid with MD1, MD2; blocks of one direction run without a stop between them, and pass
+//!          each end with the lower of both speeds
+//!          open loop: the speed is a function of the distance to go; a block of the same direction is adopted at a
+//!          deceleration point of the previous one
+//!          position reached (PEH): within the window before MD30 has elapsed since the switch-off, and never outside
+//!          of it again
 //! Reads    machine data `wf.*`, the command or actual position
 //! Writes   orders, its signals
 //! Refuses  START without blocks, request or in motion, speeds that are 0 or too high, ends beyond the software limits
 //! Source   spec/wf725.md
 //!
-//! The module works in cycles of 4 ms; here the same is judged in every cycle of the axis. What the source counts in module
-//! cycles (G) keeps its time.
+//! The module works in cycles of 4 ms; this implementation evaluates the same in every cycle of the axis. Times that
+//! the source counts in module cycles (G) are kept.
 
 mod closed;
 mod enable;
@@ -38,15 +40,15 @@ use crate::parameter::wf::Parameters;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
-/// Three module cycles: after START the speed value may be read (WF-IF-08) (ns).
+/// Three module cycles (ns), after which the speed value may be read (WF-IF-08).
 const SPEED_VALID_NS: u64 = 12_000_000;
-/// Speed values of one volt (WF-DAC-02). Divided by, it gives the nearest f64 to each tenth.
+/// Speed values per volt (WF-DAC-02). A division by it gives the nearest f64 to each tenth.
 const VALUES_PER_VOLT: f64 = 10.0;
 
 /// State of a block (WF-OST-01 to 10); a closed loop has no steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum State {
-    /// Nothing runs.
+    /// No motion.
     #[default]
     Idle = 0,
     /// At the programmed speed, or on the profile.
@@ -68,39 +70,39 @@ pub(crate) enum State {
 /// Names of [`State`], by number.
 const STATES: &[&str] = &["IDLE", "RUN", "STEP1", "STEP2", "STEP3", "SETTLE", "DONE", "ALARM"];
 
-/// What the vocabulary remembers of its axis.
+/// State of the vocabulary.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wf {
     mode: Mode,
     program: Blocks,
-    /// Where the blocks of this START end (inc), before rounding.
+    /// Ends of the blocks of this START (inc), before rounding.
     ends: [Position; MAX_BLOCKS],
-    /// Block that the next START begins with, the one that runs, and the one behind the last of this START.
+    /// First block of the next START, active block, and the block after the last one of this START.
     next: u8,
     active: u8,
     end: u8,
-    /// Closed loop: last block that runs on in the direction of the active one, and the block whose speed binds.
+    /// Closed loop: last block in the direction of the active one, and the limiting block.
     last: u8,
     bound: u8,
     jog: Jog,
-    /// The deceleration cam as the interface has it.
+    /// Deceleration cam of the interface.
     cam: bool,
     fixed_speed: u8,
-    /// The controller enable request was taken back.
+    /// Whether the controller enable request was withdrawn.
     withdrawn: bool,
-    /// The reset bit of this cycle, and that of the verb under way.
+    /// Reset bit of this cycle, and that of the present request.
     reset: bool,
     resets: bool,
     state: State,
-    /// Where the last block leads (inc), before rounding.
+    /// End of the last block (inc), before rounding.
     set: Position,
-    /// Of travel: 1, -1, or 0.
+    /// Direction of motion: 1, -1, or 0.
     direction: i8,
-    /// Speed value that is put out; closed loop: that of the block.
+    /// Present speed value; closed loop: that of the block.
     speed: f64,
-    /// Closed loop: it stops, and then the state is IDLE.
+    /// Closed loop: whether it stops, with state IDLE at the end.
     ending: bool,
-    /// Open loop: the next block was considered; the distance to go is to its end (WF-BCF-04).
+    /// Open loop: whether the next block was considered; the distance to go is to its end (WF-BCF-04).
     considered: bool,
     started: u64,
     switched_off: u64,
@@ -109,14 +111,14 @@ pub struct Wf {
     /// Zero of the programmed positions (actual value preset).
     preset: Position,
     synchronized: bool,
-    /// An order of a step was refused: what runs has to be stopped.
+    /// Whether an order of a step was rejected: the motion has to be stopped.
     failed: bool,
-    /// As the last step left it.
+    /// Outputs of the last step.
     switching: Switching,
 }
 
 impl Wf {
-    /// Does a verb; where it or its order is refused, the caller keeps the state from before.
+    /// Executes a request. If it or its order is refused, the caller keeps the previous state.
     pub(crate) fn run(&mut self, request: &Request, view: &View<'_>) -> Result<Option<Order>, Refusal> {
         let refuse = |code| Err(Refusal::new(code, Object::Axis(request.axis)));
         if request.reset {
@@ -160,7 +162,8 @@ impl Wf {
         if request.jog.is_some() || request.fixed_speed.is_some() {
             self.jog = request.jog.unwrap_or(self.jog);
             self.fixed_speed = request.fixed_speed.unwrap_or(self.fixed_speed).clamp(1, FIXED_SPEEDS);
-            // Without the enable they are taken as they are, and run nothing: what takes it is not refused for their sake.
+            // Without the enable they are only stored: they must not cause a refusal of the request that removes the
+            // enable.
             if request.enable != Some(false) && self.mode == Mode::Reference {
                 order = self.travel(view).map_err(|refusal| refusal.of(request.axis))?.or(order);
             }
@@ -174,22 +177,22 @@ impl Wf {
         Ok(order)
     }
 
-    /// The axis itself has a new zero: programmed positions refer to it (WF-IF-11, WF-REF-05).
+    /// Takes a new zero of the axis: programmed positions refer to it (WF-IF-11, WF-REF-05).
     pub(crate) fn take_zero(&mut self) {
         (self.synchronized, self.preset) = (true, Position::ZERO);
     }
 
-    /// What was known of the zero does not hold any more.
+    /// Marks the zero as no longer valid.
     pub(crate) fn lose_zero(&mut self) {
         self.synchronized = false;
     }
 
-    /// Is anything asked of an axis that no verb has named yet?
+    /// Returns true if the vocabulary has work to do before its first request.
     pub(crate) fn wakes(&self, p: &Parameters) -> bool {
         p.max_following_error.is_some()
     }
 
-    /// One step at t_k, after the commands of the cycle.
+    /// Executes one step at t_k, after the commands of the cycle.
     pub(crate) fn step(&mut self, view: &View<'_>) -> Option<Order> {
         let order = self.step_block(view);
         self.switching = if is_open(view) { self.switch(view) } else { Switching::default() };
@@ -219,10 +222,10 @@ impl Wf {
         if is_open(view) { self.step_open(view) } else { self.step_closed(view) }
     }
 
-    /// Switched off, F and B show where the target lies (WF-OLC-10).
+    /// Returns the outputs. After the switch-off, F and B show the direction to the target (WF-OLC-10).
     fn switch(&self, view: &View<'_>) -> Switching {
         let output = self.is_running();
-        // Reference travel may turn round on the cam, whatever JOG says.
+        // Reference travel may reverse on the cam, independently of JOG.
         let turned = self.mode == Mode::Reference && f64::from(self.direction) * view.search_speed < 0.0;
         let direction = if turned { -self.direction } else { self.direction };
         let towards = if output { direction.into() } else { self.following_error(view) };
@@ -230,23 +233,24 @@ impl Wf {
         Switching { forward: towards > 0, backward: towards < 0, output, dac }
     }
 
-    /// The axis could not do what [`step`](Self::step) asked.
+    /// Handles an order of [`step`](Self::step) that the axis rejected.
     pub(crate) fn order_failed(&mut self, _refusal: Refusal) {
         self.leave();
         self.failed = true;
     }
 
-    /// The deceleration cam that the verbs tell of.
+    /// Returns the deceleration cam, which the requests set.
     pub(crate) fn cam(&self) -> bool {
         self.cam
     }
 
-    /// What it asks of the outputs in this cycle.
+    /// Returns the commanded outputs of this cycle.
     pub(crate) fn switching(&self) -> Switching {
         self.switching
     }
 
-    /// Writes its signals: one word for each of [`WfSignal`]. `switching` is what the axis lets through of what it asks.
+    /// Writes its signals: one word for each of [`WfSignal`]. `switching` are the commanded outputs that the axis
+    /// allows.
     pub(crate) fn publish(&self, view: &View<'_>, switching: Switching, words: &mut [u64]) {
         use WfSignal as S;
         let mut set = |signal: WfSignal, word: u64| {
@@ -275,7 +279,7 @@ impl Wf {
         set(S::DistanceToGo, self.distance_to_go(view).cast_unsigned());
     }
 
-    /// Could its state have come about? One that was read from outside may hold anything.
+    /// Returns true if a restored state is valid.
     pub(crate) fn is_sound(&self) -> bool {
         let legal = self.ends.iter().chain([&self.set]).all(|position| position.is_legal());
         // The preset is a difference of two legal positions and offsets.
@@ -287,12 +291,12 @@ impl Wf {
         legal && near && inside && speed && self.program.is_sound() && self.direction.unsigned_abs() <= 1
     }
 
-    /// Is the mode one in which the inputs JOG+ and JOG- run the axis?
+    /// Returns true if the inputs JOG+ and JOG- run the axis in this mode.
     fn has_no_blocks(&self) -> bool {
         matches!(self.mode, Mode::Jog | Mode::Reference)
     }
 
-    /// A speed is put out, or a profile runs.
+    /// Returns true if a speed is commanded, or a profile runs.
     fn is_running(&self) -> bool {
         matches!(self.state, State::Run | State::Step1 | State::Step2 | State::Step3)
     }
@@ -312,7 +316,7 @@ impl Wf {
         }
     }
 
-    /// The reset bit: ends what runs, acknowledges the alarm (WF-MON-06).
+    /// Handles the reset bit: ends the motion and acknowledges the alarm (WF-MON-06).
     fn acknowledge(&mut self, view: &View<'_>) -> Option<Order> {
         self.resets = true;
         if self.alarm == 0 {
@@ -322,7 +326,8 @@ impl Wf {
         Some(Order::Reset)
     }
 
-    /// The error of the axis is cleared: that acknowledges the alarm as well, whether it has stopped the axis or not.
+    /// Handles a reset of the error of the axis, which acknowledges the alarm as well, whether or not it has stopped
+    /// the axis.
     pub(crate) fn take_reset(&mut self) {
         if self.alarm != 0 {
             self.clear_alarm();
@@ -334,20 +339,20 @@ impl Wf {
         self.leave();
     }
 
-    /// Ends what runs; a position that is reached stays so.
+    /// Ends the motion; a reached position is kept.
     fn stop(&mut self, view: &View<'_>) -> Option<Order> {
         self.end = self.end.min(self.active + 1);
         if !self.is_running() && self.state != State::Settle {
             return None;
         }
-        // The travel was done at the mark, and its speed is off already (WF-REF-09).
+        // The travel ended at the mark, and its speed is off already (WF-REF-09).
         if self.mode == Mode::Reference && self.state == State::Settle {
             return None;
         }
         Some(self.standstill(view))
     }
 
-    /// Open loop: off at once. Closed loop: down the ramp.
+    /// Returns the stop. Open loop: off at once. Closed loop: with a ramp.
     fn standstill(&mut self, view: &View<'_>) -> Order {
         if is_open(view) {
             self.leave();
@@ -359,7 +364,7 @@ impl Wf {
         Order::Stop { limits: p.vocabularies.wf.limits(p.max_velocity, view.largest_limits()) }
     }
 
-    /// Nothing runs any more, whoever moves the axis now.
+    /// Ends all activity; another owner may move the axis.
     fn leave(&mut self) {
         self.state = State::Idle;
         self.ending = false;
@@ -369,7 +374,7 @@ impl Wf {
         self.end = self.active;
     }
 
-    /// Stops the axis by the way of its errors.
+    /// Raises an alarm, which stops the axis through its errors.
     fn raise(&mut self, alarm: u8, code: Code, found: i64, allowed: i64) -> Option<Order> {
         self.leave();
         self.state = State::Alarm;
@@ -377,7 +382,7 @@ impl Wf {
         Some(Order::Fail { code, found: Number::Position(found), allowed: Number::Position(allowed) })
     }
 
-    /// The axis itself has raised an alarm, and its drive is off already.
+    /// Takes an alarm that the axis itself raised; its drive is already off.
     pub(crate) fn note_alarm(&mut self, alarm: u8) {
         self.leave();
         self.state = State::Alarm;
@@ -403,12 +408,12 @@ impl Wf {
         None
     }
 
-    /// Alarm 22.
+    /// Raises alarm 22.
     fn miss(&mut self, error: i64, window: i64) -> Option<Order> {
         self.raise(22, Code::WF_POSITION_NOT_REACHED, error, window)
     }
 
-    /// MD30 has elapsed.
+    /// Returns true if MD30 has elapsed.
     fn is_late(&self, view: &View<'_>) -> bool {
         let wf = &view.parameters.vocabularies.wf;
         let since = if wf.peh_from_start == 1 { self.started } else { self.switched_off };
@@ -422,7 +427,7 @@ impl Wf {
         self.speed = 0.0;
     }
 
-    /// Set position minus actual position (inc); open loop: 0 while nothing has an end.
+    /// Returns set position minus actual position (inc); open loop: 0 without a target.
     fn following_error(&self, view: &View<'_>) -> i64 {
         let actual = view.actual.position.floor();
         let has_end = match self.state {
@@ -447,44 +452,45 @@ impl Wf {
         self.end_of(block).nearest().saturating_sub(view.actual.position.floor())
     }
 
-    /// Where a block ends.
+    /// Returns the end of a block.
     fn end_of(&self, block: u8) -> Position {
         self.ends.get(usize::from(block)).copied().unwrap_or(self.set)
     }
 
-    /// Sign of the way of a block whose end before is known.
+    /// Returns the direction of a block whose previous end is known.
     fn direction_of(&self, block: u8) -> i8 {
         direction(self.end_of(block.saturating_sub(1)), self.end_of(block))
     }
 }
 
-/// Is the axis one with reduction steps?
+/// Returns true if the axis has reduction steps.
 fn is_open(view: &View<'_>) -> bool {
     view.interface == Some(Interface::OpenLoop)
 }
 
-/// Does anything move the axis? What coasts because the vocabulary switched it off may be started again.
+/// Returns true if the axis is in motion. An axis that coasts after the vocabulary switched it off may be started
+/// again.
 fn is_moved(view: &View<'_>) -> bool {
     !(view.rests || is_open(view) && view.owns)
 }
 
-/// Since a cycle (ns).
+/// Returns the time since a cycle (ns).
 fn elapsed(view: &View<'_>, since: u64) -> u64 {
     view.cycle.saturating_sub(since).saturating_mul(view.cycle_ns)
 }
 
-/// Sign of the way from one whole increment to another.
+/// Returns the direction from one whole increment to another.
 fn direction(from: Position, to: Position) -> i8 {
     to.nearest().cmp(&from.nearest()) as i8
 }
 
-/// NV + WK.
+/// Returns NV + WK.
 fn offsets(view: &View<'_>) -> Position {
     let wf = &view.parameters.vocabularies.wf;
     Position::whole(wf.zero_offset) + Position::whole(wf.tool_length)
 }
 
-/// Why a verb is refused, before the axis is known.
+/// Reason to refuse a request, without the axis.
 #[derive(Clone, Copy, Debug)]
 struct Objection {
     code: Code,
@@ -498,7 +504,7 @@ impl Objection {
         Self { code, parameter: None, asked: Number::None, limit: Number::None }
     }
 
-    /// The same about a parameter.
+    /// Returns the objection with a parameter.
     fn about(self, row: u16) -> Self {
         Self { parameter: Some(row), ..self }
     }

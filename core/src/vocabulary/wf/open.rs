@@ -1,7 +1,8 @@
 //! Blocks of an open-loop axis: reduction steps, and change on the fly.
 //!
-//! Law      deceleration point: a step slower than the present speed is reached. There the next block is considered: it is
-//!          adopted where it is as fast as the present speed or faster than that step, else the step is done
+//! Law      deceleration point: a step slower than the present speed is reached. There the next block is evaluated: it
+//!          is adopted if it is at least as fast as the present speed or faster than that step, otherwise the step is
+//!          applied
 //! Reads    the actual position
 //! Writes   the speed of the drive
 //! Source   WF-OST-01 to 10, WF-BCF-01 to 05, W09
@@ -19,14 +20,14 @@ impl Wf {
         self.put_out(view, state, speed)
     }
 
-    /// State and speed with which the active block begins, from the way that is left of it.
+    /// Returns state and speed at the begin of the active block, from its distance to go.
     fn enter_block(&mut self, view: &View<'_>) -> (State, i64) {
         self.set = self.end_of(self.active);
         let left = self.way_left(view);
         Steps::of(view.parameters).begin(self.value_of(self.active, view) as i64, left)
     }
 
-    /// In the direction of travel (inc); below 0 the end is passed.
+    /// Returns the distance to go in the direction of motion (inc); below 0 the end is passed.
     pub(super) fn way_left(&self, view: &View<'_>) -> i64 {
         self.set.nearest().saturating_sub(view.actual.position.floor()).saturating_mul(self.direction.into())
     }
@@ -62,10 +63,10 @@ impl Wf {
         Some(self.put_out(view, state, speed))
     }
 
-    /// At a deceleration point: is the next block adopted?
+    /// Returns true if the next block is adopted at a deceleration point.
     fn change_on_the_fly(&mut self, view: &View<'_>, present: i64, due: i64) -> bool {
         let next = self.active.saturating_add(1);
-        // One that turns back has to wait for the end of this one (W09).
+        // A block of the opposite direction has to wait for the end of this one (W09).
         if next >= self.end || self.direction_of(next) != self.direction {
             return false;
         }

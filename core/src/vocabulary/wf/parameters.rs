@@ -1,11 +1,11 @@
-//! What the machine data of an axis say of a motion.
+//! Conversion of machine data of an axis to limits and speeds.
 
 use crate::parameter::Row;
 use crate::parameter::wf::Parameters;
 use crate::profile::Limits;
 
 impl Parameters {
-    /// Limits of a motion at `velocity` (inc/s), given the largest of the axis.
+    /// Returns the limits of a motion at `velocity` (inc/s), within the maximum limits of the axis.
     pub(super) fn limits(&self, velocity: f64, largest: Limits) -> Limits {
         Limits {
             velocity: velocity.min(largest.velocity),
@@ -15,7 +15,7 @@ impl Parameters {
         }
     }
 
-    /// Setup speed that the fixed-speed bits choose: place of its row, and its speed value.
+    /// Returns the setup speed of the fixed-speed bits: index of its row, and its speed value.
     pub(super) fn fixed_speed(&self, choice: u8) -> (u16, f64) {
         match choice {
             2 => (const { Row::place("wf.fixed_speed_2") }, self.fixed_speed_2),

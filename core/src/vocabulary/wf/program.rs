@@ -1,4 +1,4 @@
-//! Blocks: loading them, START, and where each of them ends.
+//! Blocks: loading them, START, and the calculation of their ends.
 
 use super::request::{Blocks, FULL_SPEED, MOST_BCD, Mode, Speed};
 use super::{Objection, State, Wf, is_open, offsets};
@@ -8,11 +8,11 @@ use crate::modulo::Direction;
 use crate::position::Position;
 use crate::vocabulary::{Order, View};
 
-/// Least velocity of a block (inc/s): with less, it would outlast its machine.
+/// Minimum velocity of a block (inc/s), so that it ends in reasonable time.
 const LEAST_VELOCITY: f64 = 1e-6;
 
 impl Wf {
-    /// Takes a program; the next START begins with its first block.
+    /// Loads a program; the next START begins with its first block.
     pub(super) fn load(&mut self, blocks: &Blocks, view: &View<'_>) -> Result<(), Objection> {
         if blocks.count() == 0 {
             return Err(Objection::new(Code::WF_NO_BLOCKS));
@@ -22,7 +22,7 @@ impl Wf {
         self.check_program(view)
     }
 
-    /// What must hold for the blocks in this mode.
+    /// Checks the blocks for this mode.
     fn check_program(&self, view: &View<'_>) -> Result<(), Objection> {
         let count = self.program.count();
         if self.mode == Mode::Mdi && count > 1 {
@@ -38,7 +38,7 @@ impl Wf {
         Ok(())
     }
 
-    /// START: the ends of all blocks that it runs are fixed, then the first of them begins.
+    /// START: fixes the ends of all blocks that it runs, then begins the first one.
     pub(super) fn start(&mut self, view: &View<'_>) -> Result<Order, Objection> {
         if matches!(self.mode, Mode::Jog | Mode::ActualValue | Mode::Reference) {
             return Err(Objection::new(Code::WF_NOT_IN_THIS_MODE));
@@ -69,7 +69,7 @@ impl Wf {
         Ok(self.begin(view))
     }
 
-    /// Lets the active block begin from rest.
+    /// Begins the active block from rest.
     pub(super) fn begin(&mut self, view: &View<'_>) -> Order {
         self.started = view.cycle;
         self.speed_valid = false;
@@ -78,7 +78,7 @@ impl Wf {
         if is_open(view) { self.begin_open(view) } else { self.begin_closed(view) }
     }
 
-    /// Conditions of START, JOG+ and JOG- that are the vocabulary's own (WF-IF-04).
+    /// Checks the conditions of the vocabulary for START, JOG+ and JOG- (WF-IF-04).
     pub(super) fn check_enable(&self) -> Result<(), Objection> {
         if self.alarm != 0 {
             let number = Number::Count(self.alarm.into());
@@ -90,7 +90,8 @@ impl Wf {
         Ok(())
     }
 
-    /// Where a distance counts from (inc): the end before, as long as the axis stands for it; else where it is.
+    /// Returns the base of a distance (inc): the previous end if the axis is still there, otherwise its present
+    /// position.
     pub(super) fn place(&self, view: &View<'_>) -> Position {
         if is_open(view) {
             return if self.state == State::Done { self.set } else { view.actual.position };
@@ -101,10 +102,10 @@ impl Wf {
 
     fn find_end(&self, place: u8, from: Position, view: &View<'_>) -> Result<Position, Objection> {
         let block = self.program.get(place).copied().unwrap_or_default();
-        // WK and NV act on absolute blocks only (WF-CRD-02, W16).
+        // WK and NV apply to absolute blocks only (WF-CRD-02, W16).
         let end = if block.absolute { block.position + offsets(view) + self.preset } else { from + block.position };
         let end = match view.modulo {
-            // WF-ROT-03: the JOG inputs choose the direction of approach. Beyond 2^62 there is no turn to be counted.
+            // WF-ROT-03: the JOG inputs select the direction of approach. Beyond 2^62 there is no turn to be counted.
             Some(modulo) if block.absolute && end.is_legal() => {
                 let direction = match self.jog.direction() {
                     1 => Direction::Positive,
@@ -129,7 +130,7 @@ impl Wf {
         Ok(end)
     }
 
-    /// Speed value of a block: whole in an open loop.
+    /// Returns the speed value of a block: a whole number in open loop.
     pub(super) fn value_of(&self, place: u8, view: &View<'_>) -> f64 {
         let speed = self.program.get(place).map_or(Speed::default(), |block| block.speed);
         let value = speed.value(view.parameters.max_velocity);
@@ -137,7 +138,7 @@ impl Wf {
     }
 }
 
-/// The speed value that a speed becomes.
+/// Returns the speed value of a speed.
 pub(super) fn check_speed(speed: Speed, view: &View<'_>) -> Result<f64, Objection> {
     let max_velocity = view.parameters.max_velocity;
     let (value, velocity) = (speed.value(max_velocity), speed.velocity(max_velocity));

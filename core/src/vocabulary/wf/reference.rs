@@ -1,13 +1,14 @@
-//! Reference travel: JOG+ or JOG- leads to the cam, across it and on to the zero mark.
+//! Reference travel: JOG+ or JOG- moves the axis to the cam, across it and to the zero mark.
 //!
-//! Law      rapid until the cam is on, reduced until it is off, creep until the zero mark; closed loop: on by MD17 to the reference
-//!          point. There the position is MD16. Open loop: the speed is switched off at the zero mark, where the position is MD16.
-//!          MD7 is the side of the cam on which that happens: 0 the one that JOG leads to, 1 plus, 2 minus; for the side that it
-//!          comes from it turns round on the cam
-//!          Open loop: once the speed is off, by the mark, JOG or the enable, it coasts; only before the mark that ends it without a zero
-//! Reads    MD15: the reference switch, or the cam bit of the verbs; the index of the axis
-//! Writes   one order; the axis does the rest as homing; the speed value and the direction are those of the way under way
-//! Refuses  speeds that are 0 or too high; without a zero mark in a revolution: alarm 9
+//! Law      rapid until the cam is on, reduced until it is off, creep until the zero mark; closed loop: continue by
+//!          MD17 to the reference point, where the position is MD16. Open loop: the speed is switched off at the zero
+//!          mark, where the position is MD16. MD7 selects the side of the cam for the zero mark: 0 the side in the
+//!          direction of JOG, 1 plus, 2 minus; for the side from which the axis came, it reverses on the cam. Open
+//!          loop: once the speed is off, by the mark, JOG or the enable, the axis coasts; only before the mark does
+//!          that end the travel without a zero
+//! Reads    MD15: the reference switch, or the cam bit of the requests; the index of the axis
+//! Writes   one order, which the axis executes like homing; speed value and direction are those of the present phase
+//! Refuses  speeds that are 0 or too high; without a zero mark within a revolution: alarm 9
 //! Source   WF-REF-01 to WF-REF-12, WF-MD-05, WF-MD-08; W10: JOG has to be held
 
 use super::program::check_speed;
@@ -18,10 +19,10 @@ use crate::parameter::Row;
 use crate::vocabulary::{Order, Travel, View};
 
 impl Wf {
-    /// Does what the inputs say now.
+    /// Applies the present inputs.
     pub(super) fn travel(&mut self, view: &View<'_>) -> Result<Option<Order>, Objection> {
         let direction = self.jog.direction();
-        // Open loop: behind the mark the travel is done, as far as JOG goes.
+        // Open loop: after the mark JOG has no further effect on the travel.
         let is_under_way = self.is_running() || self.state == State::Settle;
         if is_under_way && direction == self.direction {
             return Ok(None);
@@ -66,7 +67,7 @@ impl Wf {
         Ok(Some(Order::ReferenceTravel(travel)))
     }
 
-    /// WF-REF-12: released, the axis stops, and knows no more than before.
+    /// WF-REF-12: when JOG is released, the axis stops, and its zero does not change.
     fn end_travel(&mut self, view: &View<'_>) -> Option<Order> {
         if !self.is_running() || self.ending {
             return None;
@@ -79,7 +80,7 @@ impl Wf {
         Some(Order::Stop { limits: p.vocabularies.wf.limits(p.max_velocity, view.largest_limits()) })
     }
 
-    /// One step while the axis travels, or stops.
+    /// Executes one step of the travel or of its stop.
     pub(super) fn step_travel(&mut self, view: &View<'_>) {
         if view.error == Code::WF_NO_ZERO_MARK {
             self.leave();
@@ -100,7 +101,7 @@ impl Wf {
                 self.switch_off(view);
             }
         } else if view.search_speed != 0.0 {
-            // As it was programmed: what the conversion to increments has added to it is taken off.
+            // Removes the rounding of the conversion to increments, so that the value is the programmed one.
             let speed = view.search_speed.abs() / view.parameters.max_velocity * FULL_SPEED;
             self.speed = ((speed * 1e6).round() / 1e6).clamp(0.0, FULL_SPEED);
         }

@@ -1,25 +1,25 @@
-//! What a verb of the vocabulary asks for.
+//! Requests of the vocabulary.
 
 use crate::position::{Length, Position};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Most blocks of a program.
+/// Maximum blocks of a program.
 pub const MAX_BLOCKS: usize = 16;
-/// Largest speed value of a closed-loop axis: `max_velocity`.
+/// Maximum speed value of a closed-loop axis: `max_velocity`.
 pub const FULL_SPEED: f64 = 100.0;
-/// Largest speed value of an open-loop axis: two decimal digits (WF-DAC-02).
+/// Maximum speed value of an open-loop axis: two decimal digits (WF-DAC-02).
 pub const MOST_BCD: f64 = 99.0;
-/// How many setup speeds the fixed-speed bits choose from.
+/// Number of setup speeds that the fixed-speed bits select.
 pub const FIXED_SPEEDS: u8 = 3;
 
 /// Mode of operation (WF-MOD-01).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Mode {
-    /// Manual data input: START runs the one block that was given.
+    /// Manual data input: START runs the only block of the program.
     #[default]
     Mdi = 0,
-    /// Single block: START runs the selected block, and the same one again.
+    /// Single block: START runs the selected block, each time the same one.
     Single = 1,
     /// Automatic single block: START runs the next block of the program.
     Automatic = 2,
@@ -27,9 +27,9 @@ pub enum Mode {
     Continuous = 3,
     /// Setup: JOG+ and JOG- run the axis as long as they are set.
     Jog = 4,
-    /// Actual value preset: the axis stands where the value says.
+    /// Actual value preset: the given value becomes the position of the axis.
     ActualValue = 5,
-    /// Reference travel: JOG+ or JOG- leads across the cam to the zero mark, as long as it is set.
+    /// Reference travel: JOG+ or JOG- moves the axis across the cam to the zero mark, as long as it is set.
     Reference = 6,
 }
 
@@ -46,12 +46,12 @@ pub enum Jog {
     Plus,
     /// JOG-
     Minus,
-    /// Both: as none of them.
+    /// Both: the same as neither.
     Both,
 }
 
 impl Jog {
-    /// 1, -1, or 0 where the inputs name no direction.
+    /// Returns 1, -1, or 0 if the inputs select no direction.
     pub fn direction(self) -> i8 {
         match self {
             Jog::Plus => 1,
@@ -64,9 +64,9 @@ impl Jog {
 /// Programmed speed of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Speed {
-    /// In hundredths of `max_velocity`, each of them 0.1 V.
+    /// Hundredths of `max_velocity`, each of them 0.1 V.
     Value(f64),
-    /// (inc/s)
+    /// Velocity (inc/s).
     Velocity(f64),
 }
 
@@ -77,7 +77,7 @@ impl Default for Speed {
 }
 
 impl Speed {
-    /// (inc/s)
+    /// Returns the velocity (inc/s).
     pub fn velocity(self, max_velocity: f64) -> f64 {
         match self {
             Speed::Value(value) => value / FULL_SPEED * max_velocity,
@@ -85,7 +85,7 @@ impl Speed {
         }
     }
 
-    /// In hundredths of `max_velocity`.
+    /// Returns the speed value in hundredths of `max_velocity`.
     pub fn value(self, max_velocity: f64) -> f64 {
         match self {
             Speed::Value(value) => value,
@@ -101,7 +101,7 @@ pub struct Block {
     pub position: Position,
     /// Programmed speed.
     pub speed: Speed,
-    /// G90, not G91.
+    /// Whether the position is absolute (G90), not a distance (G91).
     pub absolute: bool,
 }
 
@@ -119,24 +119,24 @@ impl fmt::Debug for Blocks {
 }
 
 impl Blocks {
-    /// These blocks; none where they are more than fit.
+    /// Returns a program of these blocks; `None` if there are too many.
     pub fn new(blocks: &[Block]) -> Option<Self> {
         let mut list = [Block::default(); MAX_BLOCKS];
         list.get_mut(..blocks.len())?.copy_from_slice(blocks);
         Some(Self { list, count: blocks.len() as u8 })
     }
 
-    /// In their order.
+    /// Returns the blocks in their order.
     pub fn as_slice(&self) -> &[Block] {
         self.list.get(..usize::from(self.count)).unwrap_or(&self.list)
     }
 
-    /// How many.
+    /// Returns the number of blocks.
     pub fn count(&self) -> u8 {
         self.count
     }
 
-    /// The block of that place, from 0.
+    /// Returns the block of that index, from 0.
     pub fn get(&self, place: u8) -> Option<&Block> {
         self.as_slice().get(usize::from(place))
     }
@@ -153,7 +153,7 @@ impl Blocks {
     }
 }
 
-/// One verb for one axis; what is left out stays as it is.
+/// One request for one axis; a field that is `None` changes nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Request {
     /// The axis.
@@ -162,20 +162,20 @@ pub struct Request {
     pub mode: Option<Mode>,
     /// Replaces the program.
     pub blocks: Option<Blocks>,
-    /// Block that the next START begins with, from 1.
+    /// First block of the next START, from 1.
     pub block: Option<u8>,
     /// START
     pub start: bool,
-    /// JOG+ and JOG-: runs in mode jog, direction of approach on a rotary axis in all others.
+    /// JOG+ and JOG-: run the axis in mode jog, select the direction of approach of a rotary axis in all other modes.
     pub jog: Option<Jog>,
-    /// The deceleration cam of mode reference, where `wf.md15` is interface; it stays as it is until it is told anew.
+    /// Deceleration cam of mode reference if `wf.md15` is interface; kept until the next request that sets it.
     pub cam: Option<bool>,
     /// Fixed-speed bits: the setup speed of mode jog, 1 to [`FIXED_SPEEDS`].
     pub fixed_speed: Option<u8>,
     /// Controller enable request.
     pub enable: Option<bool>,
-    /// Reset bit, for this cycle: ends what runs and acknowledges the alarm. Stands alone.
+    /// Reset bit, for this cycle: ends the motion and acknowledges the alarm. Must be the only field.
     pub reset: bool,
-    /// Position that the axis stands at from now on, in mode actual_value.
+    /// New position of the axis, in mode actual_value.
     pub value: Option<Length>,
 }

@@ -6,7 +6,7 @@ use crate::signal::Type::{Bit, Enum, Int, Real};
 use crate::signal::signal_block;
 
 signal_block! {
-    /// A signal of the vocabulary, by its place in the block.
+    /// A signal of the vocabulary, by its index in the block.
     WfSignal;
 
     Active "wf.active" Bit, None; "the vocabulary commands the axis"
@@ -29,7 +29,7 @@ signal_block! {
 }
 
 impl State {
-    /// Number of the state in signal `x.wf.state`.
+    /// Returns the number of the state in signal `x.wf.state`.
     pub(super) fn word(self) -> u64 {
         self as u64
     }

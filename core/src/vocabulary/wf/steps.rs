@@ -1,8 +1,9 @@
-//! Reduction steps of an open-loop axis: which speed the distance to the target allows.
+//! Reduction steps of an open-loop axis: the allowed speed by the distance to the target.
 //!
-//! Law      v = min(present, speeds of all steps whose distance is reached); MD48: 0. Reached: <= MD45, < MD46, MD47, MD48
-//! Reads    the way that is left, signed: below 0 the target is passed, and the output is off
-//! Writes   the step that has to take over, if any
+//! Law      v = min(present, speeds of all steps whose distance is reached); MD48: 0. Reached: <= MD45, < MD46, MD47,
+//!          MD48
+//! Reads    the distance to go, signed: below 0 the target is passed, and the output is off
+//! Writes   the step to apply, if any
 //! Source   WF-OLC-06 to 08, WF-LIM-02, W06
 
 use super::State;
@@ -13,11 +14,11 @@ use crate::parameter::AxisParameters;
 pub(super) struct Steps {
     /// Speed values of steps 1, 2, 3.
     pub speeds: [i64; 3],
-    /// Where steps 1, 2, 3 and the switch-off begin, before the target (inc).
+    /// Distances before the target at which steps 1, 2, 3 and the switch-off begin (inc).
     pub distances: [i64; 4],
 }
 
-/// The states that the distances lead to.
+/// States that begin at the distances.
 const STATES: [State; 4] = [State::Step1, State::Step2, State::Step3, State::Settle];
 
 impl Steps {
@@ -26,18 +27,18 @@ impl Steps {
         Self { speeds: [wf.md42, wf.md43, wf.md44], distances: [wf.md45, wf.md46, wf.md47, wf.md48] }
     }
 
-    /// Is the distance of that place reached with so much way left?
+    /// Returns true if the distance of that index is reached with that distance to go.
     fn is_reached(&self, place: usize, left: i64) -> bool {
         let distance = self.distances.get(place).copied().unwrap_or(0);
         match place {
             0 => left <= distance,
-            // Behind the target there is nothing to run for, whatever the distance is and however far a cycle leads.
+            // Beyond the target the output is off, whatever the distance is and however far the axis moves in a cycle.
             3 => left < distance || left <= 0,
             _ => left < distance,
         }
     }
 
-    /// The slowest of the reached steps, where it is slower than the present speed; [`State::Settle`] is off.
+    /// Returns the slowest of the reached steps if it is slower than the present speed; [`State::Settle`] is off.
     pub(super) fn due(&self, present: i64, left: i64) -> Option<(State, i64)> {
         let mut due = None;
         let speeds = self.speeds.into_iter().chain([0]);
@@ -50,7 +51,7 @@ impl Steps {
         due
     }
 
-    /// Speed and state with which a programmed speed begins.
+    /// Returns speed and state at the begin of a programmed speed.
     pub(super) fn begin(&self, programmed: i64, left: i64) -> (State, i64) {
         self.due(programmed, left).unwrap_or((State::Run, programmed))
     }

@@ -1,4 +1,4 @@
-//! The vocabulary against an axis that is given to it, and on a whole machine.
+//! Tests of the vocabulary on a test axis, and on a whole machine.
 
 mod anything;
 mod bench;

@@ -39,7 +39,7 @@ fn a_trapezoid_takes_its_time() {
     assert!((short.duration() - 0.2).abs() < 1e-12, "{}", short.duration());
 }
 
-/// A drive of velocities with kv: the error of a step falls by 1 - kv T in each cycle.
+/// A velocity drive with kv: the error of a step decreases by the factor 1 - kv T in each cycle.
 #[test]
 fn an_integrator_closes_its_error_as_the_power_of_its_pole() {
     let model =
@@ -54,7 +54,7 @@ fn an_integrator_closes_its_error_as_the_power_of_its_pole() {
         left *= 0.98;
     }
     assert_eq!(trace.figures.overshoot, 0.0);
-    // 10 % and 90 % are left behind ln 0.9 / ln 0.98 = 5.2 and ln 0.1 / ln 0.98 = 113.97 cycles; 500 inc behind 182.6.
+    // 10 % and 90 % are left after ln 0.9 / ln 0.98 = 5.2 and ln 0.1 / ln 0.98 = 113.97 cycles; 500 inc after 182.6.
     assert!((trace.figures.rise.unwrap() - 0.108).abs() < 1e-9, "{:?}", trace.figures);
     assert!((trace.figures.settling.unwrap() - 0.183).abs() < 1e-9, "{:?}", trace.figures);
     assert_eq!(trace.figures.following_error, 20_000.0);
@@ -78,7 +78,7 @@ fn a_load_sinks_by_what_holds_it() {
     assert!((last + 20.0).abs() < 1.0, "{last}");
 }
 
-/// A move to the other side is the mirror image, but for the last half increment of its counts.
+/// A move in the opposite direction is the mirror image, apart from the last half increment of its counts.
 #[test]
 fn a_move_back_mirrors_the_move() {
     let gains = VelocityGains { proportional: 500, integral: 10, limit: 1000, cycle: 1.0 };

@@ -1,28 +1,29 @@
-//! The laws of the generator for all sets and courses.
+//! Laws of the generator for all sets and inputs.
 
 use super::*;
 use proptest::prelude::*;
 
-/// The generator by the tables of the spec, for calls of whole half milliseconds: each number is one of 1/parts inc, which divides them all.
+/// The generator by the tables of the spec, for calls of whole half milliseconds: every number is in units of 1/parts
+/// inc, in which all of them are whole.
 #[derive(Clone, Debug)]
 struct Model {
     parts: i128,
-    /// Parts of a call for an override of 1, or for an increment of the source.
+    /// Parts per call for an override of 1, or for one increment of the source.
     step: i128,
-    /// Change of the velocity in a call, for an acceleration of 1.
+    /// Change of the velocity per call, for an acceleration of 1.
     ramp: i128,
     end: i128,
     set: ModelSet,
     phase: Phase,
     velocity: i128,
-    /// All of the way since START.
+    /// Travel since START.
     sum: i128,
-    /// s: of that, since the start of the movement or the boundary that counts.
+    /// Travel s since the start of the movement, or since the boundary that applies.
     way: i128,
     before: u8,
 }
 
-/// What VALUE_NEW changes of it.
+/// Values that VALUE_NEW changes.
 #[derive(Clone, Copy, Debug)]
 struct ModelSet {
     ba: i64,
@@ -30,7 +31,7 @@ struct ModelSet {
 }
 
 impl Model {
-    /// One of these increments in so many half milliseconds, called every `w` of them.
+    /// Creates a model with `increments` in `time` half milliseconds, called every `w` of them.
     fn new(set: ModelSet, increments: i64, time: i64, w: i64, inputs: u8) -> Self {
         let parts = 4_000_000 * 1024 * i128::from(time);
         let (w, end) = (i128::from(w), i128::from(increments));
@@ -57,7 +58,7 @@ impl Model {
         self.set = set;
     }
 
-    /// What the velocity changes by at most.
+    /// Returns the maximum change of velocity per call.
     fn slope(&self, inputs: u8) -> i128 {
         let second = self.set.ba & 4 != 0 && inputs & E2 != 0;
         i128::from(self.set.accelerations[usize::from(second)]) * self.ramp
@@ -68,7 +69,7 @@ impl Model {
         self.step * by * i128::from(percent)
     }
 
-    /// Whether it stands, behind a call.
+    /// Advances by one call. Returns 1 if the generator is at rest after it.
     fn step(&mut self, inputs: u8, percent: i64, way: i64) -> u8 {
         let rises = inputs & !self.before & E1 != 0;
         self.before = inputs;
@@ -99,13 +100,14 @@ impl Model {
         u8::from(matches!(self.phase, Phase::Idle | Phase::Halted))
     }
 
-    /// X, from where START found it.
+    /// Returns X, relative to the position at START.
     fn position(&self) -> i64 {
         self.sum.div_euclid(self.parts) as i64
     }
 }
 
-/// Calls with the same inputs, override and way of the source, and before them perhaps VALUE_NEW of bit 1 of ba and both accelerations.
+/// Calls with the same inputs, override and travel of the source, optionally preceded by VALUE_NEW of bit 1 of ba and
+/// both accelerations.
 #[derive(Clone, Debug)]
 struct Stretch {
     inputs: u8,
@@ -125,7 +127,7 @@ fn stretches() -> impl Strategy<Value = Vec<Stretch>> {
     let way = prop_oneof![3 => -40_i64..400, 1 => -32_768_i64..32_768];
     let renewed = prop::option::weighted(0.3, (prop::sample::select(vec![0_i64, 2]), accelerations()));
     let stretch = (0_u8..4, percent, way, 1_usize..40, renewed).prop_map(|(inputs, percent, way, calls, renewed)| {
-        // E1 is mostly there.
+        // E1 is 1 most of the time.
         let inputs = if calls % 3 == 0 { inputs } else { inputs | E1 };
         Stretch { inputs, percent, way, calls, renewed }
     });
@@ -133,9 +135,10 @@ fn stretches() -> impl Strategy<Value = Vec<Stretch>> {
 }
 
 proptest! {
-    /// Whatever comes: each increment and A1 are those of the spec; no call is faster than the largest target so far, and no velocity changes
-    /// by more than its ramp, but where a sequence begins or ends. And from any state to which that leads, a sequence reaches its end to the
-    /// increment: its length from its start, or a boundary of the cycle where VALUE_NEW made it one.
+    /// For any inputs: each increment and A1 are those of the spec; no call is faster than the largest target so far,
+    /// and no velocity changes by more than its ramp, except where a sequence begins or ends. From any resulting state
+    /// a sequence reaches its end exactly: its length from its start, or a boundary of the cycle if VALUE_NEW made it a
+    /// sequence.
     ///
     /// Proves: AMK-FGEN-16, AMK-FGEN-17, AMK-FGEN-18, AMK-FGEN-19, AMK-FGEN-20, AMK-FGEN-21, AMK-FGEN-22, AMK-FGEN-25, AMK-FGEN-26,
     /// AMK-FGEN-27, AMK-FGEN-32, AMK-FGEN-33, AMK-FGEN-34, AMK-FGEN-35, AMK-FGEN-36, AMK-FGEN-37, AMK-FGEN-38, AMK-FGEN-39
@@ -158,7 +161,7 @@ proptest! {
         bench.sink = base.into();
         bench.start(0);
         let mut model = Model::new(ModelSet { ba, accelerations: first }, increments, time, w, 0);
-        // Where the movement began, and whether it was a sequence all the way.
+        // Start of the movement, and whether it has been a sequence from the start.
         let (mut from, mut is_whole) = (bench.sink, true);
         let (mut fastest, mut last) = (0_i128, 0_i64);
         for Stretch { inputs, percent, way, calls, renewed } in stretches {
@@ -181,7 +184,7 @@ proptest! {
                 if begins {
                     (from, is_whole) = (sink, model.set.ba & 2 != 0);
                 }
-                // A way of a call is less than one increment beside the velocity.
+                // The travel of a call differs from the velocity by less than one increment.
                 let now = told.0 - sink;
                 fastest = fastest.max(model.target(percent, way).abs());
                 prop_assert!((i128::from(now.abs()) - 1) * model.parts < fastest);
@@ -194,7 +197,8 @@ proptest! {
         model.value_new(ModelSet { ba: ba | 2, accelerations });
         bench.value_new(&[("ba", ba | 2), ("accel", accelerations[0]), ("accel2", accelerations[1])]);
         bench.word = sign * 1024;
-        // A turn takes at most 3000 calls at 100 %, a source goes as fast here; it may have to turn back first.
+        // A turn takes at most 3000 calls at 100 %, and a source is as fast here; the direction may have to change
+        // first.
         let mut left = 12_000;
         while bench.fgen.phase != Phase::Idle && left > 0 {
             bench.travel += increments / 3000 + 1;
@@ -206,13 +210,14 @@ proptest! {
     }
 }
 
-/// What comes: calls with these inputs and this override.
+/// Groups of calls with these inputs and this override.
 fn course() -> impl Strategy<Value = Vec<(u8, i64, usize)>> {
     prop::collection::vec((0_u8..4, prop_oneof![3 => Just(1024), 1 => 0_i64..=2048], 1_usize..40), 1..12)
 }
 
 proptest! {
-    /// Whatever E1, E2, override and accelerations do: a sequence is exactly its increments, and no call is faster than its rate.
+    /// Whatever E1, E2, override and accelerations do, a sequence has exactly its increments, and no call is faster
+    /// than its rate.
     #[test]
     fn a_sequence_is_exact_and_never_beyond_its_rate(
         increments in 1_i64..300_000,
@@ -232,13 +237,13 @@ proptest! {
         let mut fastest = 0.0_f64;
         let mut go = |bench: &mut Bench, inputs: u8| {
             let of_time = bench.values.iter().find(|(name, _)| *name == "cycle_time").expect("a time").1;
-            // A velocity is never above the largest target so far.
+            // A velocity never exceeds the largest target so far.
             let rate = increments as f64 * call as f64 / (of_time as f64 * 500_000.0);
             fastest = fastest.max(rate * bench.word as f64 / 1024.0);
             let way = bench.ways(inputs, 1)[0];
             assert!(way >= 0 && (way as f64) < fastest + 1.0 + 1e-6, "{way} in a call, {fastest} at most");
         };
-        // The edge that begins it.
+        // The edge that begins the sequence.
         go(&mut bench, E1);
         for ((inputs, percent, calls), time) in course.into_iter().zip(times) {
             bench.word = percent;
@@ -254,7 +259,7 @@ proptest! {
                 prop_assert!(bench.sink <= increments);
             }
         }
-        // To its end, however slow it is: by its times the rest is known to end.
+        // To the end, however slow it is: the cycle time bounds the number of calls.
         bench.word = 2048;
         bench.value_new(&[("accel", 500_000_000), ("accel2", 500_000_000)]);
         let mut left = 3_000_000_u64;
@@ -268,7 +273,7 @@ proptest! {
         prop_assert_eq!((bench.sink, bench.fgen.phase), (increments, Phase::Idle));
     }
 
-    /// From the moment in which the velocity is that of 100 %, k times the cycle time is k times the increments.
+    /// Once the velocity is that of 100 %, the travel in k times the cycle time is k times the increments.
     #[test]
     fn a_continuous_way_does_not_drift(
         increments in 1_i64..2_000_000,
@@ -277,7 +282,7 @@ proptest! {
         sign in prop::sample::select(vec![1_i64, -1]),
         ramp in 1_usize..60,
     ) {
-        // A call of 0.5 ms: the time is a number of calls.
+        // A call of 0.5 ms: the cycle time is a number of calls.
         let mut bench = example(&[
             ("ba", 0), ("cycle_increments", increments), ("cycle_time", time), ("accel", accel), ("sf_cycle_time", 1),
         ]);
@@ -287,7 +292,7 @@ proptest! {
         bench.start(0);
         bench.run(E1, ramp);
         bench.value_new(&[("accel", 500_000_000)]);
-        // At most 32767 inc a call, 125 more in each.
+        // At most 32767 inc per call, 125 more in each.
         bench.run(E1, 300);
         let from = bench.sink;
         for turn in 1..=3 {
@@ -296,7 +301,7 @@ proptest! {
         }
     }
 
-    /// Nothing that a set, a source and drives can be makes it fail, and its state stays one that can be.
+    /// No value of a set, a source or drives makes it fail, and its state stays valid.
     #[test]
     fn nothing_overflows(
         values in prop::collection::vec(any::<u64>(), 9),

@@ -1,4 +1,4 @@
-//! fipw by its oracles.
+//! Oracles of fipw.
 
 use super::*;
 
@@ -33,11 +33,11 @@ fn a_movement_by_time_ends_with_its_last_value() {
     let timed = |time| [("mode", 132), ("mult", 1), ("table_count", 1), ("sf_cycle", 2), ("cycle_time", time)];
     let mut bench = fipw(&tables);
     assert_eq!(bench.start(&timed(10), 0).outputs, 1);
-    // The call of the edge gives t = 0.
+    // The call of the edge has t = 0.
     let calls: Vec<_> = (0..8).map(|_| (0, 1)).collect();
     let wanted = [(0, 0), (400, 0), (800, 0), (1600, 0), (2800, 0), (4000, 1), (4000, 1), (4000, 1)];
     assert_eq!(bench.run(&calls), wanted);
-    // Another edge goes on from there.
+    // Another edge continues from there.
     assert_eq!(bench.run(&[(0, 0), (0, 1), (0, 1)]), [(4000, 1), (4000, 0), (4400, 0)]);
     let mut bench = fipw(&tables);
     bench.start(&timed(5), 0);
@@ -51,7 +51,7 @@ fn time_runs_in_parts_of_a_call_where_that_is_no_half_millisecond() {
     let mut bench = fipw(&tables);
     bench.call_ns = 125_000;
     bench.start(&[("mode", 4), ("mult", 1), ("table_count", 1), ("cycle_time", 1)], 0);
-    // 0.5 ms are four calls: 500, 1000, 2500, 4000, and round again.
+    // 0.5 ms are four calls: 500, 1000, 2500, 4000, and the same again.
     assert_eq!(bench.run(&[(0, 0); 5]).iter().map(|call| call.0).collect::<Vec<_>>(), [500, 1000, 2500, 4000, 4500]);
 }
 
@@ -64,12 +64,12 @@ fn a_zero_pulse_begins_a_cycle_where_it_was() {
     bench.start(&by_way(2, &[("function", 4)]), 0);
     assert_eq!(bench.run(&[(250, 0), (250, 0)]), [(70, 0), (70, 0)]);
     bench.travel += 30;
-    // 10 inc ago: x = 10.
+    // The pulse was 10 inc ago: x = 10.
     let out = bench.function.step(&bench.seen(0, Some(520)));
     assert_eq!(out.sink, 70 + 100);
     assert_eq!(bench.run(&[(10, 0), (80, 0)]), [(270, 0), (1070, 0)]);
     let mut bench = fipw(&tables);
-    // With an offset beyond the window the table begins at its next zero: 40 inc behind the pulse.
+    // With an offset beyond the window the table begins at its next zero: 40 inc after the pulse.
     bench.start(&by_way(2, &[("function", 4), ("master_offset", 60)]), 0);
     bench.travel += 30;
     assert_eq!(bench.function.step(&bench.seen(0, Some(20))).sink, 0);
@@ -81,7 +81,7 @@ fn a_zero_pulse_begins_a_cycle_where_it_was() {
 fn a_cycle_waits_for_its_window_and_is_locked_to_the_master() {
     let tables = [y(&[0, 1000])];
     let mut bench = fipw(&tables);
-    // x = 40 lies within 0..50: it begins at once, and is caught up in the next call.
+    // x = 40 is within 0..50: the table begins at once, and the sink catches up in the next call.
     assert_eq!(bench.start(&by_way(2, &[("master_offset", 40), ("start_angle", 50)]), 0).sink, 0);
     assert_eq!(bench.run(&[(0, 0), (1, 0)]), [(400, 0), (410, 0)]);
     let mut bench = fipw(&tables);
@@ -97,8 +97,8 @@ fn tables_run_one_after_the_other_once_e1_has_risen() {
     // E1 = 1 at START is no edge.
     assert_eq!(bench.start(&by_way(82, &[("table_count", 3)]), 1).outputs, 1);
     assert_eq!(bench.run(&[(150, 1), (0, 0)]), [(0, 1), (0, 1)]);
-    // The edge waits for the zero; there x is 10 already.
-    // x is 50. The edge comes with E1 at 0 between; it waits for the zero, where x is 10 already.
+    // x is 50. The edge waits for the zero, where x is 10 already. Edges during the movement are ignored; a new edge
+    // after it waits for the zero again.
     let calls = [(0, 0), (10, 1), (50, 0), (90, 1), (100, 0), (90, 0), (20, 1), (100, 1), (0, 0), (0, 1), (90, 1)];
     let wanted = [
         (0, 1),
@@ -122,15 +122,15 @@ fn a_master_is_coupled_in_and_out_by_tables() {
     let tables = [y(&[0, 50]), y(&[0, 100]), y(&[0, 40])];
     let mut bench = fipw(&tables);
     bench.start(&by_way(98, &[("table_count", 3), ("start_tables", 1)]), 0);
-    // In at the zero: start table, working table twice, out; then clocked out.
+    // Clocked in at the zero: start table, working table twice, stop table; then clocked out.
     let calls = [(50, 1), (50, 1), (100, 1), (100, 1), (50, 1), (50, 0), (50, 0), (50, 0), (100, 0)];
     let wanted = [(0, 1), (0, 0), (50, 0), (150, 0), (200, 0), (250, 0), (270, 0), (290, 1), (290, 1)];
     assert_eq!(bench.run(&calls), wanted);
-    // A level is enough now; it goes while the start table runs: no working table.
+    // The level of E1 is enough now; it falls while the start table runs: no working table.
     let calls = [(100, 1), (50, 0), (50, 0), (50, 0), (50, 0), (50, 0)];
     let wanted = [(290, 0), (315, 0), (340, 0), (360, 0), (380, 1), (380, 1)];
     assert_eq!(bench.run(&calls), wanted);
-    // 1 again while it clocks out: in again at the same zero, A1 stays 0.
+    // E1 is 1 again while it clocks out: it clocks in at the same zero, A1 stays 0.
     let calls = [(50, 1), (100, 0), (50, 1), (50, 1)];
     assert_eq!(bench.run(&calls), [(380, 0), (430, 0), (450, 0), (470, 0)]);
     assert_eq!(bench.run(&[(50, 1)]), [(495, 0)]);
@@ -146,7 +146,7 @@ fn a_stop_window_replaces_the_rest_of_a_pass() {
     assert_eq!(bench.run(&[(0, 1), (120, 1), (5, 0), (5, 0)]), [(0, 0), (120, 0), (110, 0), (112, 0)]);
     // Back before the zero: the working table again.
     assert_eq!(bench.run(&[(-40, 0), (20, 0), (110, 0)]), [(90, 0), (104, 0), (140, 1)]);
-    // Without a stop table a window stops nothing.
+    // Without a stop table the window stops nothing.
     let mut bench = fipw(&tables);
     bench.start(&by_way(98, &[("table_count", 1), ("stop_angle", 30)]), 0);
     assert_eq!(bench.run(&[(0, 1), (20, 0), (79, 0), (1, 0), (5, 0)]), [(0, 0), (20, 0), (99, 0), (100, 1), (100, 1)]);
@@ -158,7 +158,7 @@ fn behind_its_first_table_a_movement_waits_for_the_master() {
     let tables = [y(&[0, 100])];
     let mut bench = fipw(&tables);
     bench.start(&by_way(26, &[]), 0);
-    // Wherever the master is, x = 0 at the edge.
+    // x = 0 at the edge, wherever the master is.
     let calls = [(77, 1), (10, 1), (-30, 1), (10, 1), (15, 0), (-400, 0), (395, 1), (200, 1), (10, 1)];
     let wanted = [(0, 0), (10, 0), (0, 0), (0, 0), (5, 0), (0, 0), (0, 0), (100, 1), (100, 1)];
     assert_eq!(bench.run(&calls), wanted);
@@ -315,7 +315,7 @@ fn a_master_that_goes_back_into_a_window_starts_nothing() {
     let mut bench = fipw(&tables);
     bench.start(&by_way(82, &[("start_angle", 30)]), 0);
     assert_eq!(bench.run(&[(40, 0), (0, 1), (-20, 1), (1, 1)]), [(0, 1), (0, 1), (0, 1), (210, 0)]);
-    // Nor does it stop anything.
+    // It does not stop anything either.
     let mut bench = fipw(&tables);
     bench.start(&by_way(98, &[("table_count", 2), ("stop_angle", 30)]), 0);
     assert_eq!(
@@ -324,7 +324,7 @@ fn a_master_that_goes_back_into_a_window_starts_nothing() {
     );
 }
 
-/// A state from outside has to run by the set that is told of it.
+/// A restored state must belong to the active set.
 #[test]
 fn a_state_belongs_to_its_set() {
     let tables = [y(&[0, 1000])];

@@ -1,4 +1,4 @@
-//! fipz by its oracles.
+//! Oracles of fipz.
 
 use super::*;
 
@@ -13,11 +13,11 @@ fn each_input_starts_its_table() {
     values[place..place + 5].copy_from_slice(&[2000, 4000, 6000, 8000, 10_000]);
     assert!(bench.function.check(Words(&values), &setting(bench.call_ns, bench.found())).is_ok());
     assert_eq!(bench.function.start(Words(&values), &bench.seen(1, None)).outputs, 1);
-    // E1 stands: no edge. Then E3 and E2 at once: the lower one. 4000 half milliseconds are 1000 calls.
+    // E1 stays 1: no edge. Then E3 and E2 at once: the lower one counts. 4000 half milliseconds are 1000 calls.
     assert_eq!(bench.run(&[(0, 1), (0, 0b111)]), [(0, 1), (0, 0)]);
     let calls: Vec<_> = bench.run(&[(0, 0b1001); 1000]);
     assert_eq!((calls[0], calls[499], calls[998], calls[999]), ((2, 0), (1000, 0), (1998, 0), (2000, 1)));
-    // The edge of E4 while it ran is lost; Table 0 takes 500 calls.
+    // The edge of E4 while it ran is ignored; Table 0 takes 500 calls.
     assert_eq!(bench.run(&[(0, 0b1001), (0, 0), (0, 1)]), [(2000, 1), (2000, 1), (2000, 0)]);
     let calls: Vec<_> = bench.run(&[(0, 0); 500]);
     assert_eq!((calls[498].1, calls[499]), (0, (3000, 1)));
@@ -29,7 +29,7 @@ fn each_input_starts_its_table() {
 #[test]
 fn one_input_starts_the_table_that_the_others_name() {
     let tables: Vec<Arc<Table>> = (0..8).map(|n| y(&[0, 100 + n])).collect();
-    // Bits from E1 on, and the table.
+    // Inputs from E1 on, and the table.
     for (inputs, table) in [(0b1011, 5), (0b1101, 6), (0b0001, 0), (0b1111, 7)] {
         let mut bench = fipz(&tables);
         let mut values = set(fipz::FIELDS, &[("mode", 17), ("table_count", 8), ("mult", 1)]);

@@ -1,4 +1,4 @@
-//! Laws that hold for every set and every master.
+//! Laws that hold for every set and every motion of the master.
 
 use super::*;
 
@@ -31,7 +31,8 @@ fn sets() -> impl Strategy<Value = (Vec<Arc<Table>>, Vec<(&'static str, i64)>)> 
 }
 
 proptest! {
-    /// A step of the master gives what its single increments give, as long as E1 is as it was, windows of more than their zero apart.
+    /// A step of the master has the same result as its single increments, as long as E1 does not change; windows larger
+    /// than 0 are excluded.
     #[test]
     fn steps_of_any_size_end_at_the_same_place(
         (tables, mut values) in sets(),
@@ -47,9 +48,10 @@ proptest! {
         near.start(&values, 0);
         for (way, e1) in calls {
             let e1 = u8::from(e1);
-            // Inputs change while the master stands.
+            // Inputs change while the master is at rest.
             prop_assert_eq!(far.step(0, e1), near.step(0, e1));
-            // A movement that ends and waits for a start stands at another place in the middle of a step: it is compared going forward.
+            // A movement that ends and waits for a start rests at another position in the middle of a step: it is
+            // compared in positive direction.
             let way = way.abs();
             let out = far.step(way, e1);
             let mut last = near.step(0, e1);
@@ -60,7 +62,7 @@ proptest! {
         }
     }
 
-    /// Whatever a master does inside a movement, going back the same way ends at the same place.
+    /// After any motion of the master inside a movement, the same motion back ends at the same position.
     #[test]
     fn a_master_that_goes_back_retraces(
         (tables, values) in sets(),
@@ -81,7 +83,7 @@ proptest! {
         }
     }
 
-    /// Nothing that may come panics, and the state is one that could have come about.
+    /// Any input is handled without a panic, and the resulting state is valid.
     #[test]
     fn no_master_and_no_input_is_too_much(
         (tables, values) in sets(),
@@ -99,7 +101,8 @@ proptest! {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
-    /// Over a million periods, in steps that fit none, with sets that inputs change, the slave has made what the ends of the tables come to.
+    /// Over a million periods, in steps that fit no period, with sets that inputs change, the travel of the slave is
+    /// the sum of the ends of the tables.
     #[test]
     fn a_million_periods_lose_nothing(
         ends in proptest::collection::vec(-32_767_i64..=32_767, 3),
@@ -115,7 +118,7 @@ proptest! {
         while periods < 1_000_000 {
             let wanted = (periods / 7 % 4) as usize;
             let inputs = if wanted < 3 { 1 | (wanted as u8) << 1 } else { 0 };
-            // To a zero, by so many periods; the set changes at the first of them.
+            // To a zero, by that many periods; the set changes at the first of them.
             bench.step(step * length, inputs);
             let first = set;
             set = if wanted < 3 { wanted } else { set };

@@ -1,4 +1,4 @@
-//! Printing mark control of both.
+//! Printing mark control of fipw and xfipw.
 
 use super::*;
 
@@ -10,7 +10,7 @@ fn a_mark_that_is_late_lengthens_the_way() {
     for (weight, total) in [(0, 200), (1, 100), (129, -100), (128, -200), (32, 0), (160 - 1, 0)] {
         let mut bench = fipw(&tables);
         bench.start(&registered(&[("weight", weight)]), 0);
-        // At x = 3400 it is 10200 on the slave instead of 10000; W is 4000 there. It is told 100 inc later.
+        // At x = 3400 the slave is at 10200 instead of 10000; W is 4000 there. The mark is reported 100 inc later.
         let seen = marked(&mut bench, 3500, 100);
         assert_eq!((seen.sink, seen.deviation, seen.correction), (10_500, 200, 0), "{weight}");
         // SK 15000, LK 2500.
@@ -21,7 +21,7 @@ fn a_mark_that_is_late_lengthens_the_way() {
         };
         let parts = [15_000, 15_625, 16_250, 17_500, 19_999].map(|x| at(&mut bench, x));
         assert_eq!(parts, [0, total / 4, total / 2, total, total], "{weight}");
-        // It stays, and no mark is no deviation.
+        // The correction stays, and without a mark the deviation is 0.
         assert_eq!(at(&mut bench, 20_000 + 17_000), total);
         assert_eq!((at(&mut bench, 40_100), bench.step(0, 0).deviation), (total, 0));
     }
@@ -38,7 +38,7 @@ fn a_mark_behind_the_window_waits_for_the_next_one() {
     };
     let mut bench = with(&[]);
     assert_eq!(marked(&mut bench, 3500, 100).correction, 0);
-    // LK = 0: all of it in the first call at SK or behind it. A second mark of the pass does not count.
+    // LK = 0: the whole correction in the first call at or after SK. A second mark of the pass is ignored.
     assert_eq!(marked(&mut bench, 1, 3).correction, 0);
     assert_eq!([16_400, 1000, 99, 1].map(|way| bench.step(way, 0).correction), [0, 0, 200, 200]);
     // Every second mark.
@@ -108,7 +108,7 @@ fn the_extended_control_tells_valid_marks_and_takes_other_values_while_it_runs()
         extended(2, &[&set[..], more].concat())
     };
     let tables = [xy(&[(0, 0), (19_000, 28_500), (20_000, 30_000)]), tables[0].clone()];
-    // Its points are too far apart for a table: it takes more of them.
+    // The points are too far apart for one table: it takes more of them.
     assert_eq!(xfipw(&tables[..1]).refused(&values(&[])).map(|fault| fault.code), None);
     for (weight, total) in [(0, 400), (1, 200), (129, -200), (32, 0)] {
         let mut bench = xfipw(&tables[..1]);
@@ -117,11 +117,11 @@ fn the_extended_control_tells_valid_marks_and_takes_other_values_while_it_runs()
         assert_eq!([1400, 2500, 2499].map(|way| bench.step(way, 0).correction), [0, total, total]);
         let out = bench.step(1, 0);
         assert_eq!((out.outputs, out.writes, out.deviation), (1, 1, 400));
-        // 17998.5 lies outside 18000 to 22000, the ends within.
+        // 17998.5 is outside 18000 to 22000, the ends are inside.
         marked(&mut bench, 11_999, 0);
         let out = bench.step(8001, 0);
         assert_eq!((out.outputs, out.deviation, out.correction), (0, 0, total));
-        // The place of the mark is moved by 50 units of 10 inc.
+        // The position of the mark is shifted by 50 units of 10 inc.
         let words = set(xfipw::FIELDS, &values(&[("corr_weight", weight), ("sync_shift", 50)]));
         bench.function.renew(Words(&words));
         assert_eq!(marked(&mut bench, 13_600, 0).deviation, -100);
@@ -217,7 +217,7 @@ fn a_correction_keeps_the_window_that_it_began_with() {
         let words = set(xfipw::FIELDS, &set_of([("corr_start", 19_000), ("corr_len", 1000)]));
         bench.function.renew(Words(&words));
         assert_eq!(bench.step(0, 0).correction, there);
-        // The end of its own window; the next one has the new one.
+        // The end of its own window; the next correction has the new window.
         assert_eq!([17_600 - x, 2399, 1].map(|way| bench.step(way, 0).correction), [400; 3]);
         marked(&mut bench, 13_600, 0);
         assert_eq!([5400, 500, 500].map(|way| bench.step(way, 0).correction), [400, 600, 800]);
@@ -232,7 +232,7 @@ fn a_master_that_trembles_at_its_zero_loses_no_mark() {
     marked(&mut bench, 3400, 0);
     let seen = [16_603, -5, 5, 996, 1].map(|way| bench.step(way, 0)).map(|out| (out.deviation, out.correction));
     assert_eq!(seen, [(200, 0), (200, 0), (200, 0), (200, 0), (200, 200)]);
-    // A correction that is taken back below its window is given again in it.
+    // A correction that is removed by moving back before its window is applied again in it.
     let mut bench = fipw(&tables);
     bench.start(&registered(&[]), 0);
     marked(&mut bench, 3400, 0);
@@ -244,14 +244,15 @@ fn a_master_that_trembles_at_its_zero_loses_no_mark() {
 fn a_mark_counts_in_the_call_in_which_its_pass_begins_or_ends() {
     let tables = [y(&[0, 20_000, 40_000, 60_000])];
     let set = [("function", 1), ("incr_per_rev", 20_000), ("format_length", 3000), ("sensor_distance", 2500)];
-    // The end: 10 inc before it; 59970 on the slave, which belongs at 10000, is 10030 behind the one of the next turn.
+    // At the end: 10 inc before it; 59970 on the slave has the setpoint 10000, and is 10030 before that of the next
+    // turn.
     let mut bench = xfipw(&tables);
     bench.start(&extended(26, &set), 0);
     bench.step(0, 1);
     bench.step(19_950, 1);
     let out = marked(&mut bench, 100, 60);
     assert_eq!((out.outputs, out.deviation, out.sink), (0b11, -10_030, 60_000));
-    // The begin: 20 inc behind it.
+    // At the beginning: 20 inc after it.
     let mut bench = fipw(&tables);
     bench.start(&registered(&[("mode", 98), ("valid_range", 0)]), 0);
     bench.step(19_950, 0);

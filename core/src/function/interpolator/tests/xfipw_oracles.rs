@@ -1,4 +1,4 @@
-//! xfipw by its oracles, and what it has beyond fipw.
+//! Oracles of xfipw, and its differences from fipw.
 
 use super::*;
 
@@ -41,7 +41,7 @@ fn a_slave_is_set_on_where_its_master_is() {
     assert_eq!(read(&bench, -10_000), Ok(Some(4000 - 20_000)));
     assert_eq!(bench.start(&values(10_000), 0).sink, 0);
     assert_eq!(bench.step(1250, 0).sink, 2000);
-    // Behind the master by 1250.
+    // 1250 behind the master.
     let mut bench = xfipw(&tables);
     bench.sink = 7;
     bench.start(&extended(2, &[("function", 8), ("incr_per_rev", 20_000), ("master_offset", -1250)]), 0);
@@ -54,13 +54,14 @@ fn a_movement_takes_its_passes_and_a_stored_edge_the_next_one() {
     let tables = [y(&[0, 100])];
     let mut bench = xfipw(&tables);
     bench.start(&extended(26, &[("work_cycles", 2)]), 0);
-    // An edge while it runs is lost.
+    // An edge while it runs is ignored.
     let calls = [(9, 1), (150, 0), (40, 1), (20, 1), (20, 1), (0, 0), (0, 1), (5, 1)];
     let wanted = [(0, 0), (150, 0), (190, 0), (200, 1), (200, 1), (200, 1), (200, 0), (205, 0)];
     assert_eq!(bench.run(&calls), wanted);
     let mut bench = xfipw(&tables);
     bench.start(&extended(26, &[("function", 16)]), 0);
-    // Stored, and E1 = 1 at the end: on without a rest, with what x is beyond.
+    // The edge is stored, and E1 is 1 at the end: the next movement follows without a rest, at the distance of x beyond
+    // the end.
     let calls = [(0, 1), (50, 0), (30, 1), (30, 1), (50, 0), (20, 1), (10, 0), (20, 0)];
     let wanted = [(0, 0), (50, 0), (80, 0), (110, 0), (160, 0), (180, 0), (190, 0), (200, 1)];
     assert_eq!(bench.run(&calls), wanted);
@@ -72,7 +73,7 @@ fn a_level_alone_clocks_nothing_in_again() {
     let tables = [y(&[0, 50]), y(&[0, 100]), y(&[0, 40])];
     let mut bench = xfipw(&tables);
     bench.start(&extended(98, &[("tables_total", 3), ("tables_start", 1)]), 0);
-    // Taken back before the zero: disarmed.
+    // E1 falls before the zero: the start is cancelled.
     assert_eq!(bench.run(&[(50, 1), (20, 0), (40, 0), (90, 1)]), [(0, 1), (0, 1), (0, 1), (0, 0)]);
     assert_eq!(
         bench.run(&[(100, 1), (100, 0), (50, 1), (50, 1), (100, 1)]),
@@ -89,9 +90,9 @@ fn inputs_switch_the_set_where_the_table_is_repeated() {
     bench.start(&extended(3, &[]), 0);
     // E1 enables, E2 and E3 select: set 1 from the next zero on.
     assert_eq!(bench.run(&[(50, 0), (10, 0b011), (40, 0b011), (50, 0b011)]), [(50, 0), (60, 0), (100, 1), (200, 1)]);
-    // Set 2, in one step over two zeros; set 3 is none.
+    // Set 2, in one step over two zeros; set 3 does not exist.
     assert_eq!(bench.run(&[(200, 0b101), (50, 0b111), (50, 0b111)]), [(750, 1), (900, 0), (1050, 0)]);
-    // Without enable it stays.
+    // Without enable the set is kept.
     assert_eq!(bench.run(&[(100, 0)]), [(1350, 0)]);
 }
 
@@ -145,11 +146,11 @@ fn a_sequence_repeats_its_working_table_and_a_last_one_ends_with_its_pass() {
     let tables = [y(&[0, 10]), y(&[0, 100]), y(&[0, 30])];
     let mut bench = xfipw(&tables);
     bench.start(&extended(82, &[("tables_total", 3), ("tables_start", 1), ("work_cycles", 2)]), 0);
-    // The edge is kept while E1 falls again; a table, the working one twice, the last one.
+    // The edge is kept while E1 falls again; the first table, the working table twice, the last table.
     let calls = [(40, 1), (30, 0), (30, 0), (100, 0), (100, 0), (100, 0), (50, 0), (50, 0), (100, 0)];
     let wanted = [(0, 1), (0, 1), (0, 0), (10, 0), (110, 0), (210, 0), (225, 0), (240, 1), (240, 1)];
     assert_eq!(bench.run(&calls), wanted);
-    // Without stop tables a window ends nothing: the pass is run to its end.
+    // Without stop tables the window ends nothing: the pass runs to its end.
     let mut bench = xfipw(&tables[..2]);
     bench.start(&extended(98, &[("tables_total", 2), ("tables_start", 1), ("stop_angle", 60)]), 0);
     assert_eq!(
@@ -188,13 +189,13 @@ fn modes_by_time_are_those_by_way_with_the_calls_as_master() {
 /// Proves: AMK-XFIPW-35, AMK-XFIPW-36
 #[test]
 fn windows_are_those_of_the_tables_that_they_belong_to() {
-    // A turn of 100 clocks in, one of 200 works, one of 60 clocks out.
+    // Tables of 100 (start), 200 (working) and 60 (stop).
     let tables = [xy(&[(0, 0), (100, 50)]), xy(&[(0, 0), (200, 200)]), xy(&[(0, 0), (60, 30)])];
     let values =
         [("tables_total", 3), ("tables_start", 1), ("incr_per_rev", 0), ("start_angle", 20), ("stop_angle", 150)];
     let mut bench = xfipw(&tables);
     bench.start(&extended(98, &values), 0);
-    // x = 20 lies in the window; 10 of 50 are caught up.
+    // x = 20 is in the window; the sink catches up 10 of 50.
     assert_eq!(bench.run(&[(20, 0), (0, 1), (80, 1)]), [(0, 1), (10, 0), (50, 0)]);
     // x = 150 of the working table, then E1 = 0: that is 30 of the stop table.
     assert_eq!(bench.run(&[(150, 1), (0, 0), (30, 0)]), [(200, 0), (65, 0), (80, 1)]);
@@ -210,11 +211,11 @@ fn an_extended_movement_waits_for_the_zero_of_its_master() {
     let tables = [y(&[0, 1000])];
     let mut bench = xfipw(&tables);
     bench.start(&extended(26, &[("function", 4)]), 0);
-    // No movement before the pulse, and the edge has to come behind it.
+    // No movement before the pulse, and the edge has to follow it.
     assert_eq!(bench.run(&[(30, 1), (30, 0)]), [(0, 1), (0, 1)]);
     marked(&mut bench, 10, 5);
     assert_eq!(bench.run(&[(0, 1), (10, 1)]), [(0, 0), (100, 0)]);
-    // Set on at the pulse: only what the master goes behind it moves the slave.
+    // x is set at the pulse: only the travel of the master after it moves the slave.
     let mut bench = xfipw(&tables);
     bench.start(&extended(2, &[("function", 12), ("master_offset", 40)]), 0);
     assert_eq!((bench.step(30, 0).sink, marked(&mut bench, 10, 4).sink, bench.step(6, 0).sink), (0, 40, 100));
@@ -249,10 +250,10 @@ fn tables_and_marks_of_the_extended_type_have_their_ranges() {
         one(Arc::new(Table::new(Form::Words, &[], &[3, 0]).expect("words")), &extended(2, &[])),
         Some(Code::AMK_CURVE_FORM)
     );
-    // By time a last place of 1 is long enough.
+    // By time, a last position of 1 is long enough.
     let time = [("ba", 4), ("mult", 1), ("tables_total", 1)];
     assert_eq!(one(xy(&[(0, 0), (1, 5)]), &time), None);
-    // Format and sensor alone are enough for marks; sak may be 0. Not by time, not with sets.
+    // Format and sensor are enough for marks; sak may be 0. Not by time, not with sets.
     let marks = [("function", 1), ("format_length", 3000), ("sensor_distance", 1000)];
     for (ba, code) in [(2, None), (26, None), (82, None), (98, None), (3, Some(Code::AMK_MODE_FIELD))] {
         assert_eq!(one(y(&[0, 1000]), &extended(ba, &marks)), code, "{ba}");
@@ -276,7 +277,8 @@ fn a_set_whose_first_table_ends_before_the_window_ends_with_it() {
 #[test]
 fn an_edge_in_the_call_of_the_zero_pulse_counts() {
     let tables = [y(&[0, 1000])];
-    // Way of 20, the pulse 5 ago: at once in 26, where x was 0 in 98 of fipw, and kept in 82.
+    // The travel is 20, the pulse was 5 ago. Mode 26 begins in that call at x = 0; modes 82 and 98 begin at the pulse,
+    // so that x is 5.
     let pulse = |bench: &mut Bench<'_, Xfipw>| {
         bench.travel += 20;
         bench.function.step(&bench.seen(1, Some(bench.travel - 5))).outputs
@@ -320,7 +322,7 @@ fn a_stored_edge_counts_once() {
     let tables = [y(&[0, 100])];
     let mut bench = xfipw(&tables);
     bench.start(&extended(26, &[("function", 16)]), 0);
-    // Two edges in the first movement make one more; E1 stays.
+    // Two edges in the first movement cause one more; E1 stays 1.
     let calls = [(0, 1), (20, 0), (20, 1), (20, 0), (20, 1), (20, 1), (99, 1), (1, 1), (10, 1)];
     let wanted = [(0, 0), (20, 0), (40, 0), (60, 0), (80, 0), (100, 0), (199, 0), (200, 1), (200, 1)];
     assert_eq!(bench.run(&calls), wanted);

@@ -1,9 +1,9 @@
-//! The laws of the regulator for all sets and inputs.
+//! Laws of the controller for all sets and inputs.
 
 use super::*;
 use proptest::prelude::*;
 
-/// A set, by random bits.
+/// A set of random bits.
 fn random_set() -> impl Strategy<Value = Vec<(&'static str, i64)>> {
     prop::collection::vec(any::<u64>(), FIELDS.len()).prop_map(|bits| {
         let value = |field: &Field, bits: u64| field.min + (bits % (field.max.abs_diff(field.min) + 1)) as i64;
@@ -12,7 +12,7 @@ fn random_set() -> impl Strategy<Value = Vec<(&'static str, i64)>> {
     })
 }
 
-/// The regulator as the spec has it, in 128 bits and from all of its past.
+/// The controller as the spec defines it, in 128 bits and from its whole history.
 struct Model {
     set: Vec<i64>,
     samples: Vec<i128>,
@@ -44,7 +44,7 @@ impl Model {
             let filtered = match self.set[at("filter_type")] {
                 0 => of(0),
                 1 => of(0).div_euclid(4) * 4,
-                // Before the first sample are more of it.
+                // The first sample is repeated for the time before it.
                 _ => (0..4).map(of).sum::<i128>() / 4,
             };
             let x = if assess & 1 != 0 { -filtered } else { filtered };
@@ -69,7 +69,7 @@ impl Model {
 }
 
 proptest! {
-    /// Whatever comes: it is what the spec says in numbers that have room for all, and within its limits.
+    /// For any inputs, the output equals that of the spec without overflow, and is within its limits.
     #[test]
     fn it_is_the_law_of_the_spec(
         values in random_set(),
@@ -89,9 +89,9 @@ proptest! {
         }
     }
 
-    /// Switches open and close, and limits come and go, in any order and without a bump: each output is that of a regulator without limits
-    /// which has seen only the calls with S2 closed, held to the limits that stand now. What was open or limited leaves nothing behind; where
-    /// S2 closes, D begins anew.
+    /// Switches and limits change in any order and without a bump: each output is that of a controller without limits
+    /// that has seen only the calls with S2 closed, limited to the present limits. Open switches and limits leave no
+    /// trace; D restarts when S2 closes.
     ///
     /// Proves: AMK-REGL-22, AMK-REGL-30, AMK-REGL-31, AMK-REGL-32, AMK-REGL-34, AMK-REGL-38, AMK-REGL-39, AMK-REGL-40, AMK-REGL-41
     #[test]
@@ -110,7 +110,7 @@ proptest! {
             ("y_max", NONE.1),
         ]);
         let mut free = bench.clone();
-        // Both start with all open, which counts nowhere.
+        // Both start with all switches open, which does not count as a control cycle.
         bench.start(0, 0);
         free.start(0, 0);
         let mut was_closed = false;
@@ -135,7 +135,7 @@ proptest! {
                 prop_assert_eq!(bench.step(x, inputs), (share.clamp(least, most) + behind, outputs));
             }
         }
-        // Opened and closed once more with an error of 0, it gives exactly what I holds, and goes on giving it.
+        // Opened and closed again with an error of 0, the output equals the integral, and stays there.
         let x = cmd1;
         bench.value_new(&[("ba", 1), ("y_max", NONE.1)]);
         let held = gain_v * bench.regl.integral / 256;
@@ -146,7 +146,7 @@ proptest! {
     }
 }
 
-/// Perhaps VALUE_NEW of bits 2 and 3 of ba and of y_max.
+/// Optional VALUE_NEW of bits 2 and 3 of ba and of y_max.
 fn limits() -> impl Strategy<Value = Option<(i64, i64)>> {
     let most = prop_oneof![0_i64..2000, 0_i64..(1 << 30)];
     prop::option::of((prop::sample::select(vec![0_i64, 4, 8, 12]), most))

@@ -31,7 +31,7 @@ fn counts_are_the_floor_of_the_angle() {
     assert_eq!(counts + back, -365_064);
 }
 
-/// What is beyond the limit is cut off: 3 times 2000 rad/s^2.
+/// Values beyond the limit are limited: 3 times 2000 rad/s^2.
 #[test]
 fn the_torque_is_limited() {
     for (setpoint, expected) in [(3.0, 3.0), (4.0, 3.0), (-1e300, -3.0), (f64::INFINITY, 0.0), (f64::NAN, 0.0)] {
@@ -58,7 +58,7 @@ fn a_dead_time_need_not_be_whole_cycles() {
     }
 }
 
-/// At a held shaft i = u / R (1 - e^(-t R / L)); free it runs up to u / ke.
+/// With a held shaft i = u / R (1 - e^(-t R / L)); a free one accelerates to u / ke.
 #[test]
 fn a_winding_takes_its_current_and_its_speed() {
     let mut data = motor();
@@ -105,7 +105,7 @@ fn noise_is_the_same_for_the_same_seed() {
     assert_eq!(noisy(1), noisy(1));
     assert_ne!(noisy(1), noisy(2));
     let readings = noisy(1);
-    // Floored at part 0: half a count below the mean of 0, and 1/12 more of variance.
+    // Floored at fraction 0: half a count below the mean of 0, and 1/12 more of variance.
     let mean = readings.iter().sum::<i64>() as f64 / 4000.0;
     let square = readings.iter().map(|read| (*read as f64 - mean) * (*read as f64 - mean)).sum::<f64>() / 4000.0;
     assert!((mean + 0.5).abs() < 0.15, "{mean}");
@@ -115,7 +115,8 @@ fn noise_is_the_same_for_the_same_seed() {
     assert!((0..100).all(|_| quiet.read() == 0));
 }
 
-/// The drive's own loop comes to its velocity, with stiction, with a weight, and behind an elastic shaft, and stays within 0.1 %.
+/// The loop of the drive reaches its velocity, with static friction, with a weight, and with an elastic shaft, and
+/// stays within 0.1 %.
 #[test]
 fn a_velocity_is_closed_without_an_error_that_stays() {
     let friction = Friction { viscous: 1e-3, coulomb: 0.05, holding: 0.08 };
@@ -142,7 +143,7 @@ fn a_velocity_is_closed_without_an_error_that_stays() {
     }
 }
 
-/// The load stands as far behind as the shaft is twisted: 0.4 Nm at 100 Nm/rad are 4 mrad, 41.7 counts.
+/// The load lags by the twist of the shaft: 0.4 Nm at 100 Nm/rad are 4 mrad, 41.7 counts.
 #[test]
 fn an_encoder_at_the_load_reads_the_twist() {
     let mut data = motor();
@@ -154,11 +155,11 @@ fn an_encoder_at_the_load_reads_the_twist() {
     assert_eq!(servo.load(), -42);
 }
 
-/// A weight that lets all fall with 1000 rad/s^2, whatever else pulls.
+/// A weight makes the train fall with 1000 rad/s^2, whatever other torque there is.
 #[test]
 fn what_hangs_on_it_falls_with_its_acceleration() {
     let mut servo = servo(motor());
-    // Whatever hung on it before.
+    // A previous weight has no effect.
     servo.hang(5.0);
     servo.hang(-1000.0 * 65_536.0 / TAU);
     let counts: i64 = (0..100).map(|_| servo.step(0.0, false)).sum();
@@ -190,7 +191,7 @@ fn data_outside_their_ranges_are_refused_by_name() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Whatever is asked for, the motor has an angle, a velocity and a torque within its limit.
+    /// For any setpoint, the motor has a finite angle and velocity, and a torque within its limit.
     #[test]
     fn no_setpoint_takes_the_numbers_away(asked in prop::collection::vec((any::<f64>(), any::<bool>(), any::<bool>()), 1..40)) {
         let friction = Friction { viscous: 1e-3, coulomb: 0.05, holding: 0.08 };

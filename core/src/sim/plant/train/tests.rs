@@ -7,7 +7,7 @@ const MS: u64 = 1_000_000;
 /// The shortest cycle (ns).
 const SHORT: u64 = 125_000;
 
-/// 2.5 kg cm^2, without anything that brakes it.
+/// 2.5 kg cm^2, without friction.
 fn rotor() -> MotorData {
     MotorData {
         inertia: 2.5e-4,
@@ -19,7 +19,7 @@ fn rotor() -> MotorData {
     }
 }
 
-/// With a load of three times that behind a shaft of 400 Nm/rad.
+/// With a load of three times that on a shaft of 400 Nm/rad.
 fn elastic(damping: f64, backlash: f64) -> MotorData {
     let load = Load { inertia: 7.5e-4, ..Load::default() };
     MotorData { load, coupling: Some(Coupling { stiffness: 400.0, damping, backlash }), ..rotor() }
@@ -36,7 +36,7 @@ fn near(value: f64, expected: f64, tolerance: f64) {
     assert!((value - expected).abs() <= tolerance * expected.abs().max(1.0), "{value}, not {expected}");
 }
 
-/// Kinetic energy, and that of the spring (J).
+/// Returns kinetic energy and that of the spring (J).
 fn energy(data: &MotorData, train: &Train, state: &State) -> f64 {
     let load = if data.coupling.is_some() { data.load.inertia } else { 0.0 };
     let stiffness = data.coupling.map_or(0.0, |coupling| coupling.stiffness);
@@ -54,7 +54,7 @@ fn a_free_rotor_gains_velocity_evenly() {
     near(angle, 25.0, 1e-12);
 }
 
-/// Behind a lag T: w = a (t - T (1 - e^(-t/T))), angle = a (t^2 / 2 - T t + T^2 (1 - e^(-t/T))).
+/// With a lag T: w = a (t - T (1 - e^(-t/T))), angle = a (t^2 / 2 - T t + T^2 (1 - e^(-t/T))).
 #[test]
 fn a_lag_of_the_torque_is_exact() {
     let mut data = rotor();
@@ -91,7 +91,7 @@ fn friction_brings_a_rotor_to_rest_at_its_moment_and_holds_it() {
     }
 }
 
-/// Torque is held up to the friction of rest; what has begun to slide goes on with less.
+/// A torque up to static friction is held; a body that slides needs less torque to continue.
 #[test]
 fn stiction_holds_up_to_its_torque() {
     let friction = Friction { viscous: 0.0, coulomb: 0.02, holding: 0.03 };
@@ -107,13 +107,13 @@ fn stiction_holds_up_to_its_torque() {
     near(train.velocity(&state), velocity - 0.005 / 2.5e-4 * 1e-3, 1e-9);
 }
 
-/// Against a torque that is more than stiction a body turns round without a stop: both flanks of its way are parabolas.
+/// Against a torque above static friction a body reverses without a stop: both parts of its motion are parabolas.
 #[test]
 fn a_body_that_is_pulled_harder_than_stiction_turns_round_at_once() {
     let friction = Friction { viscous: 0.0, coulomb: 0.02, holding: 0.03 };
     let (train, mut state) = train(&MotorData { friction, ..rotor() }, 10 * MS);
     (state.values[MOTOR], state.grips[0]) = (0.5, Grip::Forwards);
-    // Slowed by 0.1 + 0.02 Nm to 0, then driven back by 0.1 - 0.02 Nm.
+    // Decelerated by 0.1 + 0.02 Nm to 0, then accelerated back by 0.1 - 0.02 Nm.
     let angle = train.cycle(&mut state, [-0.1 / 2.5e-4; 2], false);
     let (slows, turns) = (0.12 / 2.5e-4, 0.08 / 2.5e-4);
     let left = 0.01 - 0.5 / slows;
@@ -121,7 +121,7 @@ fn a_body_that_is_pulled_harder_than_stiction_turns_round_at_once() {
     near(angle, 0.25 / slows / 2.0 - turns * left * left / 2.0, 1e-9);
 }
 
-/// Two masses swing with sqrt(k (1/J + 1/j)), counted over 100 periods.
+/// Two masses oscillate with sqrt(k (1/J + 1/j)), counted over 100 periods.
 #[test]
 fn two_masses_swing_at_their_resonance() {
     for (ratio, stiffness) in [(1.0, 400.0), (3.0, 400.0), (30.0, 50.0), (0.1, 5e3)] {
@@ -148,7 +148,7 @@ fn two_masses_swing_at_their_resonance() {
     }
 }
 
-/// A shaft that is held lets the load swing with sqrt(k / j) alone, about the twist of its weight.
+/// With a held shaft only the load oscillates, with sqrt(k / j), around the twist of its weight.
 #[test]
 fn a_held_shaft_lets_the_load_swing() {
     let mut data = elastic(0.0, 0.0);
@@ -164,7 +164,7 @@ fn a_held_shaft_lets_the_load_swing() {
     assert_eq!(train.velocity(&state), 0.0);
 }
 
-/// The motor runs through the gap alone: b / 2 = a t^2 / 2 from its middle.
+/// Only the motor moves through the gap: b / 2 = a t^2 / 2 from its middle.
 #[test]
 fn within_the_gap_the_load_does_not_move() {
     let (train, mut state) = train(&elastic(0.05, 0.02), SHORT);
@@ -179,7 +179,7 @@ fn within_the_gap_the_load_does_not_move() {
     assert!(state.values[LOAD] > 0.0 && state.contact == Contact::Ahead);
 }
 
-/// Without damping and friction the plant between two flanks keeps its energy, whatever the cycle.
+/// Without damping and friction the energy of the plant between two flanks is constant, for any cycle time.
 #[test]
 fn flanks_without_damping_keep_the_energy() {
     let data = elastic(0.0, 0.02);
@@ -194,7 +194,7 @@ fn flanks_without_damping_keep_the_energy() {
     }
 }
 
-/// Derivatives by the equations as they are written, with the flank and the sign of friction of this instant.
+/// Returns the derivatives by the equations as they are written, with the present flank and sign of friction.
 fn slopes(data: &MotorData, [w, d, v]: [f64; 3], torque: f64) -> [f64; 3] {
     let coupling = data.coupling.unwrap();
     let beyond = d - d.clamp(-coupling.backlash / 2.0, coupling.backlash / 2.0);
@@ -217,7 +217,8 @@ impl Dry for Friction {
     }
 }
 
-/// An independent computation: Runge-Kutta of fourth order in steps of 0.1 us, over moves that pass the gap and turn the friction round.
+/// Independent computation: Runge-Kutta of fourth order in steps of 0.1 us, over moves that pass the gap and reverse
+/// the friction.
 #[test]
 fn a_gap_and_friction_agree_with_small_steps() {
     let mut data = elastic(0.05, 0.004);
@@ -246,7 +247,7 @@ fn a_gap_and_friction_agree_with_small_steps() {
     }
 }
 
-/// Nothing that is asked for leaves a state that is no number.
+/// No setpoint leads to a state of NaN.
 #[test]
 fn what_is_no_number_is_no_torque() {
     let data = MotorData { friction: Friction { viscous: 1e-3, coulomb: 0.02, holding: 0.03 }, ..elastic(0.05, 0.02) };
@@ -288,7 +289,7 @@ fn any_plant() -> impl Strategy<Value = MotorData> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, max_shrink_iters: 20, ..ProptestConfig::default() })]
 
-    /// Without input no plant gains energy, whatever it is made of and however long its cycle.
+    /// Without input no plant gains energy, for any data and any cycle time.
     #[test]
     fn energy_never_grows_without_input(
         data in any_plant(), velocities in prop::array::uniform2(-300.0..300.0_f64),
@@ -316,7 +317,7 @@ proptest! {
         }
     }
 
-    /// A linear plant is where it is, whatever the cycle: 1 ms is 8 times 125 us to 1e-9.
+    /// A linear plant does not depend on the cycle time: 1 ms is 8 times 125 us to 1e-9.
     #[test]
     fn cycles_of_any_length_agree_where_all_is_linear(
         data in any_plant(), setpoints in prop::collection::vec(-100.0..100.0_f64, 20), lag_ns in 0..2_000_000_i64,
@@ -344,7 +345,8 @@ proptest! {
     }
 }
 
-/// With friction and a gap the moments of events round to 2^-30 of a cycle: a second of moves agrees to 1e-6 of its velocities.
+/// With friction and a gap, the times of events are rounded to 2^-30 of a cycle: a second of moves agrees to 1e-6 of
+/// its velocities.
 #[test]
 fn cycles_of_any_length_agree_within_the_rounding_of_events() {
     let mut data = elastic(0.2, 0.004);
@@ -364,7 +366,8 @@ fn cycles_of_any_length_agree_within_the_rounding_of_events() {
     assert!(most > 10.0, "{most}");
 }
 
-/// A rattle of some thousand flanks in a cycle of 20 ms is not followed to its end: all stands still for the rest, and no energy comes in.
+/// Thousands of flank contacts in a cycle of 20 ms are not computed to the end: the train does not move in the rest,
+/// and no energy is added.
 #[test]
 fn what_rattles_too_often_in_a_cycle_stands_still_for_its_rest() {
     let mut data = elastic(0.0, 1e-6);
@@ -372,7 +375,7 @@ fn what_rattles_too_often_in_a_cycle_stands_still_for_its_rest() {
     let (train, mut state) = train(&data, 20 * MS);
     state.values[MOTOR] = 100.0;
     let all = energy(&data, &train, &state);
-    // The centre of mass would move by 25 rad/s for 20 ms.
+    // The centre of mass would move with 25 rad/s for 20 ms.
     let angle = train.cycle(&mut state, [0.0; 2], false);
     assert!(angle > 0.0 && angle < 0.25, "{angle}");
     near(energy(&data, &train, &state) / all, 1.0, 1e-6);

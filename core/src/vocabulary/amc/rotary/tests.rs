@@ -1,4 +1,4 @@
-//! Each mode by its rows and by its law.
+//! Tests of each mode by its table rows and by its law.
 
 use super::Mode::*;
 use super::*;
@@ -13,12 +13,12 @@ fn whole(increments: i64) -> Exact {
     circle().exact(Position::whole(increments))
 }
 
-/// A for a change of `wanted` at `from` on a turn of 360.
+/// Returns A for a change of `wanted` at `from` on a turn of 360.
 fn added(mode: Mode, wanted: i64, from: i64) -> i64 {
     circle().position(circle().added(mode, whole(wanted), whole(from))).floor()
 }
 
-/// A and the displayed end of an absolute move.
+/// Returns A and the displayed end of an absolute move.
 fn absolute(mode: Mode, from: i64, reference: i64) -> (i64, i64) {
     let wanted = whole(reference).minus(circle().shown(whole(from)));
     let a = circle().added(mode, wanted, whole(from));
@@ -81,7 +81,7 @@ fn half_a_turn_keeps_its_sign_where_it_is_no_whole_increment() {
         for keeps in [half, half - 1, -half, 1 - half] {
             assert_eq!(added(way(keeps)), way(keeps), "{keeps} of {numerator}/{denominator}");
         }
-        // An increment more is the other way round, whatever is left of the turn.
+        // One increment more takes the other direction, with the rest of the turn.
         for (beyond, sign) in [(half + 1, 1), (-half - 1, -1)] {
             let rest = Exact(way(beyond).0 - sign * circle.turn.unwrap());
             assert_eq!(added(way(beyond)), rest, "{beyond} of {numerator}/{denominator}");
@@ -173,7 +173,7 @@ proptest! {
         let circle = Circle::new(modulo);
         let turn = circle.turn.unwrap();
         let scaled = |part: f64| (turn as f64 * part) as i128;
-        // Whole increments, as references are; anywhere, as the input is.
+        // References are whole increments; the input is any position.
         let reference = circle.exact(Position::whole((scaled(reference) / (circle.denominator << 32)) as i64));
         let from = Exact(turn * i128::from(turns) + scaled(place));
         let shown = circle.shown(from);
@@ -190,7 +190,7 @@ proptest! {
             prop_assert_eq!(circle.shown(end).0, reference.0.rem_euclid(turn), "{:?}", mode);
         }
         match mode {
-            // Up to the whole increment that half a turn is for references.
+            // Up to the whole increment to which half a turn is rounded for references.
             Shortest => {
                 let beyond = added.0.abs() - turn / 2;
                 prop_assert!(beyond <= turn % 2 || beyond < circle.denominator << 32);
@@ -202,7 +202,7 @@ proptest! {
             MultiTurnReverse => prop_assert!(added.0 <= 0 && (wanted.0 > 0 || added == wanted)),
             MultiTurnDelta | Linear => prop_assert_eq!(added, wanted),
         }
-        // A tracked target comes to rest: the change that is left moves nothing.
+        // A tracked target comes to rest: the remaining change causes no motion.
         if mode.is_within_turn() {
             let left = reference.minus(circle.shown(end));
             prop_assert_eq!(circle.added(mode, left, end).0, 0);

@@ -1,4 +1,5 @@
-//! Any verbs in any order: nothing panics, nothing moves without a start, and a state that was saved goes on as it would.
+//! Any requests in any order: nothing panics, nothing moves without a start, and a saved state continues like the
+//! original.
 
 use super::super::{Command, Commands, Register, Request};
 use super::rig::{Rig, V, X};
@@ -90,7 +91,7 @@ fn do_it(rig: &mut Rig, happening: Happening) {
     }
 }
 
-/// Without a start in the verb.
+/// A request without a start.
 fn harmless() -> impl Strategy<Value = Happening> {
     let starts = [Command::Start, Command::StepForward, Command::StepBackward, Command::Forward, Command::Backward];
     let quiet: Vec<Command> =

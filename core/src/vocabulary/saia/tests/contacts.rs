@@ -1,4 +1,4 @@
-//! A contact of the cell that is open: nothing is switched on, and nothing starts.
+//! An open contact of the cell: nothing is switched on, and nothing starts.
 
 use super::rig::{FAST, Rig, config};
 use crate::axis::Safety;
@@ -37,7 +37,7 @@ fn every_start_is_refused_at_once() {
         rig.run(1);
         let before = rig.picture();
         rig.refuses(&[("destp", 10.0)], &format!("fldda {name}"), "x: the interlock is open");
-        // Also where the drive would be off for a cycle before the start.
+        // Also if the drive would be off for a cycle before the start.
         rig.refuses(&[("destp", 10.0)], &format!("fldaa fldda {name}"), "x: the interlock is open");
         assert_eq!(rig.picture(), before);
         rig.run(20);
@@ -68,7 +68,7 @@ fn as_a_command_error_it_is_told_once_and_the_drive_stays_off() {
     assert_eq!(rig.int("x.error"), i64::from(Code::EMERGENCY_STOP.0));
 }
 
-/// A start whose drive is off for a cycle first, and the contact opens in that one.
+/// The contact opens in the cycle in which the drive is off before a start.
 #[test]
 fn a_start_that_waits_is_not_switched_on_either() {
     let mut rig = guarded();

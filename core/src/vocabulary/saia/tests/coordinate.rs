@@ -1,4 +1,4 @@
-//! The zero of the vocabulary and its break position where a coordinate is set anew: nothing moves by that.
+//! The zero of the vocabulary and its break position after a change of coordinate: nothing moves.
 
 use super::rig::{FAST, Rig, X};
 use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
@@ -13,7 +13,7 @@ fn home(rig: &mut Rig) {
     rig.ask([Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(35) })]).unwrap();
 }
 
-/// The count is one of edges, and none came: position, break position and destination stay where they are in the world.
+/// Counts come from edges, and there was none: position, break position and destination stay at their physical place.
 ///
 /// Proves: SAIA-DET-14
 #[test]
@@ -41,7 +41,7 @@ fn a_new_position_of_the_axis_leaves_those_of_the_vocabulary() {
     }
 }
 
-/// DET-13 leaves the break register unshifted: it is a place of the new frame then.
+/// DET-13 does not shift the break register: it is a position in the new coordinate then.
 ///
 /// Proves: SAIA-DET-13, SAIA-DET-14
 #[test]
@@ -54,14 +54,14 @@ fn a_new_zero_passes_no_break_position() {
     rig.does(&[("destp", 1000.0)], "fldda fstart");
     rig.run_until("x.saia.brkpos", 1);
     assert!((400..=450).contains(&rig.int("x.saia.position")));
-    // On it the axis has reached it, as where it is loaded there.
+    // At the break position the axis has reached it, as if it were loaded there.
     let mut rig = Rig::holding();
     rig.does(&[("brkp", 0.0)], "fldbpa fressf");
     rig.does(&[], "fsetzp");
     assert_eq!(rig.int("x.saia.brkpos"), 1);
 }
 
-/// Where enable stood for axinit the zero is that of the axis, wherever that goes.
+/// If `enable` replaced axinit, the zero is that of the axis and follows it.
 #[test]
 fn a_zero_that_is_that_of_the_axis_goes_with_it() {
     for own in [false, true] {
@@ -80,7 +80,7 @@ fn a_zero_that_is_that_of_the_axis_goes_with_it() {
     }
 }
 
-/// A halt of the contract takes the axis from it.
+/// A halt of the contract takes over the axis from the vocabulary.
 #[test]
 fn the_vocabulary_is_active_while_it_commands_the_axis() {
     let mut rig = Rig::holding();

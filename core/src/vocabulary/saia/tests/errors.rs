@@ -1,4 +1,4 @@
-//! Command errors: three tries, and the three ways to answer them.
+//! Command errors: three tries, and the three reactions to them.
 
 use super::rig::{FAST, Rig, X};
 use crate::code::Code;
@@ -67,7 +67,8 @@ fn a_failed_command_is_tried_three_times_told_once_and_left_out() {
     assert_eq!(warnings.len(), 1);
     let sentence = crate::text::sentence(warnings[0], rig.machine.config());
     assert!(sentence.contains("makes -2237 in the velocity register"), "{sentence}");
-    // What stands before and after it is done; the register keeps its value, the buffer too; the flag is gone.
+    // The commands before and after the failed one are executed; register and buffer keep their values; the flag is
+    // cleared.
     assert_eq!((rig.saia_state(), rig.int("x.saia.destination")), ("POS", 3000));
     assert_eq!(rig.int("x.saia.velocity_register"), 1_118_481);
     assert_eq!(rig.register(Register::Veloc), Value::Int(-100));
@@ -91,7 +92,7 @@ fn a_regulator_load_out_of_range_leaves_the_old_parameters_in_force() {
         rig.int("x.saia.output")
     };
     assert_eq!(output(&mut rig), (3 * 320) >> 4);
-    // A good load waits in its buffer for fupdrp.
+    // A valid load waits in its buffer for fupdrp.
     rig.run(2);
     rig.verb(X, &[("kprop", 5.0)], "fldrp").unwrap();
     assert_eq!(output(&mut rig), (3 * 320) >> 4);
@@ -114,13 +115,13 @@ fn with_motor_off_an_error_also_stops_the_axis() {
     assert_eq!((rig.saia_state(), rig.real("x.command.velocity")), ("OFF", 0.0));
 }
 
-/// A start that the axis itself refuses fails as a command; what stands beside it is done.
+/// A start that the axis refuses fails as a command; the other commands are executed.
 #[test]
 fn what_the_axis_refuses_is_a_command_error_too() {
     let mut rig = Rig::logging(FAST);
     rig.verb(X, &[("destp", 15_000.0)], "fldda fstart").unwrap();
     rig.run_to("x.command.velocity", 49_999.9);
-    // It stops 1250 counts from now at best, beyond this limit: it cannot turn back before it.
+    // The stop would end 1250 counts ahead at best, beyond this limit: the axis cannot reverse before it.
     let limit = rig.int("x.command.position") + 2000;
     rig.run_until("x.saia.ondest", 1);
     rig.verb(X, &[("destp", 0.0)], "fldda fstart").unwrap();
@@ -143,7 +144,7 @@ fn what_the_axis_refuses_is_a_command_error_too() {
     assert_eq!(rig.picture().0, before.0);
 }
 
-/// SAIA-EXT-03 as a sentence.
+/// SAIA-EXT-03 as a message.
 ///
 /// Proves: SAIA-EXT-03
 #[test]
@@ -160,7 +161,8 @@ fn an_acceleration_above_the_velocity_cannot_be_started() {
     }
 }
 
-/// No accel, and 10 m/s^2 by the axis: half of that is 5e6 counts/s^2, 38 177 in the register; 1000 counts/s are 22 370.
+/// Without accel the default is 10 m/s^2 of the axis: half of it is 5e6 counts/s^2, 38 177 in the register; 1000
+/// counts/s are 22 370.
 ///
 /// Proves: SAIA-EXT-03, SAIA-PRF-03
 #[test]
@@ -174,14 +176,14 @@ fn an_acceleration_that_nobody_gave_is_cut_to_the_velocity() {
     rig.does(&[("destp", 2000.0)], "fldda fstart");
     assert_eq!(registers(&rig), (22_370, 22_370));
     rig.run_to("x.command.velocity", 999.9);
-    // A motion keeps its own; the next one takes what it may.
+    // A motion keeps its acceleration; the next one takes the allowed one.
     rig.does(&[("veloc", 5000.0)], "fldva fstart");
     assert_eq!(registers(&rig), (111_848, 22_370));
     rig.run_until("x.saia.ondest", 1);
     rig.does(&[("destp", 0.0)], "fldda fstart");
     assert_eq!(registers(&rig), (111_848, 38_177));
     rig.run_until("x.saia.ondest", 1);
-    // The same by a register is refused, and so is 0.
+    // The same value in a register is refused, and so is 0.
     let sentence = "the acceleration register is 38177; 1 to the velocity register, 22370, is allowed";
     rig.refuses(&[("accel", 5e6), ("veloc", 1000.0)], "fldaa fldva fstart", sentence);
     rig.refuses(&[("accel", 0.0)], "fldaa fstart", "the acceleration register is 0");

@@ -1,4 +1,4 @@
-//! Status flags, the signal register, break positions, the index, the zero and the position error.
+//! Status flags, signal register, break positions, index, zero and position error.
 
 use super::rig::{FAST, Rig, X};
 use super::takeover::Bench;
@@ -45,7 +45,7 @@ fn fressf_clears_what_its_mask_has_as_0() {
     bench.parameters.vocabularies.saia.stafrr = 0;
     bench.run(&mut saia, "fressf");
     assert_eq!(all(&saia), [false; 5]);
-    // Flags are set by what happens, not by what is: OnDest stays 0 (A28).
+    // Flags are set by events, not by states: OnDest stays 0 (A28).
     let mut rig = Rig::holding();
     rig.does(&[("stafrr", 0.0)], "fressf");
     rig.run(20);
@@ -57,14 +57,14 @@ fn fressf_clears_what_its_mask_has_as_0() {
 fn the_signal_register_is_read_by_its_command() {
     let mut rig = Rig::ready(FAST);
     assert_eq!(rig.int("x.saia.rsigb"), 0, "until it is read");
-    // After axinit: OnDest, regulator off, new acceleration.
+    // After axinit: OnDest, controller off, new acceleration.
     assert_eq!(rig.signals(), 1 << 2 | 1 << 7 | 1 << 14);
     rig.does(&[("destp", 1000.0)], "fldda fsetip fstart");
     assert_eq!(rig.int("x.saia.rsigb"), 1 << 2 | 1 << 7 | 1 << 14, "until it is read again");
     assert_eq!(rig.signals(), 1);
     rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.signals(), 1 | 1 << 2 | 1 << 10);
-    // Power-up: regulator off, and bit 8.
+    // Power-up: controller off, and bit 8.
     let power_up = super::super::Saia::default();
     assert_eq!(power_up.signal_register(), 1 << 7 | 1 << 8);
 }
@@ -74,12 +74,12 @@ fn the_signal_register_is_read_by_its_command() {
 fn positions_are_read_in_units() {
     let mut rig = Rig::moving();
     rig.does(&[("mcfac", 10.0)], "frdap frdsp");
-    // The actual position is that of the command of the cycle before.
+    // The actual position is that of the command of the previous cycle.
     let (actual, command) = (rig.int("x.saia.position"), rig.int("x.command.position"));
     let tenth = |counts: i64| (counts as f64 / 10.0).round() as i64;
     assert_eq!((rig.int("x.saia.ractp"), rig.int("x.saia.rsetp")), (tenth(actual), tenth(command)));
     assert!(command > actual);
-    // With the regulator off the setpoint is where the axis is (A09).
+    // With the controller off the setpoint is the actual position (A09).
     rig.does(&[], "fmotoff");
     rig.plant.drive(0).unwrap().jump(500);
     rig.run(2);
@@ -103,7 +103,7 @@ fn a_break_position_is_passed_by_the_actual_position_once() {
     }
     assert!(rig.int("x.saia.position") >= 7000 && rig.int("x.command.position") > rig.int("x.saia.position"));
     rig.run_until("x.saia.ondest", 1);
-    // Once: on the way back nothing happens until it is loaded again.
+    // Only once: on the way back nothing happens until it is loaded again.
     rig.does(&[("destp", 0.0)], "fldda fressf fstart");
     rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.saia.brkpos"), 0);
@@ -115,7 +115,7 @@ fn a_break_position_is_passed_by_the_actual_position_once() {
     assert!(rig.int("x.saia.position") <= 7000, "on the way back too");
 }
 
-/// A21: becoming 0 is enough; where the axis stands already, it is passed at once, after `fressf`.
+/// A21: a difference of 0 is enough; if the axis is already there, the position is passed at once, after `fressf`.
 #[test]
 fn a_break_position_at_the_actual_position_is_passed() {
     let mut rig = Rig::holding();
@@ -127,7 +127,7 @@ fn a_break_position_at_the_actual_position_is_passed() {
     assert_eq!(rig.int("x.saia.brkpos"), 1);
 }
 
-/// Each 4000 inc from 1500. A latch of the axis is that of its touch probe, and no index.
+/// Every 4000 inc from 1500. A latch of the axis belongs to its touch probe and is no index.
 ///
 /// Proves: SAIA-CMD-28, SAIA-DET-12, SAIA-STA-02, SAIA-CMD-23, SAIA-REG-17, SAIA-SIG-00
 #[test]
@@ -148,7 +148,7 @@ fn one_index_is_caught_after_fsetip() {
     rig.run_until("x.index.count", 3);
     rig.does(&[("mcfac", 1.0)], "frdip");
     assert_eq!(rig.int("x.saia.rindp"), 5500);
-    // From the zero as it is then, and kept where that moves.
+    // Relative to the zero at that time, and unchanged when the zero moves.
     rig.does(&[], "fsetip fsetzp");
     let zero = rig.int("x.actual.position");
     rig.run_until("x.index.count", 4);
@@ -209,7 +209,7 @@ fn a_position_error_beyond_its_limit_sets_the_flag_and_motion_goes_on() {
         rig.run(1);
         assert_eq!((rig.int("x.saia.excper"), rig.saia_state()), (expected, "POS"));
     }
-    // Latched until it is reset.
+    // Latched until the reset.
     rig.run(10);
     assert_eq!(rig.int("x.saia.excper"), 1);
     rig.does(&[("stafrr", 0.0)], "fressf");
@@ -233,15 +233,15 @@ fn with_the_other_reaction_the_regulator_goes_off_and_a_start_brings_it_back() {
         rig.run_until("x.saia.ondest", 1);
         assert_eq!(rig.int("x.command.position"), rig.int("x.saia.destination"));
     }
-    // While the drive is off nothing supervises.
+    // While the drive is off there is no supervision.
     let mut rig = Rig::ready(&[("poser", 5.0), FLAG_AND_OFF]);
     rig.plant.drive(0).unwrap().jump(1000);
     rig.run(3);
     assert_eq!(rig.int("x.saia.excper"), 0);
 }
 
-/// PosEr and max_following_error are both 500 counts: 500 is allowed, 501 is an error of the axis and of the module in one cycle, by
-/// whatever the axis does for it, and what is said to the module in that very cycle takes nothing back.
+/// PosEr and max_following_error are both 500 counts: 500 is allowed, 501 is an error of the axis and of the module in
+/// the same cycle, for any reaction of the axis, and a request to the module in that cycle does not clear it.
 ///
 /// Proves: SAIA-STA-04, SAIA-FSM-15
 #[test]
@@ -266,7 +266,7 @@ fn a_position_error_that_is_an_error_of_the_axis_sets_the_flag_in_its_cycle() {
             let text = format!("error_reaction {reaction}, {mode:?}");
             let error = i64::from(Code::FOLLOWING_ERROR.0);
             assert_eq!((rig.int("x.error"), rig.int("x.saia.excper")), (error, 1), "{text}");
-            // Once only: nothing regulates any more.
+            // Only once: the controller is off.
             if reaction != 5 {
                 rig.does(&[("stafrr", 0.0)], "fressf");
                 rig.run(200);
@@ -276,7 +276,7 @@ fn a_position_error_that_is_an_error_of_the_axis_sets_the_flag_in_its_cycle() {
     }
 }
 
-/// Motion that a goal has taken over is no longer the module's, and neither is its error.
+/// A motion of a goal that took over the axis does not belong to the module, and neither does its error.
 #[test]
 fn a_position_error_of_a_goal_sets_no_flag() {
     let mut rig = Rig::holding();
@@ -291,7 +291,7 @@ fn a_position_error_of_a_goal_sets_no_flag() {
     assert_eq!(rig.int("x.saia.excper"), 0);
 }
 
-/// A reaction on the bench: each state with the regulator on.
+/// The reaction in each state with the controller on.
 #[test]
 fn the_position_error_is_supervised_in_each_state_with_the_regulator_on() {
     use super::super::Phase::{Hold, Off, Position, Ramp, Velocity};
@@ -310,7 +310,7 @@ fn the_position_error_is_supervised_in_each_state_with_the_regulator_on() {
     }
 }
 
-/// Beyond 2^30 - 1 in velocity mode the position goes on at -2^30, and the motion with it.
+/// Beyond 2^30 - 1 in velocity mode the position continues at -2^30, and so does the motion.
 ///
 /// Proves: SAIA-PRF-07, SAIA-STA-03
 #[test]
@@ -328,12 +328,12 @@ fn the_position_wraps_in_velocity_mode_and_sets_its_flag() {
         bench.actual += edge.signum();
         assert_eq!(bench.step(&mut saia), None, "motion goes on");
         assert_eq!((saia.position(&bench.view()), saia.flags.wrapped), (beyond, true));
-        // A break position is not passed by the wrap.
+        // The wrap does not pass a break position.
         bench.parameters.vocabularies.saia.brkp = 0;
         saia.breaks = None;
         assert!(saia.is_sound());
     }
-    // In position mode it can only be pushed there, and that is not told.
+    // In position mode only an external force can move it there, and that sets no flag.
     let mut bench = Bench::new();
     let mut saia = bench.moving_state();
     bench.actual = 5 * (1 << 31) + 17;
@@ -362,7 +362,7 @@ fn a_wrap_passes_no_break_position() {
     assert!(saia.flags.passed);
 }
 
-/// Software limits hold; a jog into one is a motion without end, which the limit stops as it stops any.
+/// Software limits apply; a jog towards a limit is a motion without end, which the limit stops like any motion.
 #[test]
 fn software_limits_hold_for_starts_and_jogs() {
     let mut rig = Rig::ready(FAST);

@@ -1,4 +1,5 @@
-//! A start is judged when it comes, also where the drive has to switch on first: what is refused moves and switches nothing.
+//! A start is checked when it is requested, even if the drive has to switch on first: a refused start neither moves nor
+//! switches anything.
 
 use super::rig::{FAST, Rig, X, config};
 use crate::code::Code;
@@ -11,13 +12,13 @@ use crate::parameter::{AxisParameters, Value};
 use crate::sim::Fixtures;
 use crate::state::AXIS_STATES;
 
-/// From the present state, and with the motor off before.
+/// From the present state, and with the motor switched off first.
 const STARTS: [&str; 4] = ["fldda fstart", "fldda fldva fstart", "fldda fldva fldaa fstart", "axinit fldda fstart"];
 
 const UP: &[(&str, f64)] = &[("destp", 10.0), ("accel", 500_000.0)];
 const DOWN: &[(&str, f64)] = &[("destp", -10.0), ("accel", 500_000.0)];
 
-/// x with 100 mm/s, 1 m/s^2 and this, and an input.
+/// x with 100 mm/s, 1 m/s^2 and these changes, and an input.
 fn cell(change: impl Fn(&mut AxisParameters)) -> MachineConfig {
     let mut config = config();
     config.io.push(IoConfig { name: "break".into(), kind: IoKind::DigitalInput, latch: false });
@@ -53,7 +54,7 @@ fn warnings(rig: &Rig) -> Vec<String> {
     warnings.map(|event| crate::text::sentence(event, rig.machine.config())).collect()
 }
 
-/// Each verb is refused with that, and the machine goes on as one that was not asked.
+/// Each request is refused with that message, and the machine continues as without it.
 #[track_caller]
 fn refuses_all(rig: &mut Rig, set: &[(&str, f64)], verbs: &[&str], part: &str) {
     for verb in verbs {
@@ -64,7 +65,8 @@ fn refuses_all(rig: &mut Rig, set: &[(&str, f64)], verbs: &[&str], part: &str) {
     assert!(warnings(rig).is_empty());
 }
 
-/// 50 000 counts/s at 1e6 counts/s^2 take 50 cycles to stop: the verbs come within them, and none makes the axis coast.
+/// 50 000 counts/s at 1e6 counts/s^2 take 50 cycles to stop: the requests come within them, and none makes the axis
+/// coast.
 ///
 /// Proves: SAIA-ERR-01
 #[test]
@@ -101,7 +103,7 @@ fn no_start_ends_homing() {
     let verbs = [&STARTS[..], &["fmotoff fforw", "fldva fldaa fforw"]].concat();
     refuses_all(&mut rig, UP, &verbs, "x: the axis is homing");
     assert_eq!(state(&rig), "HOMING");
-    // By itself a new acceleration switches the motor off.
+    // A new acceleration alone switches the motor off.
     rig.does(UP, "fldaa");
     assert_eq!((rig.saia_state(), state(&rig)), ("OFF", "DISABLED"));
 }
@@ -156,7 +158,7 @@ fn an_open_loop_refuses_a_start_before_it_is_on() {
     assert_eq!((rig.saia_state(), rig.int("x.enabled")), ("OFF", 0));
 }
 
-/// The others run: the load switches the motor off by SAIA-DET-04, and only the start behind it fails.
+/// The other commands run: the load switches the motor off by SAIA-DET-04, and only the start after it fails.
 ///
 /// Proves: SAIA-ERR-03, SAIA-ERR-04
 #[test]
@@ -175,7 +177,7 @@ fn as_a_command_error_only_the_start_fails() {
     }
 }
 
-/// What changes after the verb is found once the drive is on, and is told as what it is.
+/// A change after the request is detected once the drive is on, and reported with its reason.
 #[test]
 fn what_comes_between_is_told_without_a_stream() {
     let mut rig = rig_of(cell(|_| ()));

@@ -1,11 +1,11 @@
-//! Buffers, what takes them over, and what is relative to what.
+//! Buffers, the commands that activate them, and the bases of relative loads.
 
 use super::super::{Command, Register};
 use super::rig::{FAST, Rig, X, flag};
 use crate::command::Action;
 use crate::parameter::Value;
 
-/// Names are the manual's; the 29 commands, and the function block before them.
+/// Names are those of the manual; the 29 commands, and the function block before them.
 ///
 /// Proves: SAIA-FLG-06, SAIA-REG-00..12
 #[test]
@@ -26,7 +26,7 @@ fn registers_and_commands_have_the_manuals_names() {
     assert_eq!(Register::find("kpropp"), None);
 }
 
-/// Integers of 32 bits; the command that reads a register checks what it takes.
+/// Integers of 32 bits; the command that reads a register checks its range.
 ///
 /// Proves: SAIA-REG-00, SAIA-REG-01, SAIA-REG-02, SAIA-REG-03, SAIA-REG-04, SAIA-REG-06, SAIA-DET-02
 #[test]
@@ -77,7 +77,7 @@ fn loads_change_nothing_until_a_start() {
         assert!((rig.real("x.command.velocity") - 50_000.0).abs() < 0.03);
     }
     assert_eq!((rig.int("x.saia.destination"), rig.int("x.saia.velocity_mode")), (100_000, 0));
-    // Nor does a register by itself, with or without a load.
+    // Nor does a register alone, with or without a load.
     rig.parameter("saia.destp", Value::Int(77));
     rig.does(&[("mcw", f64::from(0x41B))], "fselom fldva");
     rig.does(&[], "fstart");
@@ -157,7 +157,7 @@ fn relative_loads_are_refused_before_the_first_start() {
 fn a_relative_break_position_counts_from_the_destination_and_keeps_within_the_range() {
     let mut rig = Rig::holding();
     rig.does(&[("destp", 5000.0), ("brkp", -3000.0)], "fldda fstart fldbpr");
-    // The load comes first: it is relative to the destination of before.
+    // The load comes first: it is relative to the previous destination.
     rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.saia.brkpos"), 0);
     rig.does(&[("destp", 0.0)], "fldda fldbpr fstart");
@@ -168,7 +168,7 @@ fn a_relative_break_position_counts_from_the_destination_and_keeps_within_the_ra
     rig.refuses(&[("brkp", 1000.0)], "fldbpr", "saia.brkp with saia.mcfac makes 1073742000 counts");
 }
 
-/// Several flags in one step: loads before `fressf`, that before `fstart`, whatever their order in the verb.
+/// Several flags in one step: loads before `fressf`, `fressf` before `fstart`, whatever their order in the request.
 ///
 /// Proves: SAIA-HND-05, SAIA-HND-01
 #[test]
@@ -183,7 +183,7 @@ fn flags_that_stand_together_run_in_one_order() {
     assert_eq!(rig.int("x.command.position"), 9000);
 }
 
-/// `set:` writes the parameter, and a parameter is the register: there is one value, and it is told.
+/// `set:` writes the parameter, which is the register: there is one value, and the change is reported.
 #[test]
 fn a_register_is_the_parameter_of_its_name() {
     let mut rig = Rig::ready(FAST);
@@ -207,14 +207,14 @@ fn axinit_resets_and_loads_from_the_registers() {
     assert_eq!((rig.saia_state(), rig.int("x.enabled")), ("OFF", 0));
     assert_eq!(rig.int("x.saia.position"), 0, "the position becomes 0 though the axis moves");
     assert_eq!((rig.int("x.saia.destination"), rig.int("x.saia.velocity_register")), (0, 0));
-    // OnDest, regulator off, PWM, off reaction, new acceleration; mode and direction wait for the start.
+    // OnDest, controller off, PWM, off reaction, new acceleration; mode and direction wait for the start.
     assert_eq!(rig.signals(), 1 << 2 | 1 << 7 | 1 << 8 | 1 << 9 | 1 << 14);
     rig.does(&[], "fstart");
     assert_eq!((rig.saia_state(), rig.int("x.saia.velocity_register")), ("VEL", 1_565_873));
     assert_eq!(rig.int("x.saia.acceleration_register"), 22_906);
 }
 
-/// Step 1: nothing is left of what was loaded and started, neither in force nor in a buffer.
+/// Step 1: no loaded or started value is left, neither active nor in a buffer.
 ///
 /// Proves: SAIA-INI-01
 #[test]
@@ -234,7 +234,8 @@ fn axinit_resets_the_controller() {
     rig.does(&[], "fstart");
     assert_eq!(rig.int("x.saia.destination"), 0);
     rig.run_until("x.saia.ondest", 1);
-    // The place of the break position is passed, in the old coordinate and in the new one, and no gain turns an error into U.
+    // The break position is passed in the old coordinate and in the new one without effect, and no gain turns an error
+    // into U.
     rig.does(&[("destp", 70_000.0)], "fldda fstart");
     rig.run_to("x.command.velocity", 49_999.99);
     rig.plant.drive(0).unwrap().jump(-100);

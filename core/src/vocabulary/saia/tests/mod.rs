@@ -1,4 +1,4 @@
-//! The module as its program sees it.
+//! Tests of the module through its interface.
 
 mod anything;
 mod contacts;

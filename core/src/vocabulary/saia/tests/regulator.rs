@@ -1,4 +1,4 @@
-//! The regulator by itself, and in the axis.
+//! The controller alone, and in the axis.
 
 use super::super::pid::{Gains, Options, Pid};
 use super::super::scale;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 const PLAIN: Options = Options { clamp_sum: false, chip_integral: false };
 
-/// A sample one chip sample after the one before.
+/// Executes a sample one chip sample after the previous one.
 fn sample(pid: &mut Pid, gains: &Gains, options: Options, error: i64) -> i32 {
     pid.step(gains, options, error as f64, 1.0)
 }
@@ -55,14 +55,14 @@ fn the_chip_takes_the_top_16_of_24_bits_of_the_sum() {
     let gains = Gains { integral: 5, limit: 32_767, ..Gains::default() };
     let chip = Options { chip_integral: true, ..PLAIN };
     assert_eq!(outputs(gains, chip, &[255, 1, 256]), [0, 5, 10]);
-    // The sum keeps to 24 bits, the error to 16.
+    // The sum is limited to 24 bits, the error to 16.
     let mut pid = Pid::default();
     for _ in 0..1000 {
         sample(&mut pid, &gains, chip, i64::MAX);
         assert!(pid.is_sound());
     }
     assert_eq!(pid.integral(), 32_767);
-    // 2^23 - 1 needs 257 samples of -32 768 to turn its sign.
+    // 2^23 - 1 needs 257 samples of -32 768 to change its sign.
     for _ in 0..256 {
         sample(&mut pid, &gains, chip, i64::MIN);
     }
@@ -98,7 +98,8 @@ fn the_output_is_the_top_12_or_8_bits() {
     }
 }
 
-/// An error that rises by 3 counts in each cycle: kd 100 sees what it rises by in SampI + 1 samples of 341.333 us, however long the cycle is.
+/// An error that rises by 3 counts in each cycle: kd 100 acts on its rise in SampI + 1 samples of 341.333 us, for any
+/// cycle time.
 ///
 /// Proves: SAIA-PID-01, SAIA-PID-02, SAIA-SW-01
 #[test]
@@ -111,7 +112,7 @@ fn the_derivative_part_sees_its_interval_at_every_cycle_length() {
                 let due = (scale::samples(&mut rest, cycle_ns), scale::in_samples(cycle_ns));
                 let output = pid.cycle(&gains, PLAIN, 3 * cycle, due);
                 let expected = 100.0 * 3.0 * f64::from(interval + 1) * (2048.0 / 6e6) / (cycle_ns as f64 * 1e-9);
-                // Two intervals of 16 samples in cycles that may have one in three.
+                // Two intervals of 16 samples in cycles with one sample in three.
                 if cycle > 100 {
                     assert!(
                         (f64::from(output) - expected).abs() <= 0.501,
@@ -123,8 +124,8 @@ fn the_derivative_part_sees_its_interval_at_every_cycle_length() {
     }
 }
 
-/// Between two cycles the error lies on a straight line: from 0 to 90 in three samples it is 30, 60 and 90, whose sum is 180. In the first cycle there
-/// is no line yet. Where nothing was sampled for a while, the change meanwhile is none.
+/// Between two cycles the error is interpolated linearly: from 0 to 90 in three samples it is 30, 60 and 90, whose sum
+/// is 180. In the first cycle there is no previous error. A change during a time without samples does not count.
 ///
 /// Proves: SAIA-PID-01, SAIA-SW-01
 #[test]
@@ -136,7 +137,7 @@ fn the_error_between_two_cycles_lies_on_a_line() {
         pid.integral()
     });
     assert_eq!(sums, [90, 90 + 20 + 10, 120 + 180]);
-    // Both laws add the error of the last sample alone, and its change from 60.
+    // The proportional term is that of the last sample alone, the derivative term that of its change from 60.
     let gains = Gains { proportional: 2, derivative: 5, ..Gains::default() };
     let mut pid = Pid::default();
     let outputs = [0, 90, 90].map(|error| pid.cycle(&gains, PLAIN, error, (3, 3.0)));
@@ -171,7 +172,8 @@ fn the_integral_part_of_the_axis_is_read_within_its_limit() {
     rig.run(4);
     rig.does(&[], "frdits");
     let read = rig.int("x.saia.rintts");
-    // 0 to 100 counts in the 2 or 3 samples of one cycle, 100 to 0 in those of the next: 33, 67, 100 and 67, 33, 0, or 50, 100 and 50, 0; times 2.
+    // 0 to 100 counts in the 2 or 3 samples of one cycle, 100 to 0 in those of the next: 33, 67, 100 and 67, 33, 0, or
+    // 50, 100 and 50, 0; times 2.
     assert!(read == 500 || read == 600, "{read}");
     rig.plant.drive(0).unwrap().jump(-1000);
     rig.run(4);

@@ -1,4 +1,4 @@
-//! The rig with one axis on a simulated drive and a virtual one, and what the tests of the module ask of it.
+//! Test machine with one axis on a simulated drive and a virtual one, and helpers for the tests of the module.
 
 use crate::command::{Action, Commands};
 use crate::config::{AxisConfig, MachineConfig};
@@ -34,7 +34,7 @@ impl Rig {
         Self::of(config())
     }
 
-    /// With `axinit` done on x with these registers.
+    /// Returns a machine with `axinit` executed on x with these registers.
     pub(super) fn ready(set: &[(&str, f64)]) -> Self {
         let mut rig = Self::saia();
         rig.run(5);
@@ -42,7 +42,7 @@ impl Rig {
         rig
     }
 
-    /// The same where command errors are only told.
+    /// Like [`Self::ready`], but command errors are only reported.
     pub(super) fn logging(set: &[(&str, f64)]) -> Self {
         let mut rig = Self::saia();
         rig.run(5);
@@ -67,19 +67,19 @@ impl Rig {
         rig
     }
 
-    /// x is switched on by `enable`.
+    /// Enables x.
     pub(super) fn on(&mut self) {
         self.ask([Action::Enable(AxisSet::one(X))]).expect("nothing bars it");
         self.run(20);
     }
 
-    /// Gives all actions in one cycle; the sentence that refuses the last one.
+    /// Sends all actions in one cycle. Returns the error message of the last one.
     pub(super) fn ask(&mut self, actions: impl Into<Vec<Action>>) -> Result<(), String> {
         let sequence = self.give_all(actions.into());
         self.answer(sequence).map_err(|refused| crate::text::sentence(&refused, self.machine.config()))
     }
 
-    /// Gives a verb. Where it is refused, the machine must be as one that was not asked.
+    /// Sends a request. If it is refused, the machine must be the same as without it.
     pub(super) fn give_or_nothing(&mut self, request: Request) {
         let mut twin = self.twin();
         if self.ask([Action::vocabulary(request)]).is_err() {
@@ -113,7 +113,7 @@ impl Rig {
         self.ask([Action::vocabulary(request)])
     }
 
-    /// A verb for x that is accepted and has no command error.
+    /// Sends a request for x that is accepted and has no command error.
     #[track_caller]
     pub(super) fn does(&mut self, set: &[(&str, f64)], commands: &str) {
         let before = self.int("x.saia.command_errors");
@@ -121,7 +121,7 @@ impl Rig {
         assert_eq!(self.int("x.saia.command_errors"), before, "{commands}");
     }
 
-    /// A verb for x that is refused, with a part of the sentence.
+    /// Sends a request for x that is refused, with a part of the message.
     #[track_caller]
     pub(super) fn refuses(&mut self, set: &[(&str, f64)], commands: &str, part: &str) {
         let sentence = self.verb(X, set, commands).expect_err(commands);
@@ -148,23 +148,23 @@ impl Rig {
         assert!(self.plant.add_latch(latch));
     }
 
-    /// The state by its name in section 12.
+    /// Returns the state by its name in section 12.
     pub(super) fn saia_state(&self) -> &'static str {
         super::super::STATES[self.int("x.saia.state") as usize]
     }
 
-    /// OnDest, IPuls, WrapOc, ExcPEr, BrkPos of x.
+    /// Returns OnDest, IPuls, WrapOc, ExcPEr, BrkPos of x.
     pub(super) fn flags(&self) -> [i64; 5] {
         ["ondest", "ipuls", "wrapoc", "excper", "brkpos"].map(|flag| self.int(&format!("x.saia.{flag}")))
     }
 
-    /// What `frdsr` reads.
+    /// Returns the value of `frdsr`.
     pub(super) fn signals(&mut self) -> i64 {
         self.does(&[], "frdsr");
         self.int("x.saia.rsigb")
     }
 
-    /// Every signal of x under `saia.` but what the cycle itself changes, and the registers.
+    /// Returns every signal of x under `saia.` that the cycle itself does not change, and the registers.
     pub(super) fn picture(&self) -> (Vec<i64>, AxisParameters) {
         let directory = self.machine.directory();
         let entries = directory.iter().map(|(_, entry)| entry);
@@ -174,7 +174,7 @@ impl Rig {
         (words, *self.machine.parameters(X).unwrap())
     }
 
-    /// Warnings that carry a code, so far.
+    /// Returns the number of warnings with a code.
     pub(super) fn warnings(&self) -> usize {
         self.events.iter().filter(|event| event.kind == Kind::Warning && event.code.0 / 1000 == 2).count()
     }

@@ -1,4 +1,4 @@
-//! Units, registers and what is read back.
+//! Units, registers and read values.
 
 use super::super::scale::{self, Scaling};
 use super::super::{HIGHEST, Parameters};
@@ -29,12 +29,12 @@ fn rates_become_registers_in_parts_of_a_sample() {
     let (exact, legacy) = (scaling(100.0, false), scaling(100.0, true));
     assert_eq!((exact.velocity(500), legacy.velocity(500)), (1_118_481, 1_117_400));
     assert_eq!((exact.acceleration(100), legacy.acceleration(100)), (76, 76));
-    // 76.35 and 76.21: ten times as much tells them apart.
+    // 76.35 and 76.21: only ten times the value shows the difference.
     assert_eq!((exact.acceleration(1000), legacy.acceleration(1000)), (764, 762));
     // One step of the registers: 0.0447 counts/s and 131 counts/s^2.
     assert!((scale::velocity_of(1.0) - 0.0447).abs() < 5e-5);
     assert!((scale::acceleration_of(1.0) - 131.0).abs() < 0.05);
-    // What is commanded is what is obtained.
+    // The actual velocity is the commanded one.
     assert!((scale::velocity_of(1_118_481.0) - 50_000.0).abs() < 0.0224);
 }
 
@@ -50,7 +50,7 @@ fn the_velocity_register_ends_just_below_480_000_tenths_of_a_millimetre() {
     let sentence = "saia.veloc with saia.mcfac makes 1073741824 in the velocity register; 0 to 1073741823 is allowed";
     rig.refuses(&[("veloc", 480_000.0)], "fldva", sentence);
     rig.refuses(&[("mcfac", 1.0), ("veloc", -1.0)], "fldva", "-22 in the velocity register; 0 to");
-    // Also where it would be rounded to 0.
+    // Also if it would be rounded to 0.
     rig.refuses(&[("mcfac", 0.01), ("veloc", -1.0)], "fldva", "saia.veloc with saia.mcfac makes -0.22");
     rig.refuses(&[("mcfac", 1.0), ("accel", -3.0)], "fldaa", "saia.accel with saia.mcfac makes -0.022");
 }
@@ -70,7 +70,7 @@ fn destinations_end_at_two_to_the_30() {
     rig.refuses(&[("destp", 1_073_741_824.0)], "flddr", "makes 1073741824 counts");
 }
 
-/// 1 / 7.6355e-3 counts/s^2 is one step; 2^30 of them lie at 140 625 000 000.
+/// 1 / 7.6355e-3 counts/s^2 is one step; 2^30 of them are 140 625 000 000.
 ///
 /// Proves: SAIA-CAP-09, SAIA-REG-10
 #[test]
@@ -117,10 +117,10 @@ fn the_actual_velocity_is_read_in_whole_counts_a_sample() {
     let read = |velocity: f64| scaling(100.0, false).units_of_velocity(scale::counts_a_sample(velocity) * 65_536.0);
     assert_eq!(scale::counts_a_sample(50_000.0), 17.0);
     assert_eq!((read(50_000.0), read(10_000.0)), (Some(498), Some(88)));
-    // One count a sample is 2929.7 counts/s.
+    // One count per sample is 2929.7 counts/s.
     assert!((scale::velocity_of(65_536.0) - 2929.7).abs() < 0.05);
     assert_eq!(read(2929.0), Some(0));
-    // Signed (A24): cut off bits leave the lower value.
+    // Signed (A24): truncated bits give the lower value.
     assert_eq!(read(-10_000.0), Some(-117));
 
     let mut rig = Rig::moving();
@@ -137,13 +137,13 @@ fn the_printed_constants_read_back_what_they_loaded() {
     rig.does(&[("mcfac", 100.0), ("veloc", 500.0), ("accel", 10_000.0), ("destp", 1000.0)], "axinit fldda fstart");
     assert_eq!(rig.int("x.saia.velocity_register"), 1_117_400);
     rig.run(200);
-    // The chip's sample is what it is: 1 117 400 steps are 49 951.7 counts/s.
+    // The register is quantized by the sample of the chip: 1 117 400 steps are 49 951.7 counts/s.
     assert!((rig.real("x.command.velocity") - 49_951.7).abs() < 0.05);
     rig.does(&[], "frdsv");
     assert_eq!(rig.int("x.saia.rsetv"), 500);
 }
 
-/// Registers are quantized, so that a limit of the axis is meant to half a step.
+/// Registers are quantized, so a limit of the axis applies to half a step.
 #[test]
 fn a_rate_at_the_limit_of_the_axis_is_taken_and_never_exceeded() {
     let mut config = super::rig::config();

@@ -1,4 +1,4 @@
-//! The table of section 12, a row each, and what starts do.
+//! The table of section 12, one row each, and the effects of starts.
 
 use super::super::{Phase, Saia};
 use super::rig::{FAST, Rig, V, X};
@@ -7,7 +7,7 @@ use crate::command::Action;
 const OFF_STOP: (&str, f64) = ("mcw", 0x11B as f64);
 const HARD_STOP: (&str, f64) = ("mcw", 0x21B as f64);
 const RAMP_STOP: (&str, f64) = ("mcw", 0x41B as f64);
-/// Velocity control forward, with a ramp stop.
+/// Velocity control in positive direction, with a ramp stop.
 const SPEED_UP: (&str, f64) = ("mcw", 0x1C1B as f64);
 const SPEED_DOWN: (&str, f64) = ("mcw", 0xC1B as f64);
 
@@ -46,7 +46,7 @@ fn before_axinit_every_command_is_refused() {
         rig.refuses(FAST, name, "axinit has not run and the axis is off; axinit or enable must come first");
         assert_eq!((rig.saia_state(), command.name()), ("PWR", *name));
     }
-    // In one verb it comes first by itself.
+    // In one request `axinit` runs first.
     let mut rig = Rig::saia();
     rig.run(5);
     rig.does(&[("destp", 10.0), ("veloc", 50_000.0), ("accel", 1e6)], "fstart fldda axinit");
@@ -59,23 +59,23 @@ fn enable_stands_for_axinit_and_the_axis_stays_on() {
     let mut rig = Rig::saia();
     rig.on();
     assert_eq!(rig.saia_state(), "PWR");
-    // No accel: that of the axis, half of its maximum, cut to the velocity.
+    // Without accel: the default of the axis, half of its maximum, limited to the velocity.
     rig.does(&[("destp", 1000.0), ("veloc", 500.0)], "fldda fldva fstart");
     assert_eq!((rig.saia_state(), rig.int("x.saia.ondest"), rig.int("x.enabled")), ("POS", 0, 1));
     assert_eq!((rig.int("x.saia.velocity_register"), rig.int("x.saia.acceleration_register")), (11_185, 11_185));
     rig.does(&[("destp", -1.0)], "flddr");
-    // In motion it stays what it is.
+    // In motion the acceleration does not change.
     let sentence = "the acceleration register is 11185; 1 to the velocity register, 22, is allowed";
     rig.refuses(&[("veloc", 1.0)], "fldva fstart", sentence);
     rig.does(&[("veloc", 5_000.0), ("destp", 1000.0)], "fldda fldva fstart");
     rig.run_until("x.saia.ondest", 1);
     assert_eq!((rig.int("x.command.position"), rig.saia_state()), (1000, "HOLD"));
-    // What axinit loads of registers that the verb sets too.
+    // axinit uses the registers that the request sets.
     let mut rig = Rig::saia();
     rig.on();
     rig.does(&[("destp", 10.0), ("veloc", 500.0), ("mcfac", 100.0)], "fldda fstart");
     assert_eq!(rig.int("x.saia.destination"), 1000);
-    // Relative loads are barred as after axinit, and a verb that is refused has initialised nothing.
+    // Relative loads are not allowed, as after axinit, and a refused request initialises nothing.
     let mut rig = Rig::saia();
     rig.on();
     rig.refuses(&[("destp", 1.0)], "flddr", "before the first fstart");
@@ -117,7 +117,7 @@ fn velocity_control_runs_until_a_stop_in_the_direction_of_bit_12() {
         rig.run(3000);
         let velocity = rig.real("x.command.velocity");
         assert!((velocity - sign * 50_000.0).abs() < 0.03, "{velocity}");
-        // The velocity may change on the run.
+        // The velocity may change in motion.
         rig.does(&[("veloc", 20_000.0)], "fldva fstart");
         rig.run(100);
         assert!((rig.real("x.command.velocity") - sign * 20_000.0).abs() < 0.03);
@@ -125,7 +125,7 @@ fn velocity_control_runs_until_a_stop_in_the_direction_of_bit_12() {
     }
 }
 
-/// Bits 11 and 12 of MCW alone, in motion, and only by `fselom` and a start.
+/// Only bits 11 and 12 of MCW select, also in motion, and only by `fselom` and a start.
 ///
 /// Proves: SAIA-CMD-01
 #[test]
@@ -133,7 +133,7 @@ fn a_mode_and_a_direction_wait_for_the_next_start() {
     const POSITION: (i64, &str, f64) = (0, "POS", 0.0);
     const UP: (i64, &str, f64) = (3, "VEL", 50_000.0);
     const DOWN: (i64, &str, f64) = (1, "VEL", -50_000.0);
-    // Every other bit of the word is 0 or 1.
+    // All other bits of the word are 0 or 1.
     let word = |bits: i64, others: i32| ("mcw", f64::from((others & !0x1800) | (bits as i32) << 11));
     let shown = |rig: &Rig| (rig.saia_state(), rig.int("x.saia.velocity_mode"), rig.int("x.saia.forward"));
     for (others, from) in [(0, POSITION), (-1, POSITION), (0, UP), (-1, UP), (0, DOWN), (-1, DOWN)] {
@@ -164,7 +164,8 @@ fn a_mode_and_a_direction_wait_for_the_next_start() {
     }
 }
 
-/// Only a state that no verb leads to has an acceleration pending in motion: a load switches off. The guard stands.
+/// No request leads to a pending acceleration in motion, because a load switches off. The check exists for restored
+/// states.
 ///
 /// Proves: SAIA-FSM-05, SAIA-DET-05
 #[test]
@@ -188,7 +189,7 @@ fn a_start_in_motion_is_refused_while_an_acceleration_waits() {
 #[test]
 fn a_start_in_motion_takes_the_new_destination_velocity_and_mode_over_on_the_fly() {
     let mut rig = Rig::moving();
-    // Behind the stopping point: slow down to zero, reverse, approach.
+    // The destination is behind the stopping point: slow down to zero, reverse, approach.
     rig.does(&[("destp", 500.0)], "fldda fstart");
     let mut lowest = f64::MAX;
     while rig.int("x.saia.ondest") == 0 {
@@ -201,7 +202,7 @@ fn a_start_in_motion_takes_the_new_destination_velocity_and_mode_over_on_the_fly
     assert!(lowest < -10_000.0);
     assert_eq!(rig.int("x.command.position"), 500);
 
-    // To velocity control backward on the run, through zero at the acceleration, and back.
+    // To velocity control in negative direction while moving, through zero with the acceleration, and back.
     let mut rig = Rig::moving();
     rig.does(&[SPEED_DOWN], "fselom fstart");
     assert_eq!(rig.saia_state(), "VEL");
@@ -215,7 +216,7 @@ fn a_start_in_motion_takes_the_new_destination_velocity_and_mode_over_on_the_fly
     assert_eq!(rig.saia_state(), "POS");
     rig.run_until("x.saia.ondest", 1);
     assert_eq!(rig.int("x.command.position"), 0);
-    // In RAMP, with a load that frees the latch.
+    // In RAMP, with a load that releases the latch.
     let mut rig = ramping();
     rig.does(&[("destp", 120_000.0)], "fldda fstart");
     assert_eq!(rig.saia_state(), "POS");
@@ -241,7 +242,7 @@ fn a_start_after_a_stop_without_a_load_moves_nothing_and_is_no_error() {
     }
 }
 
-/// The destination before the stop is kept: a mode or a velocity is enough to go on.
+/// The destination is kept through the stop: a new mode or velocity is enough to continue.
 ///
 /// Proves: SAIA-FSM-16, SAIA-DET-07
 #[test]
@@ -302,7 +303,7 @@ fn a_ramp_stop_slows_down_with_the_acceleration_and_then_sets_ondest() {
         let way = rig.int("x.command.position") - start;
         assert!((1299..=1302).contains(&way), "{way}: 50 counts in the cycle of the command, 1250 to stop");
     }
-    // Once more on the ramp: the same ramp.
+    // A second stop on the ramp: the ramp does not change.
     let mut rig = ramping();
     rig.run(10);
     rig.does(&[RAMP_STOP], "fstop");
@@ -401,7 +402,7 @@ fn a_jog_goes_to_the_end_of_the_range_and_only_a_stop_ends_it() {
     rig.run_until("x.saia.ondest", 1);
     let place = rig.int("x.command.position");
     rig.refuses(&[("destp", 1.0)], "flddr", "saia.destp with saia.mcfac makes 1073741824 counts");
-    // The other way is in range: a very remote target.
+    // The opposite direction is in range: a very remote target.
     rig.does(&[("destp", -1.0)], "flddr");
     rig.does(&[("destp", 0.0)], "fldda fstart");
     rig.run_until("x.saia.ondest", 1);
@@ -430,7 +431,8 @@ fn a_jog_in_velocity_mode_keeps_the_buffered_mode() {
 #[test]
 fn a_short_move_is_a_triangle_and_a_long_one_a_trapezoid() {
     let mut rig = Rig::holding();
-    // a = 7635 steps: peak of 900 counts is sqrt(a 900) = 29 999; of 100 000 counts it is the velocity.
+    // a = 7635 steps: the peak velocity of 900 counts is sqrt(a 900) = 29 999; for 100 000 counts it is the programmed
+    // velocity.
     for (way, peak) in [(900.0, 29_999.0), (100_000.0, 50_000.0)] {
         rig.does(&[("destp", way)], "flddr fstart");
         let mut most = 0.0_f64;
@@ -453,7 +455,7 @@ fn without_a_load_the_first_start_goes_to_0() {
     assert_eq!(rig.int("x.command.position"), 0);
 }
 
-/// One step with several verbs: the same cycle for all.
+/// One step with several requests: the same cycle for all.
 ///
 /// Proves: SAIA-SW-04, SAIA-CAP-01
 #[test]
@@ -482,7 +484,8 @@ fn several_axes_start_in_the_same_cycle() {
     assert_eq!(rig.int("x.command.position"), 6000);
 }
 
-/// A virtual axis is always on; off is a state of the vocabulary, and what coasts stops as hard as the axis may.
+/// A virtual axis is always on; off is a state of the vocabulary, and instead of coasting the axis stops with its
+/// maximum deceleration.
 #[test]
 fn a_virtual_axis_does_the_same() {
     let mut rig = Rig::saia();

@@ -1,4 +1,4 @@
-//! The vocabulary alone, on an axis that is made up: what it does when something else has the axis.
+//! The vocabulary alone, on a test axis: its behaviour when another owner takes over the axis.
 
 use super::super::{Commands, Phase, Request, Saia};
 use super::rig::{FAST, Rig, X, flag};
@@ -14,7 +14,7 @@ use crate::profile::Motion;
 use crate::sync::Leads;
 use crate::vocabulary::{Latched, Order, View};
 
-/// An axis that does what the test says.
+/// An axis whose state the test sets.
 pub(super) struct Bench {
     pub parameters: AxisParameters,
     pub cycle: u64,
@@ -93,19 +93,19 @@ impl Bench {
         }
     }
 
-    /// Commands that are done, and the order that they make.
+    /// Executes commands without errors. Returns their order.
     pub(super) fn run(&self, saia: &mut Saia, names: &str) -> Option<Order> {
         let commands = Commands::from_iter(names.split_whitespace().map(flag));
         saia.run(&Request { commands, ..Request::default() }, &self.view(), None).unwrap().order
     }
 
-    /// The next cycle.
+    /// Executes the next cycle.
     pub(super) fn step(&mut self, saia: &mut Saia) -> Option<Order> {
         self.cycle += 1;
         saia.step(&self.view())
     }
 
-    /// In POS.
+    /// Returns a state in POS.
     pub(super) fn moving_state(&self) -> Saia {
         let mut saia = Saia::default();
         self.run(&mut saia, "axinit");
@@ -132,7 +132,7 @@ fn what_takes_the_axis_over_is_not_fought() {
     }
 }
 
-/// Switched on by the contract's own command, the axis holds: the regulator is on, and a start finds it so.
+/// Enabled by the command of the contract, the axis holds: the controller is on, and a start finds it on.
 #[test]
 fn an_axis_that_is_enabled_by_others_is_in_hold() {
     let mut rig = Rig::ready(FAST);
@@ -143,7 +143,7 @@ fn an_axis_that_is_enabled_by_others_is_in_hold() {
     assert!(rig.real("x.command.velocity") > 0.0);
 }
 
-/// Switched off by it in motion, the profile is over; nothing brings the drive back but a start.
+/// Disabled by that command in motion, the profile ends; only a start switches the drive on again.
 #[test]
 fn an_axis_that_is_disabled_by_others_is_off() {
     let mut rig = Rig::moving();
@@ -177,7 +177,7 @@ fn an_error_of_the_axis_ends_a_start_that_waits() {
     assert_eq!(refusal.code, Code::IN_ERROR);
 }
 
-/// FSM-12 with a start in the same verb: off for a cycle, on, and only then the motion.
+/// FSM-12 with a start in the same request: off for a cycle, on, and only then the motion.
 #[test]
 fn a_motor_that_goes_off_and_starts_in_one_verb_is_off_in_between() {
     let mut bench = Bench::new();
@@ -227,7 +227,7 @@ fn a_stop_also_stops_what_somebody_else_began() {
     bench.parameters.vocabularies.saia.mcw = 0x21B;
     assert_eq!(bench.run(&mut saia, "fstop"), Some(Order::StandOnActual));
     assert_eq!(saia.phase, Phase::Hold);
-    // And a step waits for it to stand.
+    // A step waits until the axis is at rest.
     let commands = Commands::from_iter([flag("fsstepf")]);
     let refusal = saia.run(&Request { commands, ..Request::default() }, &bench.view(), None).unwrap_err();
     assert_eq!(refusal.code, Code::SAIA_STEP_IN_MOTION);
@@ -243,7 +243,7 @@ fn a_start_that_the_axis_cannot_do_once_it_is_on_is_a_command_error() {
     assert_eq!(bench.step(&mut saia), None);
 }
 
-/// FStop in HOLD leads to RAMP without registers of a start: such a state is sound.
+/// FStop in HOLD leads to RAMP without registers of a start: such a state is valid.
 #[test]
 fn every_state_that_comes_about_is_sound() {
     let mut bench = Bench::new();

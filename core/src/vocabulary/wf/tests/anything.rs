@@ -1,4 +1,4 @@
-//! Any verbs in any order, on an axis that is anywhere.
+//! Any requests in any order, with the axis at any position.
 
 use super::bench::{Bench, MAX_VELOCITY, MM, by, to};
 use super::rig::Rig;
@@ -14,9 +14,9 @@ use proptest::prelude::*;
 #[derive(Clone, Debug)]
 enum Happening {
     Verb(Box<Request>),
-    /// The axis is there, in the next cycle (inc).
+    /// The axis is at this position in the next cycle (inc).
     At(i64),
-    /// It goes on with its speed, for so many cycles.
+    /// The axis keeps its speed for this number of cycles.
     Coast(u64),
     Wait(u64),
     Lost,
@@ -87,7 +87,7 @@ impl Bench {
     fn happen(&mut self, happening: &Happening) {
         match happening {
             Happening::Verb(request) => {
-                // A refused verb changes nothing.
+                // A refused request changes nothing.
                 let before = self.wf;
                 if self.give(request).is_err() {
                     assert_eq!(format!("{:?}", self.wf), format!("{before:?}"));
@@ -117,7 +117,7 @@ impl Bench {
         self.wait(1);
     }
 
-    /// What holds after every cycle.
+    /// Checks the conditions that hold after every cycle.
     fn check(&self) {
         let (state, speed, q, enable) = self.now();
         let runs = ["RUN", "STEP1", "STEP2", "STEP3"].contains(&state);
@@ -126,7 +126,7 @@ impl Bench {
         assert!((0.0..=99.0).contains(&speed) && speed.fract() == 0.0);
         assert!(self.wf.is_sound());
         if runs && self.int(WfSignal::Mode) != Mode::Jog as i64 {
-            // No step that is slower is reached: inside the distances speeds only fall.
+            // No slower step is reached: within the distances, speeds only decrease.
             let left = self.wf.set.nearest().saturating_sub(self.actual).saturating_mul(self.wf.direction.into());
             assert_eq!(Steps::of(&self.parameters).due(speed as i64, left), None, "{state} {speed} {left}");
         }
@@ -159,7 +159,7 @@ proptest! {
         for happening in &happenings {
             bench.happen(happening);
             bench.check();
-            // A state that was kept and read again goes on the same way.
+            // A state that was saved and restored continues in the same way.
             other.wf = round_trip(&other.wf);
             other.happen(happening);
             prop_assert_eq!(bench.wf, other.wf);
@@ -198,7 +198,7 @@ proptest! {
 }
 
 impl Bench {
-    /// A verb or a step without a look at what comes of it.
+    /// Executes a request or a step, and ignores the result.
     fn any_loop(&mut self, closed: bool, request: Option<&Request>) {
         self.interface = if closed { Interface::Position } else { Interface::OpenLoop };
         self.owns = true;
@@ -206,7 +206,7 @@ impl Bench {
     }
 }
 
-/// What a machine is asked to do.
+/// Action on a machine.
 #[derive(Clone, Debug)]
 enum Deed {
     Verb(Box<Request>),
@@ -244,7 +244,7 @@ fn deed() -> impl Strategy<Value = Deed> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(100))]
 
-    /// On a whole machine, which is mirrored by one that was restored from its state.
+    /// On a whole machine, compared with a second one that is restored from its state.
     #[test]
     fn a_closed_loop_axis_keeps_the_speed_of_each_block_and_comes_to_rest(
         deeds in prop::collection::vec(deed(), 1..12)
@@ -272,7 +272,7 @@ proptest! {
 }
 
 impl Rig {
-    /// A cycle, in which no block is run faster than it asks for.
+    /// Executes a cycle in which no block exceeds its speed.
     fn run_watched(&mut self) {
         self.run(1);
         let block = self.int("x.wf.block");
@@ -285,7 +285,7 @@ impl Rig {
     }
 }
 
-/// The least state, for what cannot be in a test above: it must be sound.
+/// The initial state, which the random tests above never restore: it must be valid.
 #[test]
 fn a_new_vocabulary_is_sound_and_idle() {
     let wf = Wf::default();

@@ -1,4 +1,4 @@
-//! An open-loop axis that is where the test says, and does what it is told at once.
+//! An open-loop axis at positions set by the test, which executes orders at once.
 
 use crate::code::Code;
 use crate::drive::Interface;
@@ -15,7 +15,7 @@ use crate::vocabulary::{Order, View};
 
 /// Increments per mm.
 pub(super) const MM: i64 = 1000;
-/// Largest velocity (inc/s): a speed value is 1000 inc/s.
+/// Maximum velocity (inc/s): a speed value is 1000 inc/s.
 pub(super) const MAX_VELOCITY: f64 = 100_000.0;
 
 pub(super) struct Bench {
@@ -24,13 +24,13 @@ pub(super) struct Bench {
     pub modulo: Option<Modulo>,
     pub cycle: u64,
     pub cycle_ns: u64,
-    /// (inc)
+    /// Actual position (inc).
     pub actual: i64,
     pub owns: bool,
     pub on: bool,
     pub in_error: bool,
     pub interface: Interface,
-    /// What the drive was asked for last (inc/s).
+    /// Last commanded velocity (inc/s).
     pub velocity: f64,
     /// Alarms and acknowledgements, in their order.
     pub orders: Vec<Order>,
@@ -123,12 +123,12 @@ impl Bench {
         }
     }
 
-    /// A verb in this cycle, its order done, then the step of the cycle.
+    /// Executes a request in this cycle, its order, then the step of the cycle.
     pub(super) fn give(&mut self, request: &Request) -> Result<(), Refusal> {
         let mut wf = self.wf;
         let order = wf.run(request, &self.view())?;
         if matches!(order, Some(Order::Speed { velocity }) if velocity != 0.0) && !self.view().free {
-            // As the axis does.
+            // The axis refuses this order in the same way.
             return Err(Refusal::new(Code::NOT_ENABLED, Object::Machine));
         }
         self.wf = wf;
@@ -139,7 +139,7 @@ impl Bench {
         Ok(())
     }
 
-    /// A verb or a step, of which nothing is done.
+    /// Executes a request or a step, and ignores the order.
     pub(super) fn give_blindly(&mut self, request: Option<&Request>) {
         let mut wf = self.wf;
         match request {
@@ -152,7 +152,7 @@ impl Bench {
         self.cycle = self.cycle.wrapping_mul(3);
     }
 
-    /// The step of this cycle, at this place.
+    /// Executes the step of this cycle at the present position.
     fn step(&mut self) {
         let mut wf = self.wf;
         let order = wf.step(&self.view());
@@ -167,14 +167,14 @@ impl Bench {
         self.cycle += 1;
     }
 
-    /// The next cycle, in which the axis has come to `actual` (inc).
+    /// Executes the next cycle, with the axis at `actual` (inc).
     pub(super) fn at(&mut self, actual: i64) -> &mut Self {
         self.actual = actual;
         self.step();
         self
     }
 
-    /// So many cycles where it stands.
+    /// Executes a number of cycles at the same position.
     pub(super) fn wait(&mut self, cycles: u64) -> &mut Self {
         (0..cycles).for_each(|_| self.step());
         self
@@ -192,7 +192,7 @@ impl Bench {
         super::super::STATES[self.int(WfSignal::State) as usize]
     }
 
-    /// State, speed value, Q, enable.
+    /// Returns state, speed value, Q, enable.
     pub(super) fn now(&self) -> (&'static str, f64, i64, i64) {
         let on = (self.int(WfSignal::Q), self.int(WfSignal::Enable));
         assert_eq!(self.velocity == 0.0, on.0 == 0, "the drive runs with the output");
@@ -201,7 +201,7 @@ impl Bench {
         (self.state(), self.real(WfSignal::Speed), on.0, on.1)
     }
 
-    /// F and B.
+    /// Returns F and B.
     pub(super) fn direction(&self) -> (i64, i64) {
         (self.int(WfSignal::F), self.int(WfSignal::B))
     }
@@ -212,12 +212,12 @@ impl Bench {
     }
 }
 
-/// To a position (mm), with a speed value.
+/// Returns a block to a position (mm), with a speed value.
 pub(super) fn to(position: i64, speed: f64) -> Block {
     Block { position: Position::whole(position * MM), speed: Speed::Value(speed), absolute: true }
 }
 
-/// By a distance (mm), with a speed value.
+/// Returns a block by a distance (mm), with a speed value.
 pub(super) fn by(distance: i64, speed: f64) -> Block {
     Block { absolute: false, ..to(distance, speed) }
 }

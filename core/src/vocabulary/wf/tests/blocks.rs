@@ -11,7 +11,7 @@ fn going(blocks: &[Block]) -> Bench {
     bench
 }
 
-/// Block, state, speed value.
+/// Returns block, state, speed value.
 fn block(bench: &Bench) -> (i64, &'static str, f64) {
     let (state, speed, ..) = bench.now();
     (bench.int(WfSignal::Block), state, speed)
@@ -28,7 +28,7 @@ fn a_block_is_adopted_at_the_first_deceleration_point_unless_the_step_is_not_slo
     }
 }
 
-/// 30 is slower than 80: step 1 (40) is done; step 2 (20) is slower than 30, and there 30 is adopted.
+/// 30 is slower than 80: step 1 (40) is applied; step 2 (20) is slower than 30, and there 30 is adopted.
 ///
 /// Proves: WF-BCF-02, WF-BCF-04
 #[test]
@@ -44,7 +44,7 @@ fn a_slower_block_is_adopted_where_the_next_step_would_be_slower_still() {
     assert_eq!(bench.int(WfSignal::FollowingError), 1535 * MM - 1);
 }
 
-/// A step as fast as the block is none that is slower: 20 waits for step 3.
+/// A step of the same speed is not slower: 20 waits for step 3.
 ///
 /// Proves: WF-BCF-02, WF-BCF-05
 #[test]
@@ -69,7 +69,7 @@ fn a_short_block_that_is_adopted_begins_with_the_step_that_it_reaches() {
     assert_eq!(block(bench.at(510 * MM + 1)), (3, "RUN", 70.0));
 }
 
-/// W09: the old block ends, with its position reached, then the new one begins.
+/// W09: the old block ends with its position reached, then the new one begins.
 #[test]
 fn a_block_that_turns_back_waits_for_the_position() {
     let mut bench = going(&[to(500, 80.0), to(100, 60.0)]);
@@ -127,7 +127,7 @@ fn each_mode_runs_its_blocks() {
     assert_eq!(reach(&mut manual, 200), (1, "DONE"));
 }
 
-/// Distances count from the end before, not from where the axis came to lie.
+/// Distances count from the previous end, not from the actual position of the axis.
 #[test]
 fn repeated_distances_do_not_add_what_was_missed() {
     let mut bench = Bench::new();
@@ -188,7 +188,7 @@ fn turntable(position: i64) -> Bench {
     bench
 }
 
-/// MD18 200, at 190: to 10 the shortest way is +20, with JOG- it is -180; +450 are three turns and end at 40.
+/// MD18 200, at 190: the shortest distance to 10 is +20, with JOG- it is -180; +450 is three turns and ends at 40.
 ///
 /// Proves: WF-ORA-05, WF-ROT-03, WF-ROT-04
 #[test]
@@ -209,13 +209,13 @@ fn a_rotary_axis_goes_the_shortest_way_or_that_of_the_jog_inputs() {
     assert_eq!(way(790, Jog::Minus, to(10, 80.0)), -180);
 }
 
-/// A turn of 333 1/3 inc: half of it is 166 2/3 inc, which is reached at 167, and is half a turn all the same.
+/// A turn of 333 1/3 inc: half of it is 166 2/3 inc, which is reached at 167, and still counts as half a turn.
 #[test]
 fn half_a_turn_of_no_whole_increment_goes_plus() {
     for (asked, way) in [(500, 167), (501, -166), (499, 166)] {
         let mut bench = turntable(0);
         bench.modulo = Modulo::new(1_000, 3);
-        // Thirds of an increment, as the border rounds them.
+        // Thirds of an increment, rounded as in the conversion of requests.
         let position = Position::from_raw(((i128::from(asked) << 33) + 3).div_euclid(6));
         let block = Block { position, speed: Speed::Value(10.0), absolute: true };
         bench.give(&start(Mode::Mdi, &[block])).unwrap();
@@ -223,7 +223,7 @@ fn half_a_turn_of_no_whole_increment_goes_plus() {
     }
 }
 
-/// The JOG inputs do not outlive their mode: an input left over must not start the axis.
+/// The JOG inputs end with their mode: an old input must not start the axis.
 #[test]
 fn jog_inputs_end_with_the_mode() {
     let mut bench = turntable(190);

@@ -8,7 +8,7 @@ use crate::object::AxisSet;
 use crate::position::Length;
 use crate::vocabulary::wf::{Block, Jog, Mode, Request, Speed};
 
-/// To a position (mm) at a velocity (mm/s).
+/// Returns a block to a position (mm) at a velocity (mm/s).
 fn at(position: i64, velocity: f64) -> Block {
     Block { speed: Speed::Velocity(velocity * 1000.0), ..to(position, 1.0) }
 }
@@ -17,7 +17,7 @@ fn mm(rig: &Rig) -> f64 {
     (rig.int("x.command.position") as f64 + rig.real("x.command.fraction")) / 1000.0
 }
 
-/// Magnitude (mm/s).
+/// Returns the magnitude of the command velocity (mm/s).
 fn speed(rig: &Rig) -> f64 {
     rig.real("x.command.velocity").abs() / 1000.0
 }
@@ -38,7 +38,7 @@ fn a_block_is_a_trapezoid_of_md1_and_md2() {
     assert_ne!(rig.int("x.command.position"), 1_000_000);
     rig.run(1);
     assert_eq!((rig.int("x.command.position"), speed(&rig)), (1_000_000, 0.0));
-    // The ideal drive is there a cycle later.
+    // The ideal drive is there one cycle later.
     rig.run(1);
     assert_eq!((rig.wf_state(), rig.int("x.wf.peh"), rig.int("x.wf.distance_to_go")), ("DONE", 1, 0));
 }
@@ -60,7 +60,7 @@ fn a_short_block_turns_from_speeding_up_to_slowing_down() {
     assert!((126.4..126.5).contains(&peak), "{peak}");
 }
 
-/// Runs a chain and gives block, position, velocity of each cycle.
+/// Runs a chain. Returns block, position, velocity of each cycle.
 fn trace(rig: &mut Rig) -> Vec<(i64, f64, f64)> {
     let mut all = Vec::new();
     while !["DONE", "ALARM", "IDLE"].contains(&rig.wf_state()) {
@@ -99,7 +99,7 @@ fn blocks_of_one_direction_run_on_with_the_lower_speed_through_each_end() {
     assert!((fastest(700.0, 1500.0) - 250.0).abs() < 1e-6, "the fast one speeds up behind its begin");
 }
 
-/// 20 mm at 250 mm/s, 10 mm at 200, then 30: it has to slow down for the third block in the first.
+/// 20 mm at 250 mm/s, 10 mm at 200, then 30: the deceleration for the third block begins in the first.
 #[test]
 fn a_slow_block_behind_short_ones_is_slowed_down_for_in_time() {
     let mut rig = Rig::wf();
@@ -175,8 +175,8 @@ fn alarm_10_comes_in_travel_and_alarm_11_at_standstill() {
     assert_eq!(rig.wf_verb(&start(Mode::Mdi, &[at(50, 50.0)])), None);
 }
 
-/// With error_reaction 5 an alarm stops nothing. What clears the error acknowledges it all the same, in that cycle, and the
-/// next one is told again.
+/// With error_reaction 5 an alarm does not stop the axis. A reset of the error also acknowledges the alarm in that
+/// cycle, and the next alarm is reported again.
 ///
 /// Proves: WF-MON-04, WF-MON-06
 #[test]
@@ -217,8 +217,8 @@ fn velocity(velocity: f64) -> Action {
     Action::Move(crate::machine::rig::at(0, velocity))
 }
 
-/// Without any verb, at rest and moved by a goal, in each cycle in which the axis is on; an axis that is not given the limit
-/// is left alone, and so is one that is off.
+/// Without any request, at rest and moved by a goal, in each cycle in which the axis is on; an axis without the limit
+/// is not monitored, and neither is one that is off.
 ///
 /// Proves: WF-MON-04, WF-MON-06
 #[test]
@@ -232,7 +232,7 @@ fn the_following_error_is_watched_without_a_verb() {
         assert_eq!(rig.int("x.wf.alarm"), alarm, "{allowed:?}");
         assert_eq!(rig.int("x.error"), if alarm == 0 { 0 } else { 1011 });
     }
-    // A goal of the axis at 50 mm/s is 50 inc behind by the cycle of its drive.
+    // A goal of the axis at 50 mm/s lags by 50 inc, because of the cycle of its drive.
     for (allowed, alarm) in [(None, 0), (Some(650), 0), (Some(649), 10)] {
         let mut rig = watched(allowed);
         rig.act(velocity(50_000.0));
@@ -258,7 +258,7 @@ fn the_following_error_is_watched_without_a_verb() {
     rig.act(Action::SetPosition(SetPosition { axis: 0, position: Length::whole(5_000_000) }));
     rig.run(5);
     assert_eq!((rig.int("x.actual.position"), rig.int("x.wf.alarm")), (5_000_000, 0));
-    // A quick stop does not end it; acknowledged while the cause is there it comes again.
+    // A quick stop does not end it; acknowledged while the cause exists, the alarm is raised again.
     rig.act(Action::QuickStop(AxisSet::first(1)));
     for acknowledge in [Action::ResetErrors(AxisSet::first(1)), Action::vocabulary(reset())] {
         rig.plant.drive(0).unwrap().jump(600);
@@ -347,7 +347,7 @@ fn a_halt_takes_the_axis_and_is_not_fought() {
     assert_eq!((rig.wf_state(), rig.int("x.wf.block")), ("RUN", 1));
 }
 
-/// Absolute ends of thirds of an increment do not add up their rounding.
+/// Absolute ends in thirds of an increment do not accumulate rounding errors.
 #[test]
 fn distances_of_parts_of_an_increment_do_not_drift() {
     use crate::position::Position;

@@ -5,7 +5,7 @@ use crate::code::Code;
 use crate::vocabulary::Order;
 use crate::vocabulary::wf::{Jog, Mode, Request, WfSignal};
 
-/// On its way to 500 mm with 80.
+/// Moving to 500 mm with 80.
 fn running() -> Bench {
     let mut bench = Bench::new();
     bench.start(Mode::Mdi, &[to(500, 80.0)]);
@@ -32,7 +32,7 @@ fn start_puts_the_programmed_speed_out_at_once() {
     assert_eq!((back.velocity, back.direction()), (-80_000.0, (0, 1)));
 }
 
-/// Every boundary from both sides, and from the other direction.
+/// Every boundary from both sides, and in both directions.
 ///
 /// Proves: WF-OST-02, WF-OST-03, WF-OST-04, WF-OST-05, WF-OLC-02, WF-OLC-03, WF-OLC-07, WF-OLC-09, WF-MD-19, WF-MD-20
 #[test]
@@ -98,7 +98,7 @@ fn inside_the_window_the_position_is_reached() {
     assert_eq!((bench.state(), bench.int(WfSignal::Peh)), ("DONE", 1));
 }
 
-/// MD30 is 100 ms; the switch-off comes in cycle 101.
+/// MD30 is 100 ms; the switch-off is in cycle 101.
 ///
 /// Proves: WF-OST-07, WF-PEH-01, WF-PEH-02, WF-MON-05, WF-MD-15
 #[test]
@@ -195,7 +195,7 @@ fn switched_off_f_and_b_show_where_the_target_lies() {
     assert_eq!(bench.int(WfSignal::FollowingError), -300);
 }
 
-/// Three module cycles of 4 ms are 12 ms in every cycle of the axis.
+/// Three module cycles of 4 ms are 12 ms for any cycle time of the axis.
 ///
 /// Proves: WF-ORA-16, WF-IF-07, WF-IF-08, WF-CAP-07, WF-DAC-01, WF-DAC-02
 #[test]
@@ -219,7 +219,7 @@ fn the_speed_value_may_be_read_12_ms_after_start() {
     }
 }
 
-/// Each of the 99 voltages is the number that a scenario writes for it.
+/// Each of the 99 voltages is the number that a scenario contains for it.
 ///
 /// Proves: WF-DAC-02
 #[test]

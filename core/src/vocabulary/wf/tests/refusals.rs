@@ -1,4 +1,4 @@
-//! What is refused, and that it changes nothing.
+//! Refused requests, which change nothing.
 
 use super::bench::{Bench, MAX_VELOCITY, MM, again, by, load, start, to};
 use crate::code::Code;
@@ -17,7 +17,7 @@ fn at_speed(speed: Speed) -> Block {
     Block { speed, ..to(500, 1.0) }
 }
 
-/// Blocks without end: none, too many, of zero speed.
+/// Invalid numbers of blocks and speeds: no block, too many blocks, speed zero.
 #[test]
 fn blocks_without_end() {
     let mut bench = Bench::new();

@@ -1,4 +1,4 @@
-//! The rig with one closed-loop axis on an ideal drive, and what the tests of the module ask of it.
+//! Test machine with one closed-loop axis on an ideal drive, and helpers for the tests of the module.
 
 use crate::code::Code;
 use crate::command::Action;
@@ -20,7 +20,7 @@ pub(super) fn config() -> MachineConfig {
 }
 
 impl Rig {
-    /// Switched on.
+    /// Returns an enabled machine.
     pub(super) fn wf_of(config: MachineConfig) -> Self {
         let mut rig = Self::of(config);
         rig.enable();
@@ -31,13 +31,13 @@ impl Rig {
         Self::wf_of(config())
     }
 
-    /// One cycle with an action; what refused it.
+    /// Executes one cycle with an action. Returns the code of a refusal.
     pub(super) fn act(&mut self, action: Action) -> Option<Code> {
         let sequence = self.give(action);
         self.answer(sequence).err().map(|refused| refused.code)
     }
 
-    /// One cycle with a verb; what refused it.
+    /// Executes one cycle with a request. Returns the code of a refusal.
     pub(super) fn wf_verb(&mut self, request: &Request) -> Option<Code> {
         self.act(Action::vocabulary(request.clone()))
     }
@@ -46,7 +46,7 @@ impl Rig {
         super::super::STATES[self.int("x.wf.state") as usize]
     }
 
-    /// Codes of the errors so far.
+    /// Returns the codes of the errors so far.
     pub(super) fn errors(&self) -> Vec<Code> {
         self.events.iter().filter(|event| event.kind == Kind::Error).map(|event| event.code).collect()
     }
