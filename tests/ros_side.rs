@@ -1,4 +1,4 @@
-//! Tests the machine, its clients and its goals while the ROS process is frozen, killed or attacked.
+//! Tests the machine, its clients and its goals while the ROS side is frozen, killed or attacked.
 
 use std::{
     path::PathBuf,
@@ -53,7 +53,7 @@ fn turning(domain: &Domain) -> (Program, Peer) {
     (program, peer)
 }
 
-/// An axis runs at a velocity, and its ROS process stops: no client could halt the axis.
+/// An axis runs at a velocity, and its ROS side stops: no client could halt the axis.
 #[test]
 fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
     let domain = Domain::take();
@@ -120,11 +120,11 @@ fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
     program.thaw();
     assert_eq!(peer.answer().1, None);
     assert_eq!(axis(&mut peer, "y")["state"], "DISABLED");
-    // On a busy machine a late answer may be reported; the ROS process is not treated as lost for that reason.
+    // On a busy machine a late answer may be reported; the ROS side is not treated as lost for that reason.
     assert!(!program.log().contains("all axes halt"), "it was lost for nothing: {}", program.log());
 }
 
-/// A node that is frozen for longer than any timeout of its ROS process, 5 times `loss_timeout`, has not lost that
+/// A node that is frozen for longer than any timeout of its ROS side, 5 times `loss_timeout`, has not lost that
 /// process when it continues.
 #[test]
 #[ignore = "long: .ci/nightly runs it"]
@@ -211,7 +211,7 @@ fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
     assert!(grown < received as f64 * 2e-4, "{grown} MiB for {received} samples");
 }
 
-/// The DDS library keeps some memory for all data that it receives: a ROS process that has grown is replaced by another
+/// The DDS library keeps some memory for all data that it receives: a ROS side that has grown is replaced by another
 /// one, while clients of both implementations send requests, join and leave.
 #[test]
 fn a_ros_side_that_has_grown_hands_over_unnoticed() {
@@ -286,7 +286,7 @@ fn other_dds_implementations_bear_what_the_node_sends() {
 }
 
 /// Returns the logs of two nodes with the same name, whose endpoints are created and deleted for a while; `None` if a
-/// ROS process was restarted: the new process is another participant, for which the duplicate name is reported again.
+/// ROS side was restarted: the new process is another participant, for which the duplicate name is reported again.
 fn logs_of_namesakes(told: &str) -> Option<[String; 2]> {
     let domain = Domain::take();
     let programs = [Program::start(&["run"], &domain), Program::start(&["run"], &domain)];
@@ -308,7 +308,7 @@ fn logs_of_namesakes(told: &str) -> Option<[String; 2]> {
 #[test]
 fn two_nodes_of_one_name_are_told_once_each() {
     let told = "has a node /lineshaft, too";
-    // On a very busy machine a ROS process may be restarted.
+    // On a very busy machine a ROS side may be restarted.
     let logs = (0..3).find_map(|_| logs_of_namesakes(told)).expect("three runs, and in each a ROS side began anew");
     for log in logs {
         assert_eq!(log.matches(told).count(), 1, "once each: {log}");

@@ -109,7 +109,7 @@ fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
     assert!((1..300).contains(&seconds), "{span:?}");
 }
 
-/// The DDS library stops reading announcements of participants when time goes back: without a new ROS process the node
+/// The DDS library stops reading announcements of participants when time goes back: without a new ROS side the node
 /// would lose this client after its lease (10 s), and never discover another one.
 #[test]
 fn node_works_on_after_steps_of_the_system_clock() {

@@ -68,7 +68,7 @@ impl Program {
         self.0.signal(Signal::CONT);
     }
 
-    /// Kills it and its ROS process at once, like a power failure: no process announces the end of the participant.
+    /// Kills it and its ROS side at once, like a power failure: no process announces the end of the participant.
     #[track_caller]
     pub(crate) fn kill_both(&self) {
         let side = self.ros_side();
@@ -78,7 +78,7 @@ impl Program {
         kill_process(side, Signal::KILL).expect("it is frozen");
     }
 
-    /// Returns its ROS process; panics when there is none.
+    /// Returns its ROS side; panics when there is none.
     #[track_caller]
     pub(crate) fn ros_side(&self) -> Pid {
         let children = self.0.children();
@@ -88,7 +88,7 @@ impl Program {
         }
     }
 
-    /// Returns its ROS process as soon as it is another one than `before`, and `before` has ended; panics after half a
+    /// Returns its ROS side as soon as it is another one than `before`, and `before` has ended; panics after half a
     /// minute.
     #[track_caller]
     pub(crate) fn ros_side_after(&self, before: Pid) -> Pid {
@@ -102,14 +102,14 @@ impl Program {
         side
     }
 
-    /// Returns the memory of its ROS process (MiB).
+    /// Returns the memory of its ROS side (MiB).
     #[track_caller]
     pub(crate) fn memory_of_ros_side(&self) -> f64 {
         let side = self.ros_side().as_raw_nonzero().get().unsigned_abs();
         Figures::of(side).expect("the ROS side lives").memory
     }
 
-    /// Returns its present resource use, including its ROS process; panics when it has ended.
+    /// Returns its present resource use, including its ROS side; panics when it has ended.
     #[track_caller]
     pub(crate) fn figures(&self) -> Figures {
         match self.0.figures() {
