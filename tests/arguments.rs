@@ -1,5 +1,5 @@
-//! What a node is given at its start, as `ros2 run` and launch files give it: `--ros-args`. And what every node of ROS 2 has with it:
-//! its own parameters, the time of a simulation, levels of loggers, `/rosout`.
+//! Tests the arguments of a node as `ros2 run` and launch files give them, `--ros-args`, and the standard features of
+//! every ROS 2 node: its own parameters, simulation time, logger levels, `/rosout`.
 
 use std::{
     fs,
@@ -10,10 +10,10 @@ use std::{
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 
-/// Far more than the program needs to end.
+/// Much longer than the program needs to end.
 const EXIT: Duration = Duration::from_secs(20);
 
-/// A running demo with arguments, and who talks to it.
+/// A running demo with arguments, and its client.
 struct Bench {
     cyclone: Peer,
     program: Program,
@@ -22,7 +22,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// Returns when the node, which is called `node` then, publishes.
+    /// Starts the node, and returns when it publishes under the name `node`.
     fn start(node: &str, arguments: &str) -> Self {
         let domain = Domain::take();
         let mut cyclone = Peer::cyclone(&domain);
@@ -36,7 +36,7 @@ impl Bench {
         self.cyclone.run(&format!("params {} get {name}", self.node))["get"][0].clone()
     }
 
-    /// The results of setting parameters each by itself.
+    /// Returns the results of setting each parameter separately.
     fn set(&mut self, values: &str) -> Value {
         self.cyclone.run(&format!("params {} set {values}", self.node))["set"]["results"].clone()
     }
@@ -46,7 +46,7 @@ impl Bench {
     }
 }
 
-/// How the program refuses to start.
+/// Returns the message with which the program refuses to start.
 #[track_caller]
 fn refused(arguments: &str) -> String {
     let words = ["run", "--store", "none", "--ros-args"].into_iter().chain(arguments.split_whitespace());
@@ -56,7 +56,7 @@ fn refused(arguments: &str) -> String {
     program.log()
 }
 
-/// A file of parameters that is there for one test.
+/// Creates a parameter file for one test.
 fn file(name: &str, text: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("arguments-{}-{name}.yaml", std::process::id()));
     fs::write(&path, text).expect("the folder of the tests can be written to");
@@ -88,7 +88,7 @@ fn node_topics_services_and_actions_get_other_names() {
     for topic in ["rt/joint_states", "rt/cell/joint_states", "rr/cell/shaft/enableReply", "rt/wrong"] {
         assert!(!has("writes", topic), "{topic} in {seen:?}");
     }
-    // The last words of a name are what the peer calls a verb or an action.
+    // The peer uses the last part of a name as verb or action.
     let bench_of = |rules: &str| Bench::start("/lineshaft", rules);
     let mut bench = bench_of("-r ~/enable:=/elsewhere/enable -r ~/move_axis:=/elsewhere/move_axis");
     bench.cyclone.run("axes /elsewhere enable x");
@@ -125,7 +125,7 @@ fn parameters_of_files_and_of_the_line_are_in_force_before_anything_else() {
     fs::remove_file(file).unwrap();
 }
 
-/// A wrong parameter of the node is found before anything of the machine begins: no cycle, no bag.
+/// A wrong parameter of the node is reported before the machine starts: no cycle runs, and there is no bag.
 #[test]
 fn nothing_has_begun_when_a_parameter_of_the_node_is_refused() {
     for (number, wrong) in ["use_sim_tim:=true", "use_sim_time:=1", "constraints.goal_time:=-1.0"].iter().enumerate() {
@@ -138,14 +138,14 @@ fn nothing_has_begun_when_a_parameter_of_the_node_is_refused() {
     }
 }
 
-/// What was given is a command like any other: in the bag, and in its replay.
+/// Given values are commands like any other: they are in the bag, and in its replay.
 #[test]
 fn what_was_given_is_recorded_and_replays() {
     let bag = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("arguments-{}.mcap", std::process::id()));
     let domain = Domain::take();
     let mut cyclone = Peer::cyclone(&domain);
     let path = bag.to_str().unwrap();
-    // As few cycles as a cell may have: a recorder that gets no processor for a while leaves none of them out.
+    // The longest cycle that a cell may have, so that a recorder without processor time for a while loses no cycle.
     let demo = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml"));
     let slow = file("slow", &demo.expect("the built-in cell").replace("\ncycle: 1 ms", "\ncycle: 20 ms"));
     let mut program = Program::start(
@@ -166,7 +166,7 @@ fn what_was_given_is_recorded_and_replays() {
     );
     cyclone.run("axis-states /lineshaft");
     cyclone.run("axes /lineshaft enable x");
-    // Within the limits of the cell, beyond those that were given.
+    // Within the limits of the cell, beyond the given ones.
     let seen = cyclone.run("move /lineshaft --axis x --position 0.1 --velocity 0.3 --wait --expect ABORTED");
     assert!(seen["result"]["message"].as_str().unwrap().contains("max_velocity"), "{seen:?}");
     cyclone.run("move /lineshaft --axis x --position 0.01 --wait");
@@ -257,7 +257,7 @@ fn own_parameters_stand_among_those_of_the_machine() {
     assert!(results[1]["reason"].as_str().unwrap().contains("is read-only: it is given at the start"), "{results}");
 
     bench.cyclone.run("parameter-events /lineshaft");
-    // The machine refuses one of them: none is set.
+    // The machine refuses one of them, so none is set.
     let result = bench.set_together("use_sim_time=true x.max_velocity=-1.0");
     assert_eq!(result["successful"], false, "{result}");
     assert_eq!((bench.get("use_sim_time"), bench.get("x.max_velocity")), (json!(false), json!(0.5)));
@@ -277,7 +277,7 @@ fn stamps_follow_the_clock_of_a_simulation_and_the_cycle_does_not() {
     bench.cyclone.run("stamps --sec 0");
     bench.cyclone.run("clock --sec 100 --nanosec 5");
     bench.cyclone.run("stamps --sec 100 --nanosec 5");
-    // While it stands the machine goes on.
+    // While the simulation time is stopped, the machine continues.
     let state = |bench: &mut Bench| bench.cyclone.run("axis-states /lineshaft");
     let (first, second) = (state(&mut bench), state(&mut bench));
     assert!(second["cycle"].as_u64() > first["cycle"].as_u64(), "{first:?} {second:?}");
@@ -289,7 +289,7 @@ fn stamps_follow_the_clock_of_a_simulation_and_the_cycle_does_not() {
     for event in seen.all() {
         assert_eq!(event["message"]["header"]["stamp"], json!({"sec": 100, "nanosec": 5}), "{event}");
     }
-    // Forward, and back.
+    // Forward and back.
     for sec in [5000, 7] {
         bench.cyclone.run(&format!("clock --sec {sec}"));
         bench.cyclone.run(&format!("stamps --sec {sec}"));
@@ -298,7 +298,7 @@ fn stamps_follow_the_clock_of_a_simulation_and_the_cycle_does_not() {
     let seen = bench.cyclone.run("rosout --text no_axis_is_called");
     assert_eq!(seen["lines"][0]["stamp"], json!({"sec": 7, "nanosec": 0}), "{seen:?}");
 
-    // Off and on again while it runs: the subscription comes and goes.
+    // Switched off and on again at run time: the subscription is removed and created.
     let mut fastdds = Peer::fastdds(&bench.domain);
     let readers = "readers /clock rosgraph_msgs::msg::dds_::Clock_";
     fastdds.run(&format!("{readers} 1"));
@@ -313,7 +313,7 @@ fn stamps_follow_the_clock_of_a_simulation_and_the_cycle_does_not() {
     bench.cyclone.run("stamps --sec 42");
     bench.set("use_sim_time=false");
     fastdds.run(&format!("{readers} 0"));
-    // What discovery tells of other readers still arrives.
+    // Discovery data of other readers is still received.
     bench.set("use_sim_time=true");
     fastdds.run(&format!("{readers} 1"));
 }
@@ -365,7 +365,7 @@ fn what_the_program_logs_stands_on_rosout_once() {
     assert_eq!((&line["level"], &line["name"]), (&json!(20), &json!("lineshaft")), "{line}");
     assert!(line["file"].as_str().unwrap().ends_with(".rs") && line["line"].as_u64().unwrap() > 0, "{line}");
     assert!(line["function"].as_str().unwrap().starts_with("lineshaft::run"), "{line}");
-    // A refusal of the machine stands in the log and in the events, and on /rosout once.
+    // A refusal by the machine is in the log and in the events, and once on /rosout.
     bench
         .cyclone
         .run("move /lineshaft --axis x --mode relative --units increments --position 1000 --wait --expect ABORTED");
@@ -395,7 +395,7 @@ fn qos_of_topics_is_given_at_the_start() {
         ),
     );
     bench.cyclone.run("stamps --best-effort --sec 0");
-    // A reader that wants every sample is not matched with a writer that does not promise them.
+    // A reliable reader is not matched with a best-effort writer.
     let error = Peer::cyclone(&bench.domain).fails("stamps --sec 0");
     assert!(error.contains("nobody publishes /joint_states"), "{error}");
     assert_eq!(

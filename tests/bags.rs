@@ -1,4 +1,4 @@
-//! The commands that read recordings, as a user meets them at the prompt.
+//! Tests the commands that read recordings, on the command line.
 
 use crate::support::machine::share;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
@@ -11,7 +11,7 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// joint_states of a joint that moves at 0.5 m/s, `late` (m) behind where it should be.
+/// Writes joint_states of a joint that moves at 0.5 m/s, `late` (in m) behind the expected position.
 fn write(path: &Path, start_s: i32, late: f64) -> mcap::McapResult<()> {
     let options = mcap::WriteOptions::new().profile("ros2");
     let mut writer = options.create(BufWriter::new(File::create(path)?))?;

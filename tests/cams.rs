@@ -1,4 +1,4 @@
-//! Laws of motion, plans and splines against scipy: `peers/cams.py` has them by other means.
+//! Compares motion laws, plans and splines with scipy: `peers/cams.py` calculates them by other methods.
 
 use crate::support::machine::share;
 use std::{
@@ -10,10 +10,10 @@ use crate::support::setup;
 use lineshaft_core::law::{Derivatives, Ends, Law, Peaks, Plan, Segment, Spline};
 use serde_json::{Value, json};
 
-/// Of the stroke.
+/// Tolerance as a fraction of the stroke.
 const WITHIN: f64 = 1e-12;
 
-/// What scipy says of questions of one kind.
+/// Returns the answers of scipy to questions of one kind.
 fn asked(kind: &str, questions: &[Value]) -> Vec<Value> {
     let _machine = share();
     let mut command = Command::new(setup::python());
@@ -33,7 +33,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("a list").iter().map(|number| number.as_f64().expect("a number")).collect()
 }
 
-/// A number from 0 to 1 that looks like chance, the same each time.
+/// Returns a pseudorandom number from 0 to 1, the same each time.
 fn chance(seed: usize) -> f64 {
     let mixed = (seed as u64).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     let mixed = (mixed ^ (mixed >> 31)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
@@ -44,7 +44,8 @@ fn chances(seed: usize, count: usize) -> Vec<f64> {
     (0..count).map(|i| chance(seed * 10_007 + i)).collect()
 }
 
-/// A value, then as many derivatives as scipy has, each to its share of the largest of its kind; the value to that of the stroke.
+/// Compares a value and the derivatives that scipy has: the value relative to the stroke, each derivative relative to
+/// the largest of its kind.
 fn assert_same(what: &str, ours: &[Derivatives], theirs: &Value, stroke: f64) {
     let ours: Vec<_> = ours.iter().map(|now| [now.s, now.v, now.a, now.j]).collect();
     let theirs: Vec<_> = theirs["at"].as_array().expect("a list").iter().map(numbers).collect();
@@ -83,7 +84,7 @@ fn laws_are_those_of_scipy() {
     }
 }
 
-/// Polynomials of both degrees between straight lines, rests and each other, forward and back, cyclic and not.
+/// Polynomials of both degrees between straight lines, dwells and each other, forward and back, cyclic and not.
 #[test]
 fn polynomials_beside_lines_are_those_of_scipy() {
     let plans: Vec<_> = (0..20).map(chances_of_a_plan).collect();
@@ -107,7 +108,7 @@ fn chances_of_a_plan(i: usize) -> (Vec<Segment>, bool, Vec<f64>) {
     let mut segments = Vec::new();
     for (k, pair) in chances(100 + i, 24).chunks(2).enumerate() {
         to += 1.0 + 9.0 * pair[0];
-        // Every second or third a line.
+        // Every second or third one is a line.
         let law = match k % (2 + i % 2) {
             0 => Law::Straight,
             _ if chance(i * 77 + k) < 0.5 => Law::Polynomial5,
@@ -125,7 +126,7 @@ fn splines_are_those_of_scipy() {
     let mut questions = Vec::new();
     for (i, count) in [7, 8, 13, 40, 300].into_iter().enumerate() {
         let steps = chances(300 + i, count);
-        // From the shortest distance to the longest it is one to ten.
+        // The shortest distance to the longest is one to ten.
         let x = steps.iter().scan(-3.0, |place, step| {
             *place += 0.2 + 1.8 * step;
             Some(*place)

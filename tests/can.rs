@@ -1,4 +1,4 @@
-//! Objects of CANopen drives that somebody else has written: read and written over slcan, as a user's adapter does it.
+//! Reads and writes objects of independent CANopen drives over slcan, as with an adapter of a user.
 
 use crate::support::can::{Bus, CanDrives};
 use lineshaft_can::sdo::Object;
@@ -8,15 +8,16 @@ const NAME: Object = Object { index: 0x1008, sub: 0 };
 const ECHO: Object = Object { index: 0x2001, sub: 0 };
 const HEARTBEAT: Object = Object { index: 0x1017, sub: 0 };
 
-/// Lengths about one segment, one block, and several.
+/// Lengths around one segment, one block, and several.
 const LENGTHS: [usize; 8] = [5, 7, 8, 32, 49, 889, 890, 2000];
 
 fn text(length: usize) -> Vec<u8> {
     (b'a'..=b'z').cycle().take(length).collect()
 }
 
-/// What each server does: numbers in one frame, texts in segments and in blocks, both ways; what it refuses, in words, and the next transfer
-/// works. `reads`: what comes of reading a text of this length in blocks, where that is not the text.
+/// Checks each server: numbers in one frame, texts in segments and in blocks, both directions; refusals with their
+/// texts, after which the next transfer works. `reads`: result of reading a text of this length in blocks, if it is not
+/// the text.
 fn conforms(bus: &mut Bus, name: &str, reads: impl Fn(usize) -> Option<&'static str>) {
     for in_blocks in [false, true] {
         assert_eq!(bus.read(NAME, in_blocks), Ok(name.into()));
@@ -57,12 +58,12 @@ fn two_servers_that_share_nothing_conform() {
     let drives = CanDrives::boot("1");
     conforms(&mut Bus::open(&drives, 1), "cia402-sim", |_| None);
     let device = CanDrives::boot_device(7);
-    // Where the last segment is full, durand 0.5.0 tells that all of its 7 bytes are unused: the check sum finds it.
+    // If the last segment is full, durand 0.5.0 reports all of its 7 bytes as unused; the checksum detects it.
     let wrong = "2001h:00: the device answers wrongly: the check sum does not fit (05040004h)";
     conforms(&mut Bus::open(&device, 7), "durand device", |length| (length % 7 == 0).then_some(wrong));
 }
 
-/// A device that knows no blocks, and segments of blocks that get lost.
+/// A device without block transfer, and lost segments of blocks.
 #[test]
 fn texts_pass_without_blocks_and_with_lost_segments() {
     let mut drives = CanDrives::boot("1-2");
@@ -80,7 +81,7 @@ fn texts_pass_without_blocks_and_with_lost_segments() {
     }
 }
 
-/// What a drive refuses in its present state, in words, and one that is silent: the next transfer works.
+/// Refusals of a drive in its present state, with their texts, and a silent drive: the next transfer works.
 #[test]
 fn a_drive_refuses_or_is_silent_and_the_next_transfer_works() {
     let mut drives = CanDrives::boot("3");
@@ -95,7 +96,7 @@ fn a_drive_refuses_or_is_silent_and_the_next_transfer_works() {
     assert_eq!(bus.read(NAME, true), Ok(b"cia402-sim".to_vec()));
 }
 
-/// A drive that is reset boots, tells it, and is pre-operational; started, it is operational.
+/// A drive that is reset boots, reports it, and is pre-operational; after a start it is operational.
 #[test]
 fn a_drive_that_is_reset_boots() {
     let drives = CanDrives::boot("5");

@@ -1,4 +1,4 @@
-//! `lineshaft can` as a user meets it at the prompt, with CANopen drives that somebody else has written.
+//! Tests `lineshaft can` on the command line, with independent CANopen drives.
 
 use crate::support::can::CanDrives;
 use rustix::process::{Pid, Signal, kill_process};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Far more than any command takes.
+/// Much longer than any command takes.
 const LONG: Duration = Duration::from_secs(60);
 
 fn program(arguments: &[&str]) -> Command {
@@ -16,7 +16,7 @@ fn program(arguments: &[&str]) -> Command {
     command
 }
 
-/// What a command prints, and with which code it ends.
+/// Output and exit code of a command.
 struct Said {
     code: i32,
     out: String,
@@ -32,14 +32,14 @@ impl From<Output> for Said {
 }
 
 impl Said {
-    /// It has done what it was to do; what it said.
+    /// Checks that it was successful; returns the output.
     #[track_caller]
     fn good(self) -> String {
         assert_eq!((self.code, self.errors.as_str()), (0, ""), "{}", self.out);
         self.out
     }
 
-    /// It has refused with this code and this sentence, and printed nothing else.
+    /// Checks that it failed with this code and this message, and printed nothing else.
     #[track_caller]
     fn refused(&self, code: i32, sentence: &str) {
         assert_eq!(self.code, code, "{}{}", self.out, self.errors);
@@ -62,7 +62,7 @@ fn eds() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can/cia402_sim.eds")
 }
 
-/// The EDS as a configuration: values behind the heads of their sections.
+/// Writes the EDS as a configuration, with values after the heads of their sections; returns its path.
 fn dcf(folder: &Path, values: &[(&str, &str)]) -> String {
     let mut text = std::fs::read_to_string(eds()).expect("the EDS of the drives");
     for (section, value) in values {
@@ -119,7 +119,7 @@ fn a_scan_lists_who_is_there_and_ends_with_1_where_nobody_is() {
     on(&drives, &["scan", "--from", "5", "--to", "4"]).refused(2, "--from 5 is behind --to 4; 1 to 4 is allowed");
 }
 
-/// One that is stopped answers nothing, and is heard all the same.
+/// A stopped node answers no request, but its heartbeat is received.
 #[test]
 fn a_stopped_node_is_found_by_its_heartbeat() {
     let drives = CanDrives::boot("7");
@@ -244,7 +244,7 @@ fn objects_are_written_where_they_may_be() {
     write(&drives, &["6081", "1", "--type", "u32"]).refused(1, "the value is too high (06090031h)");
 }
 
-/// In blocks, and by a drive that knows none.
+/// In blocks, and with a drive without block transfer.
 #[test]
 fn files_are_brought_into_domains_and_back() {
     let mut drives = CanDrives::boot("3");
@@ -286,10 +286,10 @@ fn states_are_changed_and_a_reset_is_waited_for() {
     assert_eq!(said.errors, "error: node 9: no boot-up message has come within 1 s\n");
 }
 
-/// A monitor that runs, killed with the test.
+/// A running monitor, killed with the test.
 struct Monitor {
     child: Child,
-    /// None once whoever reads has gone.
+    /// `None` after the reader was closed.
     lines: Option<Lines<BufReader<ChildStdout>>>,
 }
 
@@ -301,7 +301,7 @@ impl Monitor {
         Self { child, lines: Some(lines) }
     }
 
-    /// The next line that ends with these words.
+    /// Returns the next line that ends with these words.
     #[track_caller]
     fn line(&mut self, words: &str) -> String {
         let all = self.lines.iter_mut().flatten().map(|line| line.expect("text"));
@@ -309,7 +309,7 @@ impl Monitor {
         found.unwrap_or_else(|| panic!("no line ends with `{words}`"))
     }
 
-    /// Ends it as Ctrl-C does; what it still prints.
+    /// Ends it with the signal of Ctrl-C; returns its remaining output.
     fn interrupt(mut self) -> Vec<String> {
         kill_process(Pid::from_child(&self.child), Signal::INT).expect("it runs");
         let rest = self.lines.iter_mut().flatten().map(|line| line.expect("text")).collect();
@@ -317,7 +317,7 @@ impl Monitor {
         rest
     }
 
-    /// It ends by itself, with code 0 and without a word.
+    /// Checks that it ends by itself, with code 0 and without an error message.
     fn ends_well(&mut self) {
         let began = Instant::now();
         while self.child.try_wait().expect("a child of ours").is_none() {
@@ -332,7 +332,7 @@ impl Monitor {
 
 impl Drop for Monitor {
     fn drop(&mut self) {
-        // Both fail where it has ended, which is fine.
+        // Both fail if it has ended, which is fine.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -365,7 +365,7 @@ fn frames_are_shown_until_ctrl_c_or_a_closed_pipe() {
     let rest = monitor.interrupt();
     assert!(rest.iter().all(|line| !line.contains("node 4") && line.len() > 40), "{rest:?}");
 
-    // Whoever reads the first line alone, as `head -1` does.
+    // A reader that reads only the first line, like `head -1`.
     let mut monitor = Monitor::start(&["--bus", &bus]);
     monitor.line("");
     monitor.lines = None;
@@ -431,7 +431,7 @@ fn a_configuration_is_brought_in_where_it_differs() {
         .refused(1, "node 3 is another device: its vendor (1018h:01) is 0000FFFFh, the file is for 00000022h");
 }
 
-/// The line of `check` for a device whose DCF a tool of a maker has filled.
+/// The line of `check` for a device whose DCF was written by a tool of its manufacturer.
 #[test]
 fn check_names_what_is_left_out_of_a_configuration() {
     let folder = tempfile::tempdir().unwrap();
@@ -449,7 +449,7 @@ fn check_names_what_is_left_out_of_a_configuration() {
     assert_eq!(said.out.matches(line).count(), 1, "{}", said.out);
 }
 
-/// Way, bit rate, time and names come from the cell.
+/// Transport, bit rate, timeout and names come from the cell.
 #[test]
 fn a_cell_says_all_of_a_bus() {
     let mut drives = CanDrives::boot("3");
@@ -473,7 +473,7 @@ fn a_cell_says_all_of_a_bus() {
     by(&["scan"]).refused(2, "cell.yaml has several backends on CAN; name one by --backend: bus0, bus1");
     by(&["scan", "--backend", "bus2"]).refused(2, "has no backend \"bus2\" on CAN; bus0, bus1 is allowed");
     by(&["scan", "--backend", "bus1"]).refused(1, "slcan-tcp:127.0.0.1:1 cannot be opened: ");
-    // The master maps three objects into TPDO 1, where the EDS has one.
+    // The master maps three objects into TPDO 1, the EDS has one.
     let values =
         [("1A00sub0", "3"), ("1A00sub1", "0x60410010"), ("1A00sub2", "0x60640020"), ("1A00sub3", "0x60610008")];
     let file = dcf(folder.path(), &values);
@@ -491,7 +491,7 @@ fn a_cell_says_all_of_a_bus() {
     by(&["scan", "--backend", "bus0"]).refused(2, "/drive.eds` cannot be read: ");
 }
 
-/// These drives have no LSS, so that nobody answers; how devices answer is tested beside the protocol.
+/// These drives have no LSS, so there is no answer; the tests of the protocol cover answers.
 #[test]
 fn devices_without_lss_do_not_answer_it() {
     let drives = CanDrives::boot("3");
@@ -503,7 +503,8 @@ fn devices_without_lss_do_not_answer_it() {
     }
 }
 
-/// A device of another make without a node id is found by its identity, gets one, and answers by it; it keeps that, and cannot change its bit rate.
+/// A device of another make without a node ID is found by its identity, gets one, and answers with it; it keeps the ID,
+/// and cannot change its bit rate.
 #[test]
 fn a_device_without_a_node_id_gets_one() {
     let device = CanDrives::boot_device(NO_NODE);
@@ -523,7 +524,7 @@ fn a_device_without_a_node_id_gets_one() {
         .refused(1, "the device does not know this bit rate");
 }
 
-/// What a device has in the place of a node id (CiA 305).
+/// Value of an unconfigured node ID (CiA 305).
 const NO_NODE: u8 = 255;
 
 #[test]
@@ -553,7 +554,7 @@ fn what_is_wrong_with_the_words_is_said_before_a_bus_is_opened() {
     };
     configure(&[("6081", "-1"), ("6083", "5")])
         .refused(2, "[6081] ParameterValue=-1: -1 is not within 0 and 4294967295, as UNSIGNED32 is");
-    // What is never written is no error: the bus is opened.
+    // A value that is never written is no error: the bus is opened.
     let said = configure(&[("6041", "x"), ("6083", "5")]);
     said.refused(1, "the adapter cannot be reached: Connection refused");
     said.refused(1, "warning: --dcf `");

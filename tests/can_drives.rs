@@ -1,4 +1,4 @@
-//! CANopen drives that somebody else has written, in a cell of the program: taken over, moved, homed, geared.
+//! Tests independent CANopen drives in a cell of the program: taken over, moved, homed, geared.
 
 use crate::support::can::{Bus, CanDrives, Way};
 use crate::support::can_cell::{CanCell, CanRun, axis};
@@ -14,32 +14,32 @@ use std::time::Duration;
 
 const OPERATIONAL: u64 = 5;
 const PRE_OPERATIONAL: u64 = 127;
-/// Increments of the move of each test: 5 mm.
+/// Travel of each test, in increments: 5 mm.
 const WAY: i64 = 5000;
 
 fn object(index: u16, sub: u8) -> Object {
     Object { index, sub }
 }
 
-/// Predicate of all these axes.
+/// Returns the predicate for all these axes.
 fn all(axes: &[&str], signal: &str, value: &str) -> String {
     let each: Vec<_> = axes.iter().map(|axis| format!("{{signal: {axis}.{signal}, is: {value}}}")).collect();
     format!("{{all: [{}]}}", each.join(", "))
 }
 
-/// Starts a node and leaves it enabled in mode 3, at 20000 counts/s, by objects alone.
+/// Starts a node and leaves it enabled in mode 3, at 20000 counts/s, using only objects.
 fn set_moving(bus: &mut Bus) {
     let mut write = |index, data: &[u8]| bus.write(object(index, 0), data, false).expect("the drive takes it");
     write(0x6060, &[3]);
     write(0x60FF, &20_000_i32.to_le_bytes());
     for control in [6_u16, 7, 15] {
         write(0x6040, &control.to_le_bytes());
-        // Some drives look at it seldom.
+        // Some drives read it rarely.
         thread::sleep(Duration::from_millis(50));
     }
 }
 
-/// PDO 1 of each direction carries something else, PDO 3 of the drive goes ten times a second.
+/// Maps other objects in PDO 1 of each direction, and sends PDO 3 of the drive ten times per second.
 fn set_foreign_mapping(bus: &mut Bus, node: u8) {
     let off = |id: u16| (0x8000_0000 | (u32::from(id) + u32::from(node))).to_le_bytes();
     let on = |id: u16| (u32::from(id) + u32::from(node)).to_le_bytes();
@@ -60,8 +60,9 @@ fn set_foreign_mapping(bus: &mut Bus, node: u8) {
     bus.way.flush().expect("the bus is there");
 }
 
-/// Pre-operational, operational, stopped, enabled and moving, in fault, with PDOs of somebody else: nothing moves before it is asked to,
-/// the moving one stops, and then each of them moves to the increment. The fault is shown with its code, and ends by a reset.
+/// Pre-operational, operational, stopped, enabled and moving, in fault, with PDOs of another master: no drive moves
+/// before a command, the moving one stops, and then each of them moves exactly to the target increment. The fault is
+/// shown with its code, and is cleared by a reset.
 #[test]
 fn drives_are_taken_over_from_whatever_they_are_in() {
     const NODES: [u8; 6] = [1, 2, 3, 4, 5, 6];
@@ -120,7 +121,8 @@ expect:
     }
 }
 
-/// Two nodes carry one axis: both go the same way, to the increment, and where one of them fails neither has voltage any more.
+/// Two nodes drive one axis: both move the same distance, exactly to the increment, and if one of them fails both are
+/// without voltage.
 #[test]
 fn two_drives_carry_one_axis() {
     let mut drives = CanDrives::boot("4-5");
@@ -160,12 +162,12 @@ expect:
     run.passes();
 }
 
-/// Positions end to the increment, also after 5 s on the way; with interface velocity the core ends within its window of 5 increments. No
-/// cycle is without a PDO for the drive.
+/// Positions are exact at the end, also after 5 s of motion; with interface velocity the core ends within its window of
+/// 5 increments. Every cycle has a PDO for the drive.
 #[test]
 fn axes_end_where_they_are_asked_to() {
     let mut drives = CanDrives::boot("1-3");
-    // At 500 mm/s a cycle that comes 10 ms late is 5 mm.
+    // At 500 mm/s a cycle that is 10 ms late is 5 mm.
     let fast = axis("x", 1, "", "").replace("max_following_error: 5 mm", "max_following_error: 50 mm");
     let axes = [fast, axis("y", 2, "", ""), axis("v", 3, ", interface: velocity", ", in_position_window: 5 um")];
     let cell = CanCell::new(&drives.address().to_string(), "4 ms", &axes.concat());
@@ -200,7 +202,7 @@ expect:
     }
 }
 
-/// Where a method of CiA 402 has its reference, and how exactly: to the increment, or within this many.
+/// Reference of a CiA 402 method, and its accuracy: exact, or within this number of increments.
 struct Home {
     method: i8,
     start: i64,
@@ -209,14 +211,14 @@ struct Home {
 }
 
 impl Home {
-    /// Where the axis goes after it: 10 mm away, off the positive limit.
+    /// Returns the target after homing: 10 mm away, off the positive limit.
     fn target(&self) -> i64 {
         if matches!(self.method, 2 | 18) { -10_000 } else { 10_000 }
     }
 }
 
-/// The simulated drive (its README): switch from -2000 to 2000, index pulses at 1234 + n * 10000; limit switches are set to -30000 and 30000.
-/// Index pulses are exact, edges within the way of a cycle at 5000 counts/s: 50.
+/// The simulated drive (its README): switch from -2000 to 2000, index pulses at 1234 + n * 10000; limit switches are
+/// set to -30000 and 30000. Index pulses are exact, edges within the travel of a cycle at 5000 counts/s: 50.
 fn homes() -> Vec<Home> {
     const INDEX: [(i8, i64); 14] = [
         (1, -28_766), // right of the negative limit
@@ -250,9 +252,9 @@ fn homes() -> Vec<Home> {
         (29, -2_000),
         (30, -2_000),
     ];
-    // From here, where no switch counts.
+    // At the present position, where no switch matters.
     const HERE: [(i8, i64); 4] = [(33, 1_234), (34, 11_234), (35, 5_000), (37, 5_000)];
-    // On the switch, and beside it on either side.
+    // On the switch, and on either side of it.
     let starts = [0, -5_000, 5_000].into_iter().cycle();
     let index = INDEX.map(|(method, at)| (method, at, 0)).into_iter();
     let edges = EDGES.map(|(method, at)| (method, at, 50)).into_iter();
@@ -262,7 +264,7 @@ fn homes() -> Vec<Home> {
     with_switch.chain(here).collect()
 }
 
-/// Homes as many axes at once and moves each by 10 mm; the mechanics stand there, counted from the reference.
+/// Homes as many axes at once and moves each by 10 mm; the mechanics are then at that distance from the reference.
 fn homes_each(drives: &mut CanDrives, homes: &[Home], keys: &str, phase: &str) {
     let names: Vec<_> = (0..homes.len()).map(|at| format!("a{at}")).collect();
     let (mut axes, mut homing, mut moves, mut expect) = (String::new(), vec![], vec![], String::new());
@@ -306,7 +308,7 @@ expect:
     }
 }
 
-/// All methods of CiA 402, by the drives themselves. Each counts from its zero on.
+/// All methods of CiA 402, by the drives themselves. Each then counts from its zero.
 #[test]
 fn drives_home_by_each_method() {
     let mut drives = CanDrives::boot("1-8");
@@ -321,7 +323,8 @@ fn drives_home_by_each_method() {
     }
 }
 
-/// The core homes by the switches that a drive shows in 60FDh; edges are within the way of a cycle at 1 mm/s, 10 increments.
+/// The core homes with the switches that a drive reports in 60FDh; edges are within the travel of a cycle at 1 mm/s, 10
+/// increments.
 #[test]
 fn the_core_homes_by_the_switches_of_drives() {
     let mut drives = CanDrives::boot("1-8");
@@ -333,8 +336,8 @@ fn the_core_homes_by_the_switches_of_drives() {
     homes_each(&mut drives, &homes, keys, "SEARCH_SWITCH");
 }
 
-/// Geared 1 : 2 for that many seconds, no increment is lost: n of the one are floor(n / 2) of the other. Each SYNC finds a PDO of that
-/// cycle at both drives.
+/// Geared 1 : 2 for this number of seconds, no increment is lost: n of one axis are floor(n / 2) of the other. For each
+/// SYNC both drives have a PDO of that cycle.
 fn two_drives_are_geared(seconds: u64) {
     // 10 mm/s, from about 2 s on.
     let (way, cycles) = ((seconds - 4) * 10_000 + 1, seconds * 250);
@@ -377,19 +380,19 @@ fn geared_drives_lose_no_increment() {
 #[test]
 #[ignore = "long: .ci/nightly runs it"]
 fn geared_drives_lose_no_increment_in_a_minute() {
-    // In a minute of other tests the simulated drives may miss a cycle.
+    // During a minute of other tests the simulated drives may miss a cycle.
     let _alone = alone();
     two_drives_are_geared(60);
 }
 
-/// Probe 1 is active from 3000 to 4000 counts, zero pulses are at 1234 and each 10000 further: the drive catches both exactly, between
-/// two SYNCs, and the axis ends where it was caught, or 1 mm further.
+/// Probe 1 is active from 3000 to 4000 counts, zero pulses are at 1234 and every 10000 further: the drive latches both
+/// exactly, between two SYNCs, and the axis ends at the latched position, or 1 mm further.
 #[test]
 fn drives_catch_edges_and_zero_pulses() {
     let mut drives = CanDrives::boot("1");
     drives.tell("probe 1 1 3000 4000");
     let (drive, keys) = (", probe_1: both, probe_2: index", ", homing: {index_distance: 20 mm}");
-    // Both edges, the index, and what every cycle needs are 4 PDOs: no room for digital inputs.
+    // Both edges, the index, and the cyclic data need 4 PDOs: there is no room for digital inputs.
     let refused = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 1, drive, keys));
     let said = refused.run("scenario: none\nfor: 1 s\n").ends_with(2);
     assert!(said.contains("what is mapped needs more than 4 PDOs"), "{said}");
@@ -412,8 +415,8 @@ fn drives_catch_edges_and_zero_pulses() {
     assert_eq!(drives.shown(1).position, 10_234);
 }
 
-/// One scenario, one cell: with ideal simulations and with drives it ends at the same increments. What was recorded of the drives replays
-/// bit for bit.
+/// One scenario, one cell: with ideal simulations and with drives it ends at the same increments. The recording of the
+/// drives can be replayed bit by bit.
 #[test]
 fn a_scenario_ends_alike_in_a_simulation_and_with_drives() {
     let mut drives = CanDrives::boot("1-2");
@@ -448,7 +451,7 @@ expect: # floor(-3 * 30001 / 7) is -12858; from there 5500 back
     assert!(told.contains("no difference"), "{told}");
 }
 
-/// One move over this way.
+/// Makes one move over this transport.
 fn a_move_over(way: Way) {
     let mut drives = CanDrives::boot_on(way, "1-2");
     let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 2, "", ""));

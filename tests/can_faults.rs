@@ -1,4 +1,4 @@
-//! CANopen drives of a cell of the program that go, come back, complain, refuse, or are not there.
+//! Tests CANopen drives that are lost, come back, report errors, refuse commands, or are absent.
 
 use crate::support::can::CanDrives;
 use crate::support::can_cell::{CanCell, Shown, axis, recovery};
@@ -7,30 +7,32 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 const PRE_OPERATIONAL: u64 = 127;
-/// What the shared machine may add to a time: nothing is asserted to be quicker.
+/// Time that a shared machine may add; no maximum below it is asserted.
 const SLACK: Duration = Duration::from_millis(1500);
 
 fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-/// A fault of a drive, what is told to the drives for it and to end it, and what the axis ends with.
+/// A fault of a drive, the commands that begin and end it, and the error of the axis.
 struct Fault {
     axis: &'static str,
     node: u8,
     begin: &'static str,
-    /// None: the drive comes back by itself.
+    /// `None`: the drive comes back by itself.
     end: Option<&'static str>,
     code: &'static str,
     /// State of the drive when it is back.
     state: &'static str,
-    /// Is it configured anew?
+    /// Whether it is configured again.
     is_lost: bool,
-    /// From `begin` to the error of the axis, at least and at most: the contract's, less what lay before (a heartbeat, a cycle).
+    /// Minimum and maximum time from `begin` to the error of the axis: those of the contract minus the time before
+    /// `begin` (a heartbeat, a cycle).
     time: (u64, u64),
 }
 
-/// Cycles of 10 ms: stale after ten of them; heartbeats of 100 ms: lost after three; guarded each 50 ms, three times.
+/// Cycles of 10 ms: data is stale after ten of them; heartbeats of 100 ms: lost after three; guarded every 50 ms, three
+/// times.
 const FAULTS: [Fault; 6] = [
     Fault {
         axis: "x",
@@ -94,10 +96,11 @@ const FAULTS: [Fault; 6] = [
     },
 ];
 
-/// One drive after the other way is lost in motion: its axis ends in error within its time, stays off when the drive is back and configured
-/// again, and moves once it is reset and enabled. The other axis does not notice, and ends to the increment. An emergency message and a warning
-/// are told, and stop nothing. z is guarded, without heartbeats: an answer that stays away is error 88. The
-/// simulated drive does not take the questions meanwhile, either: its life time ends, and it goes into fault (6007h).
+/// The drives are lost in motion one after the other. The axis ends in error within its time, is off when the drive is
+/// back and configured again, and moves once it is reset and enabled. The other axis is not affected and ends exactly
+/// at its target. An emergency message and a warning are reported, and stop no axis. z is guarded, without heartbeats:
+/// a missing answer is error 88. The simulated drive does not receive the guard requests meanwhile either: its life
+/// time ends, and it goes into fault (6007h).
 ///
 /// Proves: MACS-CAN-06
 #[test]
@@ -147,7 +150,7 @@ steps:
     let (mut errors, mut readies) = ([0, 0], 3);
     for Fault { axis, node, begin, end, is_lost, time, .. } in &FAULTS {
         run.until(&mut drives, *node, "it moves", |shown| shown.velocity == 10_000);
-        // A while, so that heartbeats and questions have come and gone.
+        // A delay for heartbeats and guard requests.
         thread::sleep(ms(250));
         let errors = &mut errors[usize::from(*axis == "z")];
         *errors += 1;
@@ -155,7 +158,7 @@ steps:
         let took = run.until_told(*errors, &format!("ERROR {axis}: "));
         assert!((ms(time.0)..ms(time.1) + SLACK).contains(&took), "{begin}: the error after {took:?}");
         if let Some(end) = end {
-            // It stays away for longer than any watch.
+            // It is absent for longer than any supervision time.
             thread::sleep(ms(700));
             assert_eq!(run.told("ready after"), readies, "{begin}: nobody is configured meanwhile");
             drives.tell(end);
@@ -172,14 +175,15 @@ steps:
     let log = run.passes();
     assert_eq!(drives.shown(2).position, 130_000);
     assert_eq!(log.matches("ready after").count(), readies, "each is configured once: {log}");
-    // Each emergency message is a line when it comes, and one when it is over.
+    // Each emergency message gives one line when it occurs, and one when it has ended.
     let over = "sends emergency 0000h (no error), register 00h";
     assert!(log.contains(&format!("INFO x: the drive {over}")), "{log}");
     assert_eq!(log.matches(&format!("INFO machine: node 4, no drive of the cell, {over}")).count(), 1, "{log}");
 }
 
-/// All drives are lost with the way to them: error 89 each. The program reaches them again by itself, configures them again, and they move once
-/// they are reset and enabled; what they did meanwhile (6007h: fault, as the master is silent) is their own affair.
+/// All drives are lost with the transport: error 89 each. The program reconnects by itself and configures them again,
+/// and they move once they are reset and enabled; their behaviour in between (6007h: fault, because the master is
+/// silent) does not matter.
 #[test]
 fn a_cable_that_is_cut_and_mended_brings_the_drives_back() {
     let mut drives = CanDrives::boot("1-2");
@@ -213,7 +217,7 @@ expect:
     cable.cut();
     run.until_told(1, "ERROR x: ");
     run.until_told(1, "ERROR y: ");
-    // Master's heartbeats of 100 ms stay away: after 300 ms the drives stop by themselves.
+    // Heartbeats of 100 ms of the master are missing: after 300 ms the drives stop by themselves.
     let stopped = [1, 2]
         .map(|node| run.until(&mut drives, node, "it stops", |shown| shown.fault == 0x8130 && shown.state == "FAULT"));
     thread::sleep(ms(1500));
@@ -227,7 +231,7 @@ expect:
     assert_eq!(log.matches("is open again").count(), 1, "{log}");
 }
 
-/// What the program refuses to begin with; nothing moves, the exit code tells it.
+/// Refusals at the start; nothing moves, and the exit code reports it.
 #[test]
 fn a_bus_that_is_not_as_the_cell_says_is_refused() {
     let mut drives = CanDrives::boot("1");
@@ -271,13 +275,14 @@ fn a_bus_that_is_not_as_the_cell_says_is_refused() {
     assert!(log.contains("cannot be opened: the adapter cannot be reached: Connection refused"), "{log}");
 }
 
-/// Nothing to do for a moment.
+/// No action for a moment.
 const IDLE: &str = "scenario: idle\nfor: 1 s\nsteps: []\n";
-/// The machine has failed (contract section 3).
+/// Exit code for a failure of the machine (contract section 3).
 const START_FAILED: i32 = 1;
 
-/// One of two drives is not there, of another one the SDO server is silent: the one that is there works. Each of them is configured when it
-/// comes, is off until it is enabled, and moves then. Meanwhile the log says once what is wrong.
+/// One of two drives is absent, the SDO server of another one is silent: the one that is present works. Each of the
+/// others is configured when it appears, is off until it is enabled, and then moves. Meanwhile the log reports the
+/// problem once.
 #[test]
 fn a_drive_that_comes_later_is_configured_then() {
     let mut drives = CanDrives::boot("1-3");
@@ -316,11 +321,12 @@ expect:
     assert_eq!([1, 2, 3].map(|node| drives.shown(node).position), [5000, 5000, -5000]);
 }
 
-/// A second bus that takes its time to start, as its drive is not there: the drives of the first one are not left without their master, whose
-/// heartbeats they watch (300 ms).
+/// A second bus starts slowly, because its drive is absent: the drives of the first one still get the heartbeats of the
+/// master, which they supervise (300 ms).
 #[test]
 fn a_bus_that_starts_slowly_leaves_no_other_alone() {
-    // So many that the first one hears a heartbeat before the last one is configured: with that its watch begins.
+    // So many drives that the first one receives a heartbeat before the last one is configured; its supervision begins
+    // with that.
     let (mut drives, mut others) = (CanDrives::boot("1-6"), CanDrives::boot("7"));
     others.tell("dead 7 1");
     let axes = ["x", "a", "b", "c", "d", "e"].into_iter().zip(1..).map(|(name, node)| axis(name, node, "", ""));
@@ -344,7 +350,8 @@ expect:
     assert_eq!(log.matches("ready after").count(), 6, "{log}");
 }
 
-/// The SDO server of x is silent and that of y refuses a speed while homing is set up: both fail, tell it, and stand; mended, they home.
+/// The SDO server of x is silent, and that of y refuses a speed while homing is being set up: both fail, report it, and
+/// stay at standstill. After the fault they home.
 #[test]
 fn a_homing_that_cannot_be_set_up_fails_and_the_next_one_works() {
     let mut drives = CanDrives::boot("1-2");
@@ -387,13 +394,14 @@ expect:
     run.passes();
     for node in [1, 2] {
         let shown = drives.shown(node);
-        // From the left edge of the switch, within the way of a cycle.
+        // From the left edge of the switch, within the travel of a cycle.
         assert_eq!(shown.position, 10_000, "{shown:?}");
         assert!((shown.machine - 8_000.0).abs() <= 50.0, "{shown:?}");
     }
 }
 
-/// Ctrl-C in motion: drives are off and pre-operational, and watch the master no longer: no emergency message comes behind it.
+/// Ctrl-C in motion: drives are off and pre-operational, and do not supervise the master any more, so that no emergency
+/// message follows.
 #[test]
 fn drives_are_off_and_released_when_the_program_ends() {
     let mut drives = CanDrives::boot("1-2");
@@ -414,7 +422,7 @@ steps:
     let begin = Instant::now();
     run.program.end();
     assert!(begin.elapsed() < ms(3000), "it takes {:?}", begin.elapsed());
-    // Longer than any watch.
+    // Longer than any supervision time.
     thread::sleep(ms(1000));
     for node in [1, 2] {
         let shown = drives.shown(node);

@@ -1,4 +1,4 @@
-//! What goes over a bus: in /diagnostics, in the bags of the flight recorder, in recordings, and printed again.
+//! Tests frames of a bus: in /diagnostics, in the bags of the flight recorder, in recordings, and printed again.
 
 use crate::support::bag_check::bag_check;
 use crate::support::can::CanDrives;
@@ -11,14 +11,14 @@ use std::process::Command;
 use std::thread;
 use std::time::Duration;
 
-/// What `lineshaft` prints, and what it complains of, with its exit code.
+/// Runs `lineshaft`; returns exit code, standard output and standard error.
 fn lineshaft(args: &[&str]) -> (Option<i32>, String, String) {
     let program = Command::new(env!("CARGO_BIN_EXE_lineshaft")).args(args).output().expect("it starts");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     (program.status.code(), text(&program.stdout), text(&program.stderr))
 }
 
-/// Lines of `can dump`, each in its columns: time (s), bus, way, identifier, the rest.
+/// Returns the lines of `can dump`, each in its columns: time (s), bus, direction, identifier, the rest.
 fn dumped(args: &[&str]) -> Vec<(f64, String, String, String, String)> {
     let (code, out, complaints) = lineshaft(&[&["can", "dump"], args].concat());
     assert_eq!((code, complaints.as_str()), (Some(0), ""));
@@ -31,8 +31,8 @@ fn dumped(args: &[&str]) -> Vec<(f64, String, String, String, String)> {
     out.lines().map(columns).collect()
 }
 
-/// A drive fails in motion. The recording holds each frame that went over the bus, as the drives have counted them; so does the bag of the
-/// flight recorder, which replays like any other. A recording for which nobody asked holds none.
+/// A drive fails in motion. The recording has each frame of the bus, as counted by the drives; so does the bag of the
+/// flight recorder, which can be replayed like any other. A recording without the request for frames has none.
 #[test]
 fn frames_of_a_fault_are_kept() {
     let mut drives = CanDrives::boot("1-2");
@@ -60,7 +60,7 @@ expect:
     };
     let shown = drives.shown(1);
     assert_eq!(count("sent", "080"), shown.counter("sync"), "each SYNC, and no other");
-    // The last ones may come when nobody listens any more.
+    // The last ones may be sent after the end of reception.
     let (told, heard) = (shown.counter("tpdo"), count("received", "181"));
     assert!(heard <= told && heard + 5 >= told, "{heard} of {told} TPDOs of node 1");
     assert!(frames.windows(2).all(|pair| pair[0].0 <= pair[1].0), "in the order of their times");
@@ -86,7 +86,7 @@ expect:
     );
     let (code, told, complaints) = lineshaft(&["replay", bag]);
     assert!(code == Some(0) && told.contains("no difference"), "{told}{complaints}");
-    // Readers that others have written count what we do.
+    // Independent readers count the same frames.
     let counts = bag_check(["rosbags", bag])["counts"].clone();
     let all = dumped(&[bag, "--cell", &yaml]);
     for way in ["sent", "received"] {
@@ -94,7 +94,7 @@ expect:
         assert_eq!(counts[format!("/lineshaft/can/bus0/{way}")], ours, "{way}");
     }
 
-    // The cell in the bag names an EDS that is not here.
+    // The cell in the bag names an EDS that does not exist here.
     let (code, out, note) = lineshaft(&["can", "dump", bag]);
     assert_eq!(code, Some(0));
     assert!(
@@ -113,7 +113,7 @@ expect:
     assert!(complaints.contains("it has no frames of CAN") && complaints.contains(topics), "{complaints}");
 }
 
-/// Two drives, 100 cycles a second: SYNC and an RPDO for each, a TPDO of each, and heartbeats.
+/// Two drives, 100 cycles per second: SYNC and an RPDO for each, a TPDO of each, and heartbeats.
 #[test]
 fn a_bus_tells_what_it_carries() {
     let drives = CanDrives::boot("1-2");
@@ -133,10 +133,10 @@ fn a_bus_tells_what_it_carries() {
     let (frames, measured) = (number(&value("frames")), number(&value("load, measured")));
     let (Some(frames), Some(measured)) = (frames, measured) else { panic!("{values}") };
     assert!((250.0..1000.0).contains(&frames), "{values}");
-    // Of 1 Mbit/s: frames have 47 to 135 bits.
+    // At 1 Mbit/s: frames have 47 to 135 bits.
     let bits = measured * 1e4 / frames;
     assert!((47.0..=135.0).contains(&bits), "{bits} bits a frame: {values}");
-    // SYNC, and for each drive 7 bytes there and back, at most 55 + 4 * 125 bits in 10 ms.
+    // SYNC, and for each drive 7 bytes in both directions, at most 55 + 4 * 125 bits in 10 ms.
     assert_eq!(value("load, computed"), "5.5 % at most, the frames of each cycle alone");
     program.end();
 }

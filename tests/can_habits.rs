@@ -1,9 +1,9 @@
-//! CANopen drives with habits of real ones (tests/peers/can/habits.py), each of them under the same test.
+//! Tests CANopen drives with peculiarities of real ones (tests/peers/can/habits.py), each with the same test.
 
 use crate::support::can::CanDrives;
 use crate::support::can_cell::{CanCell, Shown, axis};
 
-/// The axis of each habit, and what its drive needs said.
+/// Axis of each peculiarity, and the additional keys of its drive.
 const HABITS: [(&str, &str, &str); 6] = [
     ("slow_words", "w", ""),
     ("late_homing", "h", ""),
@@ -13,15 +13,16 @@ const HABITS: [(&str, &str, &str); 6] = [
     ("unmapped_mode", "u", ""),
 ];
 
-/// Predicate of all axes.
+/// Returns the predicate for all axes.
 fn all(signals: &[&str]) -> String {
     let of = |axis: &str| signals.iter().map(|signal| format!("{{signal: {axis}.{signal}}}")).collect::<Vec<_>>();
     let each: Vec<_> = HABITS.iter().flat_map(|(_, axis, _)| of(axis)).collect();
     format!("{{all: [{}]}}", each.join(", "))
 }
 
-/// Enabled, homed, moved to the increment, with a fault that is reset, enabled and homed again: the zero is that of the second homing, at an index pulse of
-/// the drive (1234 + n * 10000), and nothing but that fault is an error.
+/// Enabled, homed, moved exactly to the increment, with a fault that is reset, enabled and homed again: the zero is
+/// that of the second homing, at an index pulse of the drive (1234 + n * 10000), and there is no other error than that
+/// fault.
 #[test]
 fn drives_of_all_habits_are_enabled_homed_moved_and_reset() {
     let mut drives = CanDrives::boot("1-6");

@@ -1,4 +1,4 @@
-//! CANopen drives that somebody else has written, commanded in modes that are not cyclic, and as the numbers of MACS say.
+//! Tests independent CANopen drives in modes that are not cyclic, and with the drive types of MACS.
 
 use crate::support::can::{Bus, CanDrives};
 use crate::support::can_cell::{CanCell, PATIENCE, Shown, axis};
@@ -6,7 +6,7 @@ use lineshaft_can::sdo::Object;
 use std::fs;
 use std::time::Instant;
 
-/// Waits until a drive shows that mode.
+/// Waits until a drive reports that mode.
 #[track_caller]
 fn until_mode(drives: &mut CanDrives, node: u8, mode: i64) {
     let begin = Instant::now();
@@ -19,8 +19,9 @@ fn until_mode(drives: &mut CanDrives, node: u8, mode: i64) {
     }
 }
 
-/// Each axis moves to 20 mm at 40 mm/s and back to -5 mm; those that the drive positions end to the increment, those of the core within its
-/// window. No setpoint goes before the axis is enabled, and each drive is in its own mode.
+/// Each axis moves to 20 mm at 40 mm/s and back to -5 mm; those positioned by the drive end exactly at the increment,
+/// those of the core within its window. No setpoint is sent before the axis is enabled, and each drive is in its own
+/// mode.
 #[test]
 fn axes_move_in_each_mode_that_a_drive_offers() {
     let mut drives = CanDrives::boot("1-3");
@@ -72,8 +73,9 @@ expect:
     }
 }
 
-/// Drives that refuse 6060h, 6061h or both in a PDO: each is enabled, homes twice in mode 6 (to the index pulse at 1234) and moves off as soon as the
-/// axis has its zero, each time in mode 8. None jumps: positions are exact, and no axis has an error.
+/// Drives that refuse 6060h, 6061h or both in a PDO: each is enabled, homes twice in mode 6 (to the index pulse at
+/// 1234) and moves away as soon as the axis has its zero, each time in mode 8. None jumps: positions are exact, and no
+/// axis has an error.
 #[test]
 fn drives_that_cannot_map_their_mode_move_and_home() {
     const NODES: [(u8, &str, &[&str]); 3] = [(1, "a", &["6060", "6061"]), (2, "b", &["6060"]), (3, "c", &["6061"])];
@@ -121,7 +123,7 @@ expect:
         moves("3 mm")
     ))
     .passes();
-    // Objects in RPDO 1 and TPDO 1.
+    // Number of objects in RPDO 1 and TPDO 1.
     for (node, mapped) in [(1, [2, 2]), (2, [2, 3]), (3, [3, 2])] {
         let shown = drives.shown(node);
         assert_eq!((shown.position, shown.machine), (3_000, 4_234.0), "{shown:?}");
@@ -132,8 +134,8 @@ expect:
     }
 }
 
-/// A drive of torques (mode 10): position and velocity loop are closed in the core, on an axis of 2e6 counts/s^2 at the rated torque that sticks with 20 of 1000. It
-/// ends within its window, and leaves nothing that pushes once it is off.
+/// A drive with torque interface (mode 10): the core closes position and velocity loop, on an axis of 2e6 counts/s^2 at
+/// the rated torque with a static friction of 20 of 1000. It ends within its window, and has no torque once it is off.
 #[test]
 fn an_axis_moves_by_the_torques_of_the_core() {
     let mut drives = CanDrives::boot("1");
@@ -165,8 +167,8 @@ expect:
     assert_eq!((shown.counter("rpdo_missed"), shown.counter("emcy")), (0, 0), "{shown:?}");
 }
 
-/// Types 2 (guarded) and -3 are mapped; 13 is mapped beforehand, with a position of 16 bits, which wraps on the way: 100000 counts. Where an
-/// axis is off its drive is shut down (06h), not without voltage.
+/// Types 2 (guarded) and -3 are mapped; 13 is mapped beforehand, with a position of 16 bits, which wraps during the
+/// motion: 100000 counts. If an axis is off, its drive is shut down (06h), not without voltage.
 ///
 /// Proves: MACS-CAN-01, MACS-CAN-02, MACS-CAN-04, MACS-CAN-08, MACS-CAN-12
 #[test]
@@ -228,8 +230,8 @@ fn map_as_akd(bus: &mut Bus) {
     }
 }
 
-/// An axis that runs at speeds: 6042h in units of 1000 counts/s, its ramp by bits 4 to 6 of the control word. At 100 mm/s until 10 mm before the
-/// target, 10 mm/s until 1 mm before it, then off.
+/// An axis with speed steps: 6042h in units of 1000 counts/s, its ramp by bits 4 to 6 of the control word. 100 mm/s
+/// until 10 mm before the target, 10 mm/s until 1 mm before it, then off.
 #[test]
 fn an_axis_runs_at_the_speeds_of_a_frequency_converter() {
     let mut drives = CanDrives::boot("1");

@@ -1,4 +1,4 @@
-//! `~/sdo_read` and `~/sdo_write`, as a client on Cyclone DDS sees them, with drives of another make.
+//! Tests `~/sdo_read` and `~/sdo_write` from a client on Cyclone DDS, with drives of another make.
 
 use crate::support::can::CanDrives;
 use crate::support::can_cell::{CanCell, CanRun, axis};
@@ -7,7 +7,7 @@ use crate::support::peer::Peer;
 use serde_json::Value;
 
 const SCENARIO: &str = "scenario: s\nfor: 600 s\nsteps: []\n";
-/// The line of the log once a drive takes part.
+/// Log line when a drive is ready.
 const READY: &str = ": ready after";
 
 struct Node {
@@ -75,7 +75,8 @@ fn objects_are_read_and_written_beside_the_cycles() {
     node.run.program.end();
 }
 
-/// Mapped objects while the drive is under power, what the master writes, types, limits, devices that are not there or refuse.
+/// Mapped objects while the drive is enabled, objects that the master writes, types, limits, devices that are absent or
+/// refuse.
 #[test]
 fn what_must_not_be_is_refused_in_a_sentence_and_changes_nothing() {
     let mut drives = CanDrives::boot("1-2");
@@ -121,7 +122,7 @@ fn what_must_not_be_is_refused_in_a_sentence_and_changes_nothing() {
     );
     assert_eq!(node.read("--axis y --object 6085")[0], "2000000", "the others have their answers all the same");
 
-    // The cable is pulled: each request has its answer.
+    // The cable is pulled: each request gets an answer.
     drives.kill();
     node.run.until_told(1, "the way to the bus is lost");
     let lost = node.cyclone.fails("sdo-read /lineshaft --axis x --object 6064");

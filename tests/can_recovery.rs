@@ -1,4 +1,5 @@
-//! CANopen drives of a cell of the program whose SDO server misbehaves, that others reset, that are left alone, or boot for ever.
+//! Tests CANopen drives whose SDO server misbehaves, that another master resets, that lose their master, or that boot
+//! repeatedly.
 
 use crate::support::can::{Bus, CanDrives};
 use crate::support::can_cell::{CanCell, axis, recovery};
@@ -8,7 +9,7 @@ use std::fs;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// An object that is written in segments: longer than a frame, shorter than what goes in blocks.
+/// An object that is written in segments: longer than a frame, shorter than the minimum of block transfer.
 const ECHO: Object = Object { index: 0x2001, sub: 0 };
 const CONFIGURED: &str = "what the file gives it";
 
@@ -16,10 +17,10 @@ fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
 }
 
-/// What is told to the drives for a misbehaving server and to end it, and what the program says of node 1 meanwhile.
+/// Commands that begin and end the misbehaviour of a server, and the message of the program about node 1.
 const SERVERS: [[&str; 3]; 4] = [
     ["sdo_late 1 0.7", "sdo_late 1 0", "it is not there: 1000h:00: the device has not answered for 500 ms"],
-    // Its answer comes when the next try (1 s after it is given up) asks for something else.
+    // Its answer arrives when the next attempt (1 s after the timeout) requests another object.
     ["sdo_late 1 1.7 0x2001", "sdo_late 1 0", "it is not there: 2001h:00: the device has not answered for 500 ms"],
     ["sdo_mute 1 1", "sdo_mute 1 0", "it is not there: 1000h:00: the device has not answered for 500 ms"],
     [
@@ -29,8 +30,9 @@ const SERVERS: [[&str; 3]; 4] = [
     ],
 ];
 
-/// A drive is back, but its SDO server answers too late, too late to one object, never, or with the wrong toggle: that is told once, it is tried
-/// again, and configured as soon as the server behaves. Meanwhile its axis stays off, and the other one moves on to its increment.
+/// A drive is back, but its SDO server answers too late, too late for one object, never, or with a wrong toggle bit:
+/// this is reported once, and configuration is repeated until the server behaves. Meanwhile its axis is off, and the
+/// other one continues to its target.
 ///
 /// Proves: MACS-CAN-06
 #[test]
@@ -42,11 +44,11 @@ fn a_server_that_misbehaves_is_told_once_and_its_drive_configured_once_it_behave
     let given = "DefaultValue=a string longer than four bytes";
     assert!(eds.contains(given));
     let eds = eds.replace(given, &format!("{given}\nParameterValue={CONFIGURED}"));
-    // A maker's tool has read these as well.
+    // A tool of the manufacturer has read these as well.
     let target = "[60FF]\n";
     assert!(eds.contains(target));
     let eds = eds.replace(target, &format!("{target}ParameterValue=4321\n"));
-    // 6041h is read only: the value is passed over, with a warning.
+    // 6041h is read-only: the value is ignored, with a warning.
     cell.write("x.eds", &eds.replace("[6041]\n", "[6041]\nParameterValue=x\n"));
     let (mut steps, mut expect) = (String::new(), String::new());
     for at in 0..SERVERS.len() {
@@ -76,7 +78,7 @@ steps:
         drives.tell("power 1");
         run.until_told(told + 1, &sentence);
         let back = drives.shown(1);
-        // Two more tries.
+        // Two more attempts.
         thread::sleep(ms(3500));
         assert_eq!(run.told(&sentence), told + 1, "{begin}: {}", run.program.log());
         assert_eq!(run.told("ready after"), before, "{begin}");
@@ -95,7 +97,7 @@ steps:
     assert_eq!(Bus::open(&drives, 1).read(ECHO, false), Ok(CONFIGURED.into()));
 }
 
-/// What a second NMT master sends, what the program tells of it, and the state of the drive when it is configured again.
+/// Command of a second NMT master, the message of the program, and the state of the drive when it is configured again.
 const COMMANDS: [[&str; 3]; 4] = [
     ["8101", "node 1: it has booted", "SWITCH_ON_DISABLED"],
     // Its communication is reset, not its power stage.
@@ -105,8 +107,8 @@ const COMMANDS: [[&str; 3]; 4] = [
     ["0201", "node 1: somebody has stopped it", "FAULT"],
 ];
 
-/// Somebody else resets a node in motion, or takes it out of operation: its axis has an error, the drive is configured again, and stays off until
-/// the axis is reset and enabled. The other axis moves on to its increment.
+/// Another master resets a node in motion, or stops its operation: its axis has an error, the drive is configured
+/// again, and is off until the axis is reset and enabled. The other axis continues to its target.
 ///
 /// Proves: MACS-CAN-06
 #[test]
@@ -156,8 +158,9 @@ steps:
     assert_eq!(log.matches("ready after").count(), COMMANDS.len() + 2, "each is configured once: {log}");
 }
 
-/// The program is killed in motion: drives miss its heartbeat (1016h) and do what 6007h says. Started again, it takes them over as they are; they
-/// stand until they are reset and enabled, and move on from where they have stopped.
+/// The program is killed in motion: drives miss its heartbeat (1016h) and react according to 6007h. After a restart, it
+/// takes them over in their present state; they stay at standstill until they are reset and enabled, and then move from
+/// where they stopped.
 #[test]
 fn drives_of_a_program_that_is_killed_stop_and_the_next_one_takes_them_over() {
     let mut drives = CanDrives::boot("1-2");
@@ -213,13 +216,14 @@ expect:
     }
 }
 
-/// Lines that a boot may cost: that it has booted, that the drive is ready, why it is not, and that this is over. Of those that come each second
-/// most cut a configuration off, which takes more than a second at cycles of 10 ms.
+/// Maximum number of lines per boot: that it has booted, that the drive is ready, why it is not, and that this has
+/// ended. Boots in intervals of one second usually interrupt a configuration, which takes longer than that with cycles
+/// of 10 ms.
 const LINES_OF_A_BOOT: usize = 4;
-/// Lines of the start and the end of the program, of the drive that is away, and of errors of axes.
+/// Maximum number of lines of the start and the end of the program, of the absent drive, and of errors of axes.
 const LINES_ELSE: usize = 40;
 
-/// A drive that is away is told once, however long it stays away; one that boots each second costs some lines each time.
+/// An absent drive is reported once, however long it is absent; one that boots every second gives some lines each time.
 fn the_log_stays_short(seconds: u32) {
     let mut drives = CanDrives::boot("1-3");
     drives.tell("dead 2 1");
@@ -255,11 +259,11 @@ fn drives_that_are_away_and_that_boot_for_ever_do_not_fill_the_log() {
     the_log_stays_short(20);
 }
 
-/// Finds what is logged once a minute.
+/// Detects lines that are logged once a minute.
 #[test]
 #[ignore = "long: .ci/nightly runs it"]
 fn a_minute_of_boots_does_not_fill_the_log() {
-    // In a minute of other tests the simulated drives may miss a cycle.
+    // During a minute of other tests the simulated drives may miss a cycle.
     let _alone = alone();
     the_log_stays_short(60);
 }

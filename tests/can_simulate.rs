@@ -1,11 +1,11 @@
-//! Drives that `lineshaft can simulate` puts on a bus, reached by the commands of the program and by `lineshaft run`.
+//! Tests drives of `lineshaft can simulate`, accessed by the commands of the program and by `lineshaft run`.
 
 use crate::support::can_cell::{CanCell, axis};
 use crate::support::{domain::Domain, program::Program};
 use std::net::UdpSocket;
 use std::time::Duration;
 
-/// Far more than a command takes.
+/// Much longer than a command takes.
 const END: Duration = Duration::from_secs(60);
 
 const SCENARIO: &str = "\
@@ -25,19 +25,19 @@ expect:
   - {event: {kind: error}, count: 0}
 ";
 
-/// A bus of datagrams that no other test uses: a group of these tests, and a port that is free.
+/// Returns a UDP bus that no other test uses: a group of these tests, and a free port.
 fn bus() -> String {
     let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
     format!("udp:239.74.163.46:{}", socket.local_addr().expect("it is bound").port())
 }
 
-/// A cell of two drives; y homes in its drive.
+/// Returns a cell with two drives; y homes in its drive.
 fn cell(address: &str) -> CanCell {
     let axes = axis("x", 1, "", "") + &axis("y", 2, "", ", homing: {method: 35, in_drive: true}");
     CanCell::new(address, "10 ms", &axes)
 }
 
-/// Runs a command of the program to its end; its code, and what it wrote.
+/// Runs a command of the program to its end; returns its exit code and output.
 fn run(arguments: &[&str]) -> (Option<i32>, String) {
     let mut program = Program::start(arguments, &Domain::take());
     let code = program.wait_exit(END).code();
@@ -76,8 +76,8 @@ fn a_node_that_is_on_the_bus_already_is_not_simulated_again() {
     drives.end();
 }
 
-/// Each axis moves to 20 mm at 40 mm/s and back to -5 mm in the mode of its drive. pp and ip end to the increment, pv within the window of the
-/// position loop that the core closes.
+/// Each axis moves to 20 mm at 40 mm/s and back to -5 mm in the mode of its drive. pp and ip end exactly at the
+/// increment, pv within the window of the position loop of the core.
 #[test]
 fn simulated_drives_move_in_pp_ip_and_pv() {
     let ramps = "startup: [{index: 0x6083, value: 20000000, type: u32}, {index: 0x6084, value: 20000000, type: u32}]";
@@ -118,7 +118,8 @@ expect:
     drives.end();
 }
 
-/// Index pulses are at 1234 and each 10000 counts further: the drive stores the first one, and the axis ends 1000 counts before it.
+/// Index pulses are at 1234 and every 10000 counts further: the drive latches the first one, and the axis ends 1000
+/// counts before it.
 #[test]
 fn simulated_drive_catches_the_index_pulse() {
     let sim = "sim: {model: ideal, index: {every: 10 mm, at: 1.234 mm}}";
@@ -137,14 +138,14 @@ fn simulated_drive_catches_the_index_pulse() {
     drives.end();
 }
 
-/// A pseudo terminal takes the place of an adapter: `can scan`, then `run`, open it one after the other.
+/// A pseudo terminal replaces an adapter: `can scan`, then `run`, open it one after the other.
 #[test]
 fn simulated_drives_are_reached_by_an_slcan_pseudo_terminal() {
     let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).expect("room within the build");
     let link = folder.path().join("bus0");
     let path = link.to_str().expect("a path of text");
     let address = format!("slcan:{path}");
-    // On a busy machine the bytes of a terminal wait longer than datagrams.
+    // On a busy machine the bytes of a terminal are delayed longer than datagrams.
     let patient = |axis: &str| axis.replace("node: ", "missed_cycles: 100, node: ");
     let axes = axis("x", 1, "", "") + &axis("y", 2, "", ", homing: {method: 35, in_drive: true}");
     let cell = CanCell::new(&address, "10 ms", &patient(&axes));

@@ -1,16 +1,16 @@
-//! Inputs, outputs and encoders at CANopen modules that somebody else has written, in a cell of the program.
+//! Tests inputs, outputs and encoders at independent CANopen modules, in a cell of the program.
 
 use crate::support::can::{CanDrives, Way};
 use crate::support::can_cell::{CanCell, CanRun, PATIENCE, axis};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The word of an object, as the device has it.
+/// Returns the value of an object in the device.
 fn object(devices: &mut CanDrives, node: u8, index: u16, sub: u8) -> i64 {
     devices.tell(&format!("get {node} {index:#x} {sub}"))["value"].as_i64().expect("a number")
 }
 
-/// Waits until the devices are as asked for.
+/// Waits until the devices are in the expected state.
 #[track_caller]
 fn until(run: &CanRun, devices: &mut CanDrives, holds: impl Fn(&mut CanDrives) -> bool) {
     let begin = Instant::now();
@@ -32,8 +32,9 @@ encoders:
   shaft: {backend: bus0, node: 1, type: linear, scale: {increments: 1000, per: 1 mm}}
 ";
 
-/// Inputs of a module and of a drive, in the cycle and as words of both kinds; outputs of both, an analog one of -2.5 V of 10 V (-8192 of
-/// 32767). An encoder counts through its 32 bits. At the end all outputs of the module are off.
+/// Inputs of a module and of a drive, in the cycle and as words of both kinds; outputs of both, and an analog one of
+/// -2.5 V of 10 V (-8192 of 32767). An encoder counts through its 32 bits. At the end all outputs of the module are
+/// off.
 #[test]
 fn terminals_on_can_are_those_of_the_machine() {
     let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
@@ -66,8 +67,8 @@ expect:
     assert_eq!(module(&mut devices), (0, 0), "at the end");
 }
 
-/// A module whose power goes: its inputs read 0 as behind a cut wire, while the axis goes on; it is told once, configured again when it is
-/// back, and its outputs are those of the cycle then.
+/// A module loses its power: its inputs are 0 as with a cut wire, while the axis continues. This is reported once, the
+/// module is configured again when it is back, and its outputs are then those of the cycle.
 #[test]
 fn a_module_that_goes_and_comes_back_has_its_outputs_again() {
     let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10"]);
@@ -107,7 +108,8 @@ expect:
     run.passes();
 }
 
-/// At the end a module refuses to write its first outputs: the others are switched off all the same, and it is told.
+/// At the end a module refuses to write its first outputs: the others are switched off anyway, and the refusal is
+/// reported.
 #[test]
 fn an_output_that_refuses_leaves_no_other_one_on() {
     let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10"]);
@@ -145,8 +147,8 @@ const OF_AMPLIFIER: &str = "  x: {type: linear, scale: {increments: 1000, per: 1
     enable_time: 100 ms, interface: velocity, full_velocity: 100 mm/s}, feedback: {encoder: belt}, max_velocity: 80 mm/s, \
     max_acceleration: 400 mm/s^2, max_following_error: 20 mm, in_position_window: 0.5 mm, position_loop: {kv: 5}}\n";
 
-/// An amplifier of +-10 V at a module, and its motor's encoder: it is enabled by its contact, moves and lands. At the end it has neither reference
-/// nor enable.
+/// An amplifier with +-10 V at a module, and the encoder of its motor: it is enabled by its contact, moves and reaches
+/// its target. At the end both reference and enable are off.
 #[test]
 fn an_amplifier_at_a_module_moves_an_axis() {
     let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
@@ -174,8 +176,8 @@ expect:
     assert_eq!(outputs, (0, 0), "at the end");
 }
 
-/// Its module goes in motion, and with it the contact: the axis has the fault of its drive. What comes back comes back without enable, whatever
-/// the contact says.
+/// Its module is lost in motion, and the contact with it: the axis has the fault of its drive. When it is back, enable
+/// is off, whatever the contact reports.
 #[test]
 fn an_amplifier_whose_module_was_away_stays_off() {
     let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);

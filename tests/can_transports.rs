@@ -1,4 +1,4 @@
-//! Each way to a bus of CANopen drives that somebody else has written: reached, pulled, not there.
+//! Tests each transport to a bus of independent CANopen drives: reached, disconnected, absent.
 
 use crate::support::can::{Bus, CanDrives, Way};
 use crate::support::{namespace, setup};
@@ -13,7 +13,7 @@ const NAME: Object = Object { index: 0x1008, sub: 0 };
 const ECHO: Object = Object { index: 0x2001, sub: 0 };
 const OPTIONS: Options = Options { bit_rate: 500_000, baud: None };
 
-/// Objects of one frame and of many, and a reset that the drive tells.
+/// Objects of one frame and of many, and a reset that the drive reports.
 fn drives_are_reached(way: Way) {
     let drives = CanDrives::boot_on(way, "1-2");
     let mut bus = Bus::open(&drives, 2);
@@ -29,7 +29,7 @@ fn drives_are_reached(way: Way) {
     bus.way.close();
 }
 
-/// Receives until the way is lost.
+/// Receives until the transport is lost.
 fn loss(way: &mut dyn Transport) -> TransportError {
     let began = Instant::now();
     loop {
@@ -42,7 +42,7 @@ fn loss(way: &mut dyn Transport) -> TransportError {
     }
 }
 
-/// What is pulled while the bus is open is lost for good.
+/// A transport that is disconnected while the bus is open is lost permanently.
 fn pulled_adapters_are_lost(way: Way) -> CanDrives {
     let mut drives = CanDrives::boot_on(way, "1");
     let mut bus = Bus::open(&drives, 1);
@@ -80,7 +80,7 @@ fn drives_are_reached_on_vcan() {
     drives_are_reached(Way::SocketCan("vcan0"));
 }
 
-/// Nor is it there when it is opened anew.
+/// It is also absent when it is opened again.
 #[test]
 fn an_adapter_behind_tcp_is_pulled() {
     let drives = pulled_adapters_are_lost(Way::SlcanTcp);
@@ -89,13 +89,14 @@ fn an_adapter_behind_tcp_is_pulled() {
     assert_eq!(error, format!("{} {refused}", drives.address()));
 }
 
-/// Another terminal may have the same name at once: this one is not opened anew.
+/// Another terminal may get the same name immediately, so this one is not opened again.
 #[test]
 fn an_adapter_on_a_terminal_is_pulled() {
     pulled_adapters_are_lost(Way::SlcanPty);
 }
 
-/// One program has the adapter; who comes second, even root, is told so, and gets it when the first has gone.
+/// One program uses the adapter; a second one, even as root, gets an error, and can open it after the first has closed
+/// it.
 #[test]
 fn two_programs_do_not_share_an_adapter() {
     let drives = CanDrives::boot_on(Way::SlcanPty, "1");
@@ -110,7 +111,7 @@ fn two_programs_do_not_share_an_adapter() {
     assert_eq!(second.read(NAME, false), Ok(b"cia402-sim".to_vec()));
 }
 
-/// An adapter whose channel is open already, on a bus under load: closed first, and opened with the rate.
+/// The channel of an adapter is open already, on a bus under load: it is closed first, and opened with the bit rate.
 #[test]
 fn an_adapter_that_somebody_has_left_open_is_taken_over() {
     let drives = CanDrives::boot_on(Way::SlcanPty, "1");

@@ -1,4 +1,4 @@
-//! What a pipeline reads: `--json`, `--junit` and `sim --all`.
+//! Tests the output for CI pipelines: `--json`, `--junit` and `sim --all`.
 
 use crate::support::machine::share;
 use roxmltree::{Document, Node};
@@ -20,12 +20,12 @@ axes:
       max_velocity: 100 mm/s, max_acceleration: 1 m/s^2, sim: {model: ideal}}
 ";
 
-/// What x holds is 0 inc: `is` says whether it passes.
+/// x holds 0 inc: `is` determines whether the scenario passes.
 fn scenario(head: &str, is: &str) -> String {
     format!("scenario: {is}\n{head}cycles: 50\nexpect:\n  - {{signal: x.command.position, at: end, is: {is}}}\n")
 }
 
-/// A folder in which the program runs.
+/// Folder in which the program runs.
 struct Bench(tempfile::TempDir);
 
 struct Said {
@@ -64,7 +64,7 @@ impl Bench {
         Said { code, out: text(output.stdout), errors: text(output.stderr) }
     }
 
-    /// The object that a command prints: one line, and nothing else.
+    /// Returns the object that a command prints: one line, and nothing else.
     #[track_caller]
     fn object(&self, arguments: &[&str], code: i32) -> Value {
         let said = self.run(&[arguments, &["--json"]].concat());
@@ -76,7 +76,7 @@ impl Bench {
     }
 }
 
-/// One that passes on the cell next to it, one that fails on the cell that it names.
+/// One scenario that passes with the cell next to it, one that fails with the cell that it names.
 fn two() -> Bench {
     let named = scenario("cell: a/ok.yaml\n", "7 mm");
     Bench::new(&[
@@ -129,7 +129,7 @@ fn sim_all_plays_scenarios_in_order_and_ends_with_the_worst_result() {
     );
 }
 
-/// The text without the values of an attribute.
+/// Returns the text without the values of an attribute.
 fn without(text: &str, begin: &str, end: char) -> String {
     let mut parts = text.split(begin);
     let first = parts.next().unwrap_or_default().to_owned();
@@ -141,7 +141,7 @@ fn sim_all_gives_the_same_for_any_number_of_jobs() {
     let bench = Bench::new(&[("cell.yaml", CELL)]);
     for place in 0..12 {
         let is = if place % 3 == 1 { "7 mm" } else { "0 mm" };
-        // Those that come first take longest.
+        // The first ones take longest.
         let text = scenario("cell: cell.yaml\n", is).replace("cycles: 50", &format!("cycles: {}", 6000 - place * 500));
         bench.write(&format!("{place:02}.scenario.yaml"), &text);
     }
@@ -177,9 +177,9 @@ fn scenario_names_its_cell_and_the_command_line_goes_first() {
     let object = bench.object(&["sim", "other.yaml", "--scenario", "b.scenario.yaml"], 1);
     assert_eq!(object["scenarios"][0]["cell_file"], "other.yaml");
     assert_eq!(object["scenarios"][0]["notes"].as_array().map(Vec::len), Some(1));
-    // One without the key runs on the cell next to it.
+    // A scenario without the key uses the cell next to it.
     assert_eq!(bench.run(&["sim", "--scenario", "a/ok.scenario.yaml"]).code, 0);
-    // The same without the option: the name says that it is a scenario, or its key does.
+    // The same without the option: the name or a key identifies a scenario.
     assert_eq!(bench.run(&["sim", "a/ok.scenario.yaml"]).code, 0);
     bench.write("named.yaml", &scenario("cell: a/ok.yaml\n", "0 mm"));
     let said = bench.run(&["sim", "named.yaml"]);
@@ -231,7 +231,7 @@ fn arguments_that_exclude_each_other_are_refused_by_name() {
     assert!(said.code == 2 && said.errors.contains("--json") && said.errors.contains("--events"), "{}", said.errors);
 }
 
-/// A path given by mistake: the file that would be lost stays.
+/// After a path by mistake, the file that would be lost is kept.
 #[test]
 fn reports_and_traces_do_not_replace_cells_tables_and_bags() {
     let bench = two();
@@ -406,12 +406,13 @@ fn junit_has_a_suite_for_each_scenario_and_a_case_for_each_expectation() {
     let error = suites[2].descendants().find(|node| node.has_tag_name("error")).unwrap();
     assert!(error.text().unwrap().starts_with("./c.scenario.yaml:1:1: the scenario has no cell"), "{text}");
 
-    // A report that cannot be written is no success.
+    // A report that cannot be written is a failure.
     let said = bench.run(&["sim", "--all", "a", "--junit", "none/out.xml"]);
     assert!(said.code == 1 && said.errors.starts_with("error: --junit: "), "{}", said.errors);
 }
 
-/// Names of all fields of an object, but not those of `joint_names` and `lineshaft`, which are names of the user and of the recorder.
+/// Collects the names of all fields of an object, except those of `joint_names` and `lineshaft`, which are names of the
+/// user and of the recorder.
 fn fields(object: &Value, into: &mut std::collections::BTreeSet<String>) {
     match object {
         Value::Object(entries) => {
@@ -454,7 +455,7 @@ fn every_field_is_in_the_page() {
 #[test]
 fn no_bar_is_drawn_in_a_pipe() {
     let bench = Bench::new(&[("cell.yaml", CELL)]);
-    // Some seconds of computing.
+    // Some seconds of calculation.
     let long = scenario("cell: cell.yaml\n", "0 mm").replace("cycles: 50", "cycles: 1500000");
     bench.write("long.yaml", &long);
     let said = bench.run(&["sim", "--scenario", "long.yaml"]);

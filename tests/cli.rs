@@ -1,4 +1,4 @@
-//! The program as a user meets it at the prompt: what it prints, and with which code it ends.
+//! Tests the program on the command line: its output and exit codes.
 
 use crate::support::{domain::Domain, machine::share};
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ fn code(output: &Output) -> i32 {
     output.status.code().expect("it ended by itself")
 }
 
-/// The YAML blocks of the contract: a cell, then a scenario.
+/// Returns the YAML blocks of the contract: a cell, then a scenario.
 fn examples() -> (String, String) {
     let contract = std::fs::read_to_string(root("docs/contract.md")).expect("the contract");
     let blocks = contract.split("```yaml\n").skip(1).filter_map(|block| block.split("```").next());
@@ -124,8 +124,8 @@ fn sim_prints_its_events_as_they_come() {
     assert!(lines.iter().any(|line| line.contains(" info done: ") && !line.contains("code")), "{events}");
 }
 
-/// Unknown keys, wrong units, duplicate names, a limit above its counterpart, a missing file, bad usage: each ends with 2
-/// and starts nothing.
+/// Unknown keys, wrong units, duplicate names, a limit above its counterpart, a missing file, wrong usage: each ends
+/// with 2 and starts nothing.
 #[test]
 fn bad_files_and_bad_usage_end_with_2() {
     let folder = tempfile::tempdir().unwrap();
@@ -160,7 +160,7 @@ fn bad_files_and_bad_usage_end_with_2() {
     assert!(text(&output.stderr).contains("--params-file"));
 }
 
-/// The description of the robot is read from beside the cell; what does not fit is told, what cannot be read is refused.
+/// The robot description is read from the folder of the cell; mismatches are reported, an unreadable file is refused.
 #[test]
 fn a_robot_description_is_checked_with_its_cell() {
     let folder = tempfile::tempdir().unwrap();
@@ -189,7 +189,7 @@ fn a_robot_description_is_checked_with_its_cell() {
     assert_eq!(text(&told.stderr), warning);
 }
 
-/// 6041h is read only: a value that cannot be read is a warning there. 6081h would be written: it is an error.
+/// 6041h is read-only: a value that cannot be read is only a warning. 6081h would be written: it is an error.
 #[test]
 fn what_is_wrong_in_an_eds_is_printed() {
     let folder = tempfile::tempdir().unwrap();
@@ -306,7 +306,7 @@ fn check_holds_a_cell_to_a_preset_and_names_those_there_are() {
     let axes: String = (1..=9)
         .map(|n| format!("  x{n}: {{type: linear, drive: virtual, scale: {{increments: 1, per: 1 mm}}, max_velocity: 1, max_acceleration: 1}}\n"))
         .collect();
-    // Four words of each cam stand behind the first 32.
+    // Four words of each cam follow the first 32.
     let cell = |cams: usize| {
         let words = vec!["0"; 32 + 4 * cams].join(", ");
         format!(
@@ -429,7 +429,7 @@ fn file_instead_of_a_command_gives_a_hint() {
     }
 }
 
-/// Whoever reads the log may go away, as `tee` does on Ctrl-C: the axes are halted all the same.
+/// The reader of the log may end first, like `tee` on Ctrl-C: the axes are halted anyway.
 #[test]
 fn a_log_that_nobody_reads_any_more_does_not_end_the_node() {
     use rustix::process::{Pid, Signal, kill_process};
@@ -455,7 +455,7 @@ fn a_log_that_nobody_reads_any_more_does_not_end_the_node() {
     assert_eq!(program.wait().unwrap().code(), Some(0));
 }
 
-/// `lineshaft params`: the catalogue, one parameter, a cell, and a file of parameters out and in again.
+/// `lineshaft params`: the catalogue, one parameter, a cell, and export and import of a parameter file.
 #[test]
 fn params_shows_the_catalogue_and_a_cell_and_checks_a_file() {
     let folder = tempfile::tempdir().unwrap();
@@ -507,7 +507,7 @@ fn params_shows_the_catalogue_and_a_cell_and_checks_a_file() {
     assert_eq!(code(&run(&["--export"])), 2);
 }
 
-/// A named pipe that nobody writes into, a folder or a device in the place of a file keeps nobody waiting.
+/// A named pipe without a writer, a folder or a device instead of a file does not block.
 #[test]
 fn what_is_no_regular_file_is_refused_and_not_waited_for() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Commands to a node without ROS: `lineshaft state`, `enable`, `move`, `home`, `jog` and so on.
+//! Tests commands to a node without ROS: `lineshaft state`, `enable`, `move`, `home`, `jog` and so on.
 
 use crate::support::domain::Domain;
 use crate::support::program::Program;
@@ -7,12 +7,12 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Longer than a node takes to be found on a busy machine.
+/// Longer than the discovery of a node takes on a busy machine.
 const TIMEOUT: [&str; 2] = ["--timeout", "30 s"];
 /// Longer than any motion here.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Runs a command to its end: exit code, standard output, standard error.
+/// Runs a command to its end; returns exit code, standard output, standard error.
 fn client(domain: &Domain, arguments: &[&str]) -> (i32, String, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_lineshaft"))
         .args(arguments)
@@ -50,7 +50,7 @@ impl Demo {
         client(&self.domain, &[arguments, &TIMEOUT].concat())
     }
 
-    /// Runs a command that succeeds, and returns what it prints.
+    /// Runs a command that succeeds; returns its output.
     #[track_caller]
     fn good(&self, arguments: &[&str]) -> String {
         let (code, out, error) = self.client(arguments);
@@ -58,7 +58,7 @@ impl Demo {
         out
     }
 
-    /// Runs a command that fails with this code, and returns its sentence.
+    /// Runs a command that fails with this code; returns its message.
     #[track_caller]
     fn fails(&self, with: i32, arguments: &[&str]) -> String {
         let (code, out, error) = self.client(arguments);
@@ -66,7 +66,7 @@ impl Demo {
         error
     }
 
-    /// The state of an axis.
+    /// Returns the state of an axis.
     #[track_caller]
     fn axis(&self, name: &str) -> Value {
         let value: Value = serde_json::from_str(&self.good(&["state", "--json"])).expect("JSON");
@@ -98,7 +98,8 @@ impl Demo {
     }
 }
 
-/// 9000 of the 36000 inc of a turn are 90 deg; 1048576 inc of x are 10 mm. The turret is where it was commanded one cycle ago.
+/// 9000 of the 36000 inc of a revolution are 90 deg; 1048576 inc of x are 10 mm. The turret is at its command position
+/// of one cycle ago.
 #[test]
 fn axis_is_enabled_and_moved_to_its_exact_position_without_ros() {
     let demo = Demo::start();
@@ -142,10 +143,10 @@ fn refused_motion_moves_nothing_and_prints_the_sentence_of_the_node() {
     assert!(fast.contains("max_velocity") || fast.contains("100 deg/s"), "{fast}");
     let fast = demo.fails(1, &["jog", "x", "2 m/s"]);
     assert!(fast.contains("max_velocity"), "{fast}");
-    // Usage: not sent at all.
+    // Wrong usage: nothing is sent.
     assert!(demo.fails(2, &["move", "x", "90 deg"]).starts_with("error: POSITION: `90 deg` is an angle; a length"));
     assert!(demo.fails(2, &["move", "x", "10mm"]).contains("write `10 mm`"));
-    // 50 may be 50 m or 50 mm: the unit of the axis is the hint.
+    // 50 may mean 50 m or 50 mm: the hint has the unit of the axis.
     assert_eq!(demo.fails(2, &["move", "x", "50"]), "error: POSITION: `50` has no unit; did you mean `50 mm`?\n");
     assert_eq!(demo.fails(2, &["jog", "turret", "5"]), "error: VELOCITY: `5` has no unit; did you mean `5 deg/s`?\n");
     assert!(demo.fails(2, &["move", "x", "1 mm", "--velocity", "0"]).contains("must exceed 0"));
@@ -162,7 +163,7 @@ fn refused_motion_moves_nothing_and_prints_the_sentence_of_the_node() {
 fn interrupted_motion_is_canceled_and_its_axis_halts() {
     let demo = Demo::start();
     demo.good(&["enable", "x"]);
-    // 16 s long.
+    // It takes 16 s.
     let mut motion = demo.begin(&["move", "x", "800 mm", "--velocity", "50 mm/s"]);
     demo.until("x", "DISCRETE_MOTION");
     motion.interrupt();
@@ -205,7 +206,7 @@ fn jog_stops_at_its_time_at_a_signal_and_when_it_is_killed() {
     assert!((demo.increments("x") - third).abs() < 1048, "it moves on");
 }
 
-/// A stream moves an axis again after a halt; the command ends instead.
+/// A stream would move an axis again after a halt; the command ends instead.
 #[test]
 fn jog_ends_for_good_when_the_axis_is_halted_or_disabled() {
     let demo = Demo::start_with(&PATIENT_JOG);
@@ -231,7 +232,7 @@ fn homing_is_waited_for() {
     assert!(disabled.contains("enable it first"), "{disabled}");
     demo.good(&["enable", "x", "y"]);
     assert_eq!(demo.axis("x")["homed"], false);
-    // Those that have a method: turret and line have none.
+    // Axes that have a method: turret and line have none.
     assert_eq!(demo.good(&["home", "--all"]), "x: homed\ny: homed\n");
     assert_eq!((&demo.axis("x")["homed"], &demo.axis("y")["homed"]), (&json!(true), &json!(true)));
 }
@@ -250,7 +251,7 @@ fn without_a_node_the_command_says_where_it_looked() {
     assert_eq!(client(&domain, &["state", "--node", "a-b"]).0, 2);
 }
 
-/// A command that acts has a name for its node: discovery may be slow, and another machine would move.
+/// A command that acts needs the name of its node: discovery may be slow, and another machine would move.
 #[test]
 fn only_node_of_another_name_is_read_and_none_is_chosen_for_a_motion() {
     let demo = Demo::start_with(&["--ros-args", "-r", "__ns:=/a"]);
@@ -263,7 +264,7 @@ fn only_node_of_another_name_is_read_and_none_is_chosen_for_a_motion() {
     assert_eq!(demo.good(&["enable", "x", "--node", "a/lineshaft"]), "1 axis enabled\n");
     let other = Program::start(&["run", "--ros-args", "-r", "__ns:=/b"], &demo.domain);
     other.until_log("ROS 2 node /b/lineshaft");
-    // Both are known by then.
+    // Both are discovered by then.
     let found = demo.good(&["state", "--json", "--node", "/b/lineshaft"]);
     assert!(found.contains("\"/b/lineshaft\""), "{found}");
     let several = demo.fails(2, &["state"]);

@@ -1,16 +1,16 @@
-//! Cells, scenarios, stores and bags of earlier versions open unchanged.
+//! Tests that cells, scenarios, stores and bags of earlier versions can be used unchanged.
 //!
-//! Each folder of tests/compat has the files of one version. docs/releasing.md says how the next one is made.
+//! Each folder of tests/compat has the files of one version. docs/releasing.md describes how the next one is made.
 //!
-//! A change that cannot keep one of them working is entered in [`REFUSED`] with the words of its message, which must name
-//! what to change.
+//! A change that breaks one of them is listed in [`REFUSED`] with a part of its message, which must name the required
+//! change.
 
 use crate::support::machine::share;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// What the present version refuses: version, command, and words of the message that say what to change.
+/// Files that the present version refuses: version, command, and the part of the message with the required change.
 const REFUSED: &[(&str, &str, &str)] = &[];
 
 /// Files of an earlier version.
@@ -19,7 +19,7 @@ struct Version {
     folder: PathBuf,
 }
 
-/// All versions that have files, the oldest name first.
+/// Returns all versions that have files, sorted by name.
 fn versions() -> Vec<Version> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/compat");
     let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
@@ -34,8 +34,8 @@ fn versions() -> Vec<Version> {
 }
 
 impl Version {
-    /// Runs a command on copies of the files, in a folder of its own, and returns what it printed; panics unless it
-    /// does what it did in that version.
+    /// Runs a command on copies of the files, in a separate folder, and returns its output; panics unless the result is
+    /// that of the earlier version.
     #[track_caller]
     fn works(&self, arguments: &[&str]) -> String {
         let copy = tempfile::tempdir().expect("room for a temporary folder");
@@ -80,7 +80,7 @@ fn cells_and_scenarios_of_earlier_versions_are_good() {
     }
 }
 
-/// The scenario is refused a velocity and a target that only the limits in the store forbid.
+/// The scenario expects the refusal of a velocity and a target that only the limits in the store forbid.
 #[test]
 fn scenarios_of_earlier_versions_pass_with_the_values_of_their_stores() {
     for version in versions() {

@@ -1,4 +1,4 @@
-//! The services of controller_manager, seen and called by a peer on Eclipse Cyclone DDS as `ros2 control` and MoveIt call them.
+//! Tests the services of controller_manager, called by a peer on Eclipse Cyclone DDS like `ros2 control` and MoveIt.
 //!
 //! The demo is the node /lineshaft with x, y and turret; the group arm has turret and x, the group hand has y.
 
@@ -8,18 +8,18 @@ use std::{fs, path::Path};
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 
-/// MoveIt makes `/lineshaft/arm/follow_joint_trajectory` of this name and the name of a controller.
+/// MoveIt derives `/lineshaft/arm/follow_joint_trajectory` from this name and the name of a controller.
 const MANAGER: &str = "/lineshaft/controller_manager";
 const GROUPS: &str = "\ngroups:\n  arm: [turret, x]\n  hand: [y]\n";
 
-/// A running machine and who talks to it.
+/// A running machine and its client.
 struct Bench {
     cyclone: Peer,
     program: Program,
     _domain: Domain,
 }
 
-/// The demo with a controller manager and these groups.
+/// Returns the demo with a controller manager and these groups.
 fn cell(name: &str, manager: &str, groups: &str) -> PathBuf {
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
     let text = fs::read_to_string(demo).expect("the demo");
@@ -38,7 +38,7 @@ impl Bench {
         Self { cyclone, program, _domain: domain }
     }
 
-    /// With arm and hand, all drives enabled.
+    /// Starts it with arm and hand, all drives enabled.
     fn with_groups(name: &str) -> Self {
         let mut bench = Self::start(&["run", cell(name, MANAGER, GROUPS).to_str().expect("a path of text")]);
         bench.cyclone.run("axes /lineshaft enable x y turret");
@@ -50,7 +50,7 @@ impl Bench {
         self.cyclone.run(&format!("controller-manager {MANAGER} {what}")).all()[0].clone()
     }
 
-    /// Names and states of the controllers.
+    /// Returns names and states of the controllers.
     #[track_caller]
     fn states(&mut self) -> Value {
         let all = self.list("list_controllers")["controller"].clone();
@@ -58,7 +58,7 @@ impl Bench {
         Value::Array(all.map(|one| json!([one["name"], one["state"]])).collect())
     }
 
-    /// Switches, which must succeed; its sentence.
+    /// Switches controllers, which must succeed; returns the message.
     #[track_caller]
     fn switch(&mut self, how: &str) -> String {
         let seen = self.cyclone.run(&format!("switch-controller {MANAGER} {how}"));
@@ -76,7 +76,8 @@ fn arm(x: f64) -> String {
     format!("follow /lineshaft --group arm --joint x --joint turret --point 1:{x},0.3:0,0")
 }
 
-/// What `ros2 control list_controllers`, `list_controller_types`, `list_hardware_components` and `list_hardware_interfaces` print.
+/// Output of `ros2 control list_controllers`, `list_controller_types`, `list_hardware_components` and
+/// `list_hardware_interfaces`.
 #[test]
 fn controllers_and_hardware_are_listed() {
     let mut bench = Bench::with_groups("controllers_listed.yaml");
@@ -128,12 +129,12 @@ fn inactive_group_rejects_goals_and_takes_them_again_once_it_is_active() {
     let message = arm(0.05).replacen("follow", "publish-trajectory", 1);
     bench.cyclone.run(&message);
     assert!(bench.logs(&format!("/lineshaft/arm/joint_trajectory: message refused: {how}")));
-    // The other group is not concerned.
+    // The other group is not affected.
     bench.cyclone.run("follow /lineshaft --group hand --joint y --point 1:0.02:0");
 
     let before = bench.cyclone.run("axis-states /lineshaft")["axes"].clone();
     assert_eq!(before["x"]["command_increments"], 0, "nothing has moved");
-    // One by one and twice; what is so already is fine.
+    // One by one and twice; a controller that is active already is no error.
     assert_eq!(bench.switch("--activate arm hand"), "controllers arm, hand are active");
     let after = bench.cyclone.run("axis-states /lineshaft")["axes"].clone();
     for axis in ["x", "turret"] {
@@ -162,10 +163,10 @@ fn deactivation_halts_the_axes_and_ends_the_goal_of_the_group() {
         let state = bench.cyclone.until_axis(axis, "it stands", |axis| axis["state"] == "STANDSTILL");
         assert_eq!((&state["enabled"], &state["error_code"]), (&json!(true), &json!(0)), "it holds its position");
     }
-    // The other group goes on.
+    // The other group continues.
     bench.cyclone.run(&format!("followed /lineshaft {hand} --group hand"));
 
-    // Without a pause between goal and switch: whichever the machine reads first, nothing moves in the end.
+    // Without a pause between goal and switch: in any order, nothing moves at the end.
     for _ in 0..5 {
         bench.switch("--activate arm");
         let goal = leave(&mut bench, slow);
@@ -207,7 +208,7 @@ fn without_groups_the_controller_has_the_name_of_the_node() {
     bench.cyclone.run("axes /lineshaft enable x y turret");
     let seen = bench.cyclone.run("controller-manager /controller_manager list_controllers");
     let one = &seen["controller"][0];
-    // MoveIt makes /lineshaft/follow_joint_trajectory of the namespace and this name.
+    // MoveIt derives /lineshaft/follow_joint_trajectory from the namespace and this name.
     assert_eq!((&one["name"], &one["state"]), (&json!("lineshaft"), &json!("active")));
     assert_eq!(one["claimed_interfaces"], json!(["x/position", "y/position", "turret/position"]));
     bench.cyclone.run("switch-controller /controller_manager --deactivate lineshaft");
@@ -230,7 +231,8 @@ fn without_the_key_no_service_of_a_controller_manager_exists() {
     bench.program.end();
 }
 
-/// The same node for clients of rmw_fastrtps_cpp, which is the default of ROS 2: the actions of groups, controllers, touch probe, positions.
+/// The same node with clients of rmw_fastrtps_cpp, the default of ROS 2: the actions of groups, controllers, touch
+/// probe, positions.
 #[test]
 fn clients_of_fast_dds_move_groups_and_switch_them() {
     let domain = Domain::take();

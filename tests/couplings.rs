@@ -1,4 +1,5 @@
-//! Couplings that begin at their moment, and what they are refused for, as a client on Cyclone DDS asks for them, with launch-configs/shear.yaml.
+//! Tests couplings that begin at a position or mark, and their refusals, from a client on Cyclone DDS, with
+//! launch-configs/shear.yaml.
 
 use std::path::Path;
 
@@ -22,7 +23,7 @@ impl Web {
         Self { cyclone, _program: program }
     }
 
-    /// State of the shear, and the commands of web and shear in one cycle.
+    /// Returns the state of the shear, and the commands of web and shear in one cycle.
     fn seen(&mut self) -> (Value, [i64; 2]) {
         let axes = self.cyclone.run("axis-states /lineshaft")["axes"].clone();
         let command = |axis: &str| axes[axis]["command_increments"].as_i64().expect("increments");
@@ -49,7 +50,8 @@ fn marks_of_an_input_that_does_not_exist_are_refused_with_its_name() {
     }
 }
 
-/// The shear waits for the web, goes 5 mm while that goes 10, and is where the pair of places says from then on: shear - 5000 = web - 40000.
+/// The shear waits for the web, moves 5 mm while the web moves 10, and then follows the pair of positions: shear - 5000
+/// = web - 40000.
 #[test]
 fn a_gear_meets_a_pair_of_places() {
     let mut web = Web::start();
@@ -58,7 +60,7 @@ fn a_gear_meets_a_pair_of_places() {
     let log = web.cyclone.run("log --seconds 1");
     assert!(format!("{said}{log:?}").contains("offset"), "{said} {log:?}");
     assert_eq!(web.seen(), (json!("STANDSTILL"), [0, 0]));
-    // 10 inc a cycle: 3 s until it begins, 1 s until it is there.
+    // 10 inc per cycle: 3 s until it begins, 1 s until it is in gear.
     web.cyclone.run("move /lineshaft --axis web --mode velocity --velocity 0.01");
     let seen = web.cyclone.run(&format!("{gear} --start-distance-increments 10000"));
     assert_eq!(seen["order"], json!([0, 1, 2]), "WAITING, CATCHING_UP, SYNCHRONIZED");
@@ -74,8 +76,9 @@ fn a_gear_meets_a_pair_of_places() {
     }
 }
 
-/// The web at 10 inc a cycle, the shear 5; it leaves its gear where the web is at 20000, stops or goes on, and its goal succeeds. By its goal's own words it
-/// leaves where it is at 30000 itself. What cannot be asked for is refused by name, and ends nothing.
+/// The web moves 10 inc per cycle, the shear 5; it leaves its gear when the web is at 20000, stops or continues, and
+/// its goal succeeds. With the option in the goal itself it leaves when the shear is at 30000. Invalid requests are
+/// refused by name, and end nothing.
 #[test]
 fn a_gear_is_left_at_a_place() {
     let mut web = Web::start();
@@ -108,7 +111,8 @@ fn a_gear_is_left_at_a_place() {
         assert_eq!((&result["code"], ended["status"].as_str()), (&json!(0), Some("SUCCEEDED")), "{ended:?}");
         assert_eq!(result["message"], "shear: gear_out has uncoupled the axis");
         let place = result["position_increments"].as_i64().expect("increments");
-        // Half the place, a cycle later at the most, and the way to rest of 10 inc a cycle at 10 m/s^2: 5 inc.
+        // Half the position, at most one cycle later, and the stopping distance from 10 inc per cycle at 10 m/s^2: 5
+        // inc.
         assert!((left_at / 2..=left_at / 2 + 20).contains(&place), "{at}: {place}");
         let (seen, [leader, _]) = web.seen();
         assert!(seen == state && leader >= left_at, "{seen} {leader}");

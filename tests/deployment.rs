@@ -1,4 +1,4 @@
-//! What an integrator installs: the Debian package with its systemd unit, the container, and completions.
+//! Tests the installation: the Debian package with its systemd unit, the container, and completions.
 
 use crate::support::machine::share;
 use std::fs;
@@ -22,7 +22,8 @@ fn lineshaft(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_lineshaft")).args(arguments).output().expect("the program starts")
 }
 
-/// The assets of the Debian package: source relative to the folder of the crate, destination, mode. Each is a line.
+/// Returns the assets of the Debian package: source relative to the folder of the crate, destination, mode. Each is a
+/// line.
 fn assets() -> Vec<[String; 3]> {
     let manifest = read("node/Cargo.toml");
     let (_, list) = manifest.split_once("\nassets = [\n").expect("the list of assets");
@@ -35,7 +36,7 @@ fn assets() -> Vec<[String; 3]> {
         .collect()
 }
 
-/// Absolute paths at which the package installs files whose names are given.
+/// Returns the absolute paths of files that the package installs under a given name.
 fn installed() -> Vec<String> {
     let place = |[source, destination, _]: [String; 3]| {
         let name = source.rsplit('/').next().unwrap_or_default();
@@ -44,7 +45,7 @@ fn installed() -> Vec<String> {
     assets().into_iter().map(place).collect()
 }
 
-/// Values of a key of the unit, in their order.
+/// Returns the values of a key of the unit, in their order.
 fn unit(key: &str) -> Vec<String> {
     let unit = read("packaging/lineshaft@.service");
     unit.lines().filter_map(|line| line.strip_prefix(key)?.strip_prefix('=')).map(str::to_owned).collect()
@@ -113,7 +114,7 @@ fn files_of_the_package_below_etc_are_its_configuration_files() {
     assert_eq!(listed, below);
 }
 
-/// The arguments that packaging/environment shows are those of `run`.
+/// The arguments in packaging/environment must be those of `run`.
 #[test]
 fn the_example_in_the_environment_file_is_accepted_by_run() {
     let environment = read("packaging/environment");
@@ -124,7 +125,8 @@ fn the_example_in_the_environment_file_is_accepted_by_run() {
     assert!(said.contains("no_such_cell.yaml") && !said.contains("unexpected argument"), "{said}");
 }
 
-/// SIGTERM stops the axes: tests/ros_axis.rs. A second signal, such as that of an ExecStop, would end the program at once.
+/// SIGTERM stops the axes: tests/ros_axis.rs. A second signal, such as that of an ExecStop, would end the program
+/// immediately.
 #[test]
 fn the_unit_has_realtime_rights_and_leaves_the_axes_time_to_stop() {
     assert_eq!(unit("LimitMEMLOCK"), ["infinity"]);
@@ -134,7 +136,7 @@ fn the_unit_has_realtime_rights_and_leaves_the_axes_time_to_stop() {
     assert_eq!((unit("KillSignal"), unit("KillMode")), (vec!["SIGTERM".to_owned()], vec!["mixed".to_owned()]));
     assert_eq!(unit("ExecStop"), [""; 0]);
     let [time]: [String; 1] = unit("TimeoutStopSec").try_into().expect("one time");
-    // Three waits of 10 s each: command, standstill, power.
+    // Three timeouts of 10 s each: command, standstill, power.
     assert!(time.parse::<u32>().expect("seconds") > 30, "{time}");
     assert_eq!(unit("Restart"), ["no"]);
 }

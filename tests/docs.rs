@@ -1,4 +1,4 @@
-//! Every command and every block of YAML in README.md and docs/*.md is what the program accepts.
+//! Tests that the program accepts every command and every block of YAML in README.md and docs/*.md.
 
 use crate::support::{
     machine::share,
@@ -9,10 +9,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Placeholders in capitals and their values where the parser wants a certain value.
+/// Placeholders in capitals, with values for those that the parser restricts.
 const VALUES: &[(&str, &str)] = &[("NODE", "1"), ("ADDRESS", "socketcan:can0"), ("TIME", "1 s"), ("COMMAND", "sim")];
 
-/// Cells and scenarios that stand for placeholders and for files of the user: page or any, word, file of the repository.
+/// Cells and scenarios for placeholders and for files of the user: page or any, word, file of the repository.
 const STANDS_FOR: &[(&str, &str, &str)] = &[
     ("docs/cams.md", "CELL", "launch-configs/cams/01_flying_knife.yaml"),
     ("docs/cams.md", "SCENARIO", "launch-configs/cams/01_flying_knife.scenario.yaml"),
@@ -39,7 +39,7 @@ const STANDS_FOR: &[(&str, &str, &str)] = &[
     ("", "RUN", "run.mcap"),
 ];
 
-/// Files that pages assume, and the file of the repository that is copied there.
+/// Files that pages assume, and the files of the repository that are copied there.
 const FIXTURES: &[(&str, &str)] = &[
     ("knife.yaml", "launch-configs/functions/tables/knife.yaml"),
     ("joint_limits.yaml", "launch-configs/arm6/joint_limits.yaml"),
@@ -52,7 +52,7 @@ const FIXTURES: &[(&str, &str)] = &[
     ("cell.yaml", "launch-configs/demo.yaml"),
 ];
 
-/// Runs that pages assume: first_move.yaml on the demo.
+/// Runs that pages assume: first_move.yaml with the demo.
 const RUNS: [&str; 4] = ["run", "run.mcap", "expected.mcap", "look.mcap"];
 
 /// Commands that need neither ROS nor hardware. tests/tune_cli.rs runs `tune`, which takes seconds.
@@ -71,16 +71,16 @@ const RUNNABLE: [&str; 12] = [
     "bag",
 ];
 
-/// Options whose value is written.
+/// Options whose value is a written file.
 const OUTPUTS: [&str; 7] = ["-o", "--output", "--csv", "--record", "--graph", "--store", ">"];
 
-/// Commands whose files no page has.
+/// Commands whose files no page contains.
 const NOT_RUN: &[&str] = &[
-    // Of a cell with other limits; tests/table_cli.rs compares the output on the page.
+    // With a cell with other limits; tests/table_cli.rs compares the output on the page.
     "lineshaft table check knife.yaml --cell cell.yaml --axis knife --master-speed 18000",
-    // Of the scenarios of the user; tests/ci.rs plays some.
+    // With scenarios of the user; tests/ci.rs plays some.
     "lineshaft sim --all . --junit report.xml",
-    // The name of a field; its factors need options.
+    // Name of a field; its factors need options.
     "lineshaft functions sak",
 ];
 
@@ -88,7 +88,7 @@ fn commands() -> Vec<Quote> {
     pages::read().iter().flat_map(|page| page.commands("lineshaft ")).collect()
 }
 
-/// The words of the program itself: up to a redirection, a pipe or another command.
+/// Returns the words of the program itself: up to a redirection, a pipe or another command.
 fn up_to_redirection(words: &[String]) -> &[String] {
     let end = words.iter().position(|word| [">", "|", "&", "<", ";"].contains(&word.as_str()));
     &words[..end.unwrap_or(words.len())]
@@ -115,7 +115,7 @@ fn every_command_on_a_page_parses() {
         let given: Vec<String> = all.iter().enumerate().filter_map(value).collect();
         match lineshaft::cli::parses(given) {
             Ok(()) => whole += 1,
-            // A sentence names a command or an option: `lineshaft check --graph`.
+            // A sentence may name only a command or an option: `lineshaft check --graph`.
             Err(error) if error.is_incomplete && !quote.is_block => names += 1,
             Err(error) => wrong.push(format!("{}: {}\n{}", quote.place, quote.text, error.message)),
         }
@@ -125,7 +125,7 @@ fn every_command_on_a_page_parses() {
     assert!(whole >= 90 && names >= 30, "{whole} {names}");
 }
 
-/// Paths below these folders are files of the repository, in commands and in sentences. ARCHITECTURE.md leaves out `src`.
+/// Paths below these folders are files of the repository, in commands and in text. ARCHITECTURE.md omits `src`.
 #[test]
 fn files_that_a_page_names_exist() {
     let (mut missing, mut count) = (Vec::new(), 0);
@@ -150,7 +150,7 @@ fn files_that_a_page_names_exist() {
     assert!(count >= 60, "{count}");
 }
 
-/// A folder with what the pages assume.
+/// Creates a folder with the files that the pages assume.
 fn workplace() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     copy(&root().join("launch-configs"), &folder.path().join("launch-configs"));
@@ -168,7 +168,7 @@ fn workplace() -> tempfile::TempDir {
     folder
 }
 
-/// Copies a folder with all that is in it.
+/// Copies a folder with its content.
 fn copy(from: &Path, to: &Path) {
     fs::create_dir(to).expect("a folder");
     for entry in fs::read_dir(from).expect("a folder") {
@@ -193,7 +193,7 @@ fn said(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
 
-/// The arguments of a command that can be run in the folder of [`workplace`], if it is one.
+/// Returns the arguments of a command that can be run in the folder of [`workplace`]; `None` for any other.
 fn runnable(quote: &Quote, folder: &Path) -> Option<Vec<String>> {
     let all = words(&without_options(&quote.text));
     let stands_for = |word: &String| {
@@ -213,12 +213,12 @@ fn runnable(quote: &Quote, folder: &Path) -> Option<Vec<String>> {
     given.iter().enumerate().all(is_there).then_some(given)
 }
 
-/// A command line as the parser takes it.
+/// Returns a command line for the parser.
 fn program_of(given: &[String]) -> Vec<String> {
     [&["lineshaft".to_owned()][..], up_to_redirection(given)].concat()
 }
 
-/// Removes what a page has in brackets.
+/// Removes optional parts in brackets.
 fn without_options(text: &str) -> String {
     let mut parts = text.split('[');
     let begin = parts.next().unwrap_or_default().to_owned();
@@ -281,7 +281,7 @@ const SECTIONS: [&str; 14] = [
     "programs",
 ];
 
-/// Keys at the left margin.
+/// Returns the keys at the left margin.
 fn roots(text: &str) -> Vec<&str> {
     let keys = text.lines().filter_map(|line| line.split_once(':')).map(|(key, _)| key);
     keys.filter(|key| !key.is_empty() && key.chars().all(is_of_key)).collect()
@@ -291,13 +291,13 @@ fn is_of_key(c: char) -> bool {
     c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_'
 }
 
-/// Removes the dots that a page has instead of other keys.
+/// Removes the dots that replace other keys on a page.
 fn without_dots(text: &str) -> String {
     text.replace("{..}", "{}").replace("{.., ", "{").replace(", ..}", "}").replace(", ..]", "]")
 }
 
-/// Writes a block of a page into a file. Returns the command that accepts it, and whether the block is a whole file: parts are
-/// completed as parts of a scenario, of a cell or of an axis, and have errors, but no unknown keys.
+/// Writes a block of a page into a file. Returns the command that accepts it, and whether the block is a complete file:
+/// parts are completed as parts of a scenario, of a cell or of an axis, and have errors, but no unknown keys.
 fn prepared(text: &str, roots: &[&str], folder: &Path) -> (&'static str, bool) {
     let write = |name: &str, text: &str| fs::write(folder.join(name), text).expect("a file");
     let has = |key: &str| roots.contains(&key);
@@ -306,7 +306,7 @@ fn prepared(text: &str, roots: &[&str], folder: &Path) -> (&'static str, bool) {
         ("table make table.yaml -o table.csv", true)
     } else if has("scenario") {
         write("scenario.yaml", text);
-        // For the cell before it on the page.
+        // For the previous cell on the page.
         ("check cell.yaml --scenario scenario.yaml", true)
     } else if has("lineshaft") {
         write("cell.yaml", text);
@@ -330,7 +330,7 @@ fn yaml_on_a_page_is_accepted() {
     let folder = folder.path();
     fs::write(folder.join("start.csv"), "start\n0\n1\n0\n").unwrap();
     let (mut wrong, mut whole, mut parts) = (Vec::new(), 0, 0);
-    // A list at the root is steps of CI; their commands are checked as commands.
+    // A list at the root has steps of a CI pipeline; their commands are checked as commands.
     let blocks = pages::read().iter().flat_map(Page::blocks).collect::<Vec<_>>();
     for block in blocks.iter().filter(|block| block.language == "yaml" && !block.text.starts_with("- ")) {
         let keys = roots(&block.text);
@@ -353,7 +353,7 @@ fn yaml_on_a_page_is_accepted() {
     assert!(whole >= 3 && parts >= 14, "{whole} {parts}");
 }
 
-/// The declared arguments of a launch file, and their other spellings.
+/// Returns the declared arguments of a launch file, and their other spellings.
 fn launch_arguments(file: &Path) -> [Vec<String>; 2] {
     let mut command = Command::new("python3");
     command.arg(root().join("tests/launch/stand_in.py")).arg("--show-args").arg(file);

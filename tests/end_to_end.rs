@@ -1,8 +1,9 @@
-//! The end-to-end tests: the program as its users start it, peers on other implementations of DDS, and simulated CANopen drives.
+//! End-to-end tests: the program as users start it, peers on other DDS implementations, and simulated CANopen drives.
 //!
-//! They are one target, so that what they share is compiled and linked once, and because they mostly wait: libtest runs them side by side
-//! (tests/runner.sh), each in a ROS domain of its own. `cargo test --workspace --test end_to_end motion` runs those of
-//! tests/motion.rs. A test whose result depends on the time that others leave it begins with `alone()` (tests/support/machine.rs).
+//! They are one target, so that shared code is compiled and linked once, and because they mostly wait: libtest runs
+//! them in parallel (tests/runner.sh), each in its own ROS domain. `cargo test --workspace --test end_to_end motion`
+//! runs those of tests/motion.rs. A test whose result depends on the processor time left by others begins with
+//! `alone()` (tests/support/machine.rs).
 
 mod drawing;
 mod support;

@@ -1,9 +1,9 @@
-//! `lineshaft explain` at the prompt: what it prints, and with which code it ends.
+//! Tests `lineshaft explain` on the command line: output and exit codes.
 
 use crate::support::machine::share;
 use std::process::Command;
 
-/// Exit code, standard output and standard error.
+/// Returns exit code, standard output and standard error.
 fn said(name: &str) -> (i32, String, String) {
     let _machine = share();
     let output = Command::new(env!("CARGO_BIN_EXE_lineshaft")).args(["explain", name]).output().expect("it starts");
@@ -24,7 +24,7 @@ fn a_name_is_explained_on_standard_output() {
         let (code, text, problems) = said(name);
         assert_eq!((code, problems.as_str()), (0, ""), "{name}");
         assert!(text.lines().any(|known| known == line), "{name}: {text}");
-        // To a pipe: no line is wider than the width of what is no terminal.
+        // To a pipe: no line exceeds the default width without a terminal.
         assert!(text.lines().all(|line| line.chars().count() <= 120), "{name}: {text}");
     }
 }

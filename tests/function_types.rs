@@ -1,4 +1,5 @@
-//! Every type of function slot, commanded by a client on Cyclone DDS and by one on Fast DDS; tables and parameters from Fast DDS.
+//! Tests every type of function slot, commanded by a client on Cyclone DDS and by one on Fast DDS; tables and
+//! parameters from Fast DDS.
 
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
@@ -9,7 +10,7 @@ const STARTED: &str = "it is started already; RESET comes first";
 const NO_VALUE_NEW: &str = "its type has no VALUE_NEW; values count from START on";
 const AT_REST: &str = "it is in RESET; VALUE_NEW needs a function that is started";
 
-/// One function of each type; of what they are wired to, nothing moves.
+/// One function of each type; none of them moves anything.
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -53,17 +54,17 @@ functions:
   held: {slot: 13, type: regl, source: given, source_assess: 2, y_max: 1000, gain_v: -3, switch_mask: 2}
 ";
 
-/// A type in its orders.
+/// Commands of a type with their results.
 struct Case {
     function: &'static str,
     kind: &'static str,
-    /// Of START, and what of the set is in force then.
+    /// Fields of START, and values in force after it.
     start: (&'static str, Value),
-    /// A value that no set takes, and the sentence.
+    /// A value that is refused, and the message.
     bad: (&'static str, &'static str),
-    /// Sink and outputs while it is started.
+    /// Sink and outputs after START.
     shows: (i64, u8),
-    /// Of VALUE_NEW; what of the set is in force then, sink and outputs. None of a type that has none.
+    /// Fields of VALUE_NEW, values in force after it, sink and outputs. `None` for a type without VALUE_NEW.
     renew: Option<(&'static str, Value, (i64, u8))>,
     /// Outputs at rest.
     rest: u8,
@@ -86,7 +87,7 @@ fn cases() -> [Case; 14] {
             start: ("mode=3 value_e1_0=100", json!({"mode": 3, "value_e1_0": 100, "value_e1_1": 0})),
             bad: ("value_e1_1=-2147483649", "value_e1_1 is -2147483649; -2147483648 to 2147483647 is allowed"),
             shows: (100, 0),
-            // The mode counts from the next START on.
+            // The mode takes effect at the next START.
             renew: Some(("value_e1_0=-7 mode=0", json!({"mode": 3, "value_e1_0": -7}), (-7, 0))),
             rest: 0,
         },
@@ -168,7 +169,7 @@ fn cases() -> [Case; 14] {
             start: ("mult=3", json!({"ba": 0, "mult": 3, "div": 1})),
             bad: ("cont_high=2", "cont_high is 2; 0 to 1 is allowed"),
             shows: (21, 0),
-            // RESET makes a speed 0, as this does.
+            // RESET sets a speed to 0, and so does this.
             renew: Some(("mult=0 ba=2", json!({"ba": 0, "mult": 0}), (0, 0))),
             rest: 0,
         },
@@ -178,7 +179,7 @@ fn cases() -> [Case; 14] {
             start: ("cycle_time=2000 pos_limit=[5]", json!({"cycle_time": 2000, "pos_limit": [5, 0, 0, 0, 0, 0, 0]})),
             bad: ("accel=0", "accel is 0; 1 to 500000000 is allowed (unit: inc/s^2)"),
             shows: (0, 1),
-            // The length of a sequence counts from the next START on.
+            // The length of a sequence takes effect at the next START.
             renew: Some(("ba=2 cycle_increments=9", json!({"ba": 2, "cycle_increments": 500}), (0, 1))),
             rest: 1,
         },
@@ -188,7 +189,7 @@ fn cases() -> [Case; 14] {
             start: ("travel=-5 ba=8", json!({"travel": -5, "ba": 8, "stop_decel": 800_000})),
             bad: ("acceleration=0", "acceleration is 0; 1 to 100000000 is allowed (unit: 0.001 rev/s^2)"),
             shows: (0, 1),
-            // The mode counts from the next START on.
+            // The mode takes effect at the next START.
             renew: Some(("travel=7 ba=0", json!({"ba": 8, "travel": 7}), (0, 1))),
             rest: 1,
         },
@@ -198,7 +199,7 @@ fn cases() -> [Case; 14] {
             start: ("kp=256", json!({"ba": 0, "kp": 256, "gain_v": -3})),
             bad: ("kp=16384", "kp is 16384; 0 to 16383 is allowed (unit: 1/256)"),
             shows: (21, 0),
-            // RESET makes a speed 0, as this does.
+            // RESET sets a speed to 0, and so does this.
             renew: Some(("ba=4 i_max=9", json!({"ba": 4, "i_max": 0}), (0, 1))),
             rest: 0,
         },
@@ -206,9 +207,9 @@ fn cases() -> [Case; 14] {
 }
 
 struct Bench {
-    /// Who commands.
+    /// Client that sends commands.
     peer: Peer,
-    /// Who looks on.
+    /// Client that observes.
     cyclone: Peer,
     _program: Program,
     _folder: TempDir,
@@ -224,12 +225,12 @@ impl Bench {
         let cell = cell.to_str().expect("a path of text");
         let program = Program::start(&["run", cell, "--store", "none", "--flight-recorder", "0"], &domain);
         cyclone.run("functions /lineshaft");
-        // A participant of Fast DDS that begins together with the program may get no topic of it.
+        // A Fast DDS participant that starts together with the program may miss its topics.
         let peer = peer(&domain);
         Self { peer, cyclone, _program: program, _folder: folder }
     }
 
-    /// The set in force behind an order.
+    /// Returns the values in force after a command.
     #[track_caller]
     fn order(&mut self, function: &str, order: &str) -> Value {
         self.peer.run(&format!("function /lineshaft {function} {order}"))["active"].clone()
@@ -241,7 +242,7 @@ impl Bench {
         assert_eq!(said, format!("{function}: {sentence}"), "{order}");
     }
 
-    /// The staged values of the fields that `words` give.
+    /// Returns the staged values of the given fields.
     #[track_caller]
     fn staged(&mut self, function: &str, words: &str) -> Value {
         let names =
@@ -250,7 +251,8 @@ impl Bench {
         self.peer.run(&format!("params /lineshaft get {names}"))["get"].clone()
     }
 
-    /// Waits until `~/functions` shows it so, as a message may be on its way while the state changes; then both see it so.
+    /// Waits until `~/functions` has these values, because a message may be in transit during the change; then both
+    /// clients must see them.
     #[track_caller]
     fn shows(&mut self, function: &str, expected: &Value) {
         let mut seen = Value::Null;
@@ -266,12 +268,12 @@ impl Bench {
     }
 }
 
-/// Has it all of what is expected?
+/// Whether it has all expected values.
 fn holds(seen: &Value, expected: &Value) -> bool {
     expected.as_object().expect("an object").iter().all(|(key, value)| seen[key] == *value)
 }
 
-/// The words but that for the field of `other`: a set has each field once.
+/// Returns the words without that for the field of `other`, because a set has each field once.
 fn without(words: &str, other: &str) -> String {
     let field = |word: &'_ str| word.split('=').next().map(str::to_owned);
     words.split(' ').filter(|word| field(word) != field(other)).collect::<Vec<_>>().join(" ")
@@ -280,7 +282,7 @@ fn without(words: &str, other: &str) -> String {
 fn is_commanded(bench: &mut Bench, case: &Case) {
     let Case { function, kind, start: (start, active), bad: (bad, sentence), shows, renew, rest } = case;
     let state = |is_active: bool, code: u32, (sink, outputs): (i64, u8)| json!({"type": kind, "active": is_active, "error_code": code, "sink": sink, "outputs": outputs});
-    // One bad value: nothing of the order is done, and nothing is staged.
+    // One wrong value: no part of the command is executed, and nothing is staged.
     let (before, staged) = (bench.order(function, "read_value"), bench.staged(function, start));
     bench.refused(function, &format!("start {} {bad}", without(start, bad)), sentence);
     bench.shows(function, &json!({"active": false, "error_code": OUT_OF_RANGE}));
@@ -305,7 +307,7 @@ fn is_commanded(bench: &mut Bench, case: &Case) {
     } else {
         bench.refused(function, &format!("value_new {start}"), NO_VALUE_NEW);
     }
-    // READ_VALUE changes nothing, and takes back the error of what was refused.
+    // READ_VALUE changes nothing, and clears the error of the refused command.
     assert_eq!(bench.order(function, "read_value"), in_force, "{function}");
     bench.shows(function, &state(true, 0, shown));
     bench.order(function, "reset");
@@ -320,7 +322,7 @@ fn every_type_is_commanded(peer: fn(&Domain) -> Peer) {
     }
 }
 
-/// READ_VALUE of this type finds a value, and only at rest.
+/// READ_VALUE of this type reads a value, and only at rest.
 fn a_place_is_read(peer: fn(&Domain) -> Peer) {
     let mut bench = Bench::start(peer);
     assert_eq!(bench.order("track", "read_value master_offset=250")["output_value"], 250);
@@ -385,13 +387,13 @@ fn tables_are_loaded_and_read_from_fast_dds() {
     assert_eq!(table(&mut bench).2, json!([3, 0, 0, 0, 500, 0, 2, 0, 1000, 0, -1, -32768]));
     bench.order("switch", "start");
     bench.shows("switch", &json!({"outputs": 0b010}));
-    // A cam goes on with its new numbers.
+    // A cam continues with its new numbers.
     bench.order("cams", "start modulo=36000 cams=[2]");
     bench.shows("cams", &json!({"outputs": 1}));
     let nose = format!("{},9000,0,18000,0,500,0,1000,0", vec!["0"; 32].join(","));
     bench.peer.run(&format!("load-table /lineshaft nose --y {nose}"));
     bench.shows("cams", &json!({"outputs": 0, "active": true}));
-    // Longer than a few datagrams, there and back.
+    // Longer than a few datagrams, in both directions.
     assert_eq!(bench.peer.run("load-long-table /lineshaft limits")["count"], 65_536);
 }
 
@@ -429,7 +431,7 @@ fn fields_are_parameters_from_fast_dds() {
     assert_eq!(done, [true, false, true].map(Value::from), "{results:?}");
     let sentence = "gear: m2 is 70000; -32768 to 32767 is allowed (unit: 0.0001)";
     assert_eq!(results[1]["reason"], sentence);
-    // What is staged is in force with START.
+    // Staged values are in force after START.
     assert_eq!(bench.order("gear", "read_value")["m1"], 0);
     assert_eq!(bench.order("gear", "start")["m1"], 4);
     assert_eq!(get(&mut bench, "gear.m1 choose.mode"), json!([4, 1]));

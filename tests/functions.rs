@@ -1,4 +1,4 @@
-//! Function slots and tables as a client on Cyclone DDS sees them, with launch-configs/functions.yaml.
+//! Tests function slots and tables from a client on Cyclone DDS, with launch-configs/functions.yaml.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ impl Bench {
         Self { cyclone, _program: program }
     }
 
-    /// The set in force behind a command.
+    /// Returns the values in force after a command.
     #[track_caller]
     fn function(&mut self, command: &str) -> Value {
         self.cyclone.run(&format!("function /lineshaft {command}"))["active"].clone()
@@ -43,7 +43,7 @@ impl Bench {
         self.cyclone.fails(command)
     }
 
-    /// The state of a function in the next message.
+    /// Returns the state of a function in the next message.
     fn state(&mut self, function: &str) -> Value {
         self.cyclone.run("functions /lineshaft")["functions"][function].clone()
     }
@@ -68,7 +68,7 @@ fn a_function_is_started_renewed_read_and_ended() {
     let seen = bench.cyclone.run("functions /lineshaft --count 15");
     assert_eq!(seen["order"], json!(["ratio", "choose", "cams", "watch"]));
     let steps: Vec<f64> = seen["steps"].as_array().expect("steps").iter().filter_map(Value::as_f64).collect();
-    // The stamps are those of cycles, of which a message may come a look later.
+    // The stamps are those of cycles; a message may be sent one poll later.
     let mean = steps.iter().sum::<f64>() / steps.len() as f64;
     assert!((0.09..0.13).contains(&mean), "ten times a second: {steps:?}");
     let at_rest = json!({"name": "ratio", "type": "varsync", "slot": 0, "active": false, "error_code": 0, "sink": 0,
@@ -93,7 +93,7 @@ fn a_function_is_started_renewed_read_and_ended() {
     let unchanged = bench.function("ratio read_value");
     assert_eq!((&unchanged["m1"], &unchanged["m2"]), (&json!(10_000), &json!(5_000)), "nothing was taken");
 
-    // Half a turn for each metre: the values and the START are one command.
+    // Half a revolution per metre: the values and the START are one command.
     let active = bench.function("ratio start m1=5000");
     assert_eq!((&active["m1"], &active["m2"], &active["mode"]), (&json!(5_000), &json!(5_000), &json!(0)));
     assert_eq!(bench.axis("reference"), 8);
@@ -102,7 +102,7 @@ fn a_function_is_started_renewed_read_and_ended() {
     let state = bench.state("ratio");
     assert_eq!((&state["active"], &state["sink"], &state["error_code"]), (&json!(true), &json!(18_000), &json!(0)));
 
-    // In VALUE_NEW live fields count, others from the next START on.
+    // In VALUE_NEW live fields take effect, the others at the next START.
     bench.function("choose start");
     assert_eq!(bench.state("choose")["sink"], 100);
     let active = bench.function("choose value_new value_e1_0=-7 mode=0");
@@ -114,7 +114,7 @@ fn a_function_is_started_renewed_read_and_ended() {
         assert_eq!(bench.state(function)["active"], false, "{function}");
     }
 
-    // Doubles are taken where they are whole.
+    // Doubles are accepted if they are integers.
     let active = bench.function("ratio start m1=20000.0");
     assert_eq!((&active["m1"], &active["m2"]), (&json!(20_000), &json!(5_000)));
     let sentence = "ratio: it is started already; RESET comes first";
@@ -148,9 +148,9 @@ fn tables_are_loaded_and_read() {
         assert_eq!(bench.refused(&format!("load-table /lineshaft {request}")), sentence, "{request}");
     }
     assert_eq!(bench.refused("get-table /lineshaft limit"), "no table is called `limit`; nose, limits are known");
-    // Longer than a few datagrams, there and back.
+    // Longer than a few datagrams, in both directions.
     assert_eq!(bench.cyclone.run("load-long-table /lineshaft limits")["count"], 65_536);
-    // As long as a table may be, and longer.
+    // The maximum length of a table, and longer.
     let load = |count: usize| format!("load-table /lineshaft limits --y {}", vec!["7"; count].join(","));
     bench.cyclone.run(&load(1_000_000));
     assert_eq!(bench.refused(&load(1_000_001)), "limits: a table has 1000001 numbers; 1 to 1000000 are possible");
@@ -191,7 +191,7 @@ fn fields_are_parameters_that_stage() {
     assert_eq!(done, [true, false, true, true].map(Value::from));
     assert_eq!(bench.function("ratio start")["m1"], 4);
     bench.cyclone.run("described-parameters /lineshaft");
-    // What a dump says again of the structure is no error.
+    // Structural values repeated in a dump are no error.
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("dump.yaml");
     let file = file.to_str().expect("a path of text");
@@ -227,7 +227,7 @@ fn memory_cells_are_set_from_outside_and_outputs_of_functions_are_events() {
     let told = bench.cyclone.run("events /lineshaft --seconds 0.3");
     let is_started = |seen: &Value| seen["message"]["text"] == "copy: active, no output set";
     assert!(told.all().iter().any(is_started), "{told:?}");
-    // 32700 is where the cell begins: 67 inc on, 68 more across the wrap.
+    // The cell begins at 32700: 67 inc further, then 68 more across the wrap.
     for (feed, position) in [(32_767, 67), (-32_701, 135)] {
         bench.cyclone.run(&format!("set-memory /lineshaft feed={feed}"));
         let seen = || bench.cyclone.run("axis-states /lineshaft")["axes"]["x"]["command_increments"].clone();
@@ -236,7 +236,7 @@ fn memory_cells_are_set_from_outside_and_outputs_of_functions_are_events() {
     }
 }
 
-/// The dial of launch-configs/functions/16_indexer.yaml: 20 inc a cycle, a stop within 20 + 16 + 12 + 8 + 4.
+/// The dial of launch-configs/functions/16_indexer.yaml: 20 inc per cycle, a stop within 20 + 16 + 12 + 8 + 4.
 #[test]
 fn an_order_of_a_function_is_a_goal() {
     let mut bench = Bench::of("functions/16_indexer.yaml", &[]);
@@ -249,7 +249,7 @@ fn an_order_of_a_function_is_a_goal() {
     let done = bench.cyclone.run("run-function /lineshaft index travel=2500 --expect SUCCEEDED");
     assert_eq!((&done["result"]["code"], &done["result"]["sink"]), (&json!(0), &json!(2500)));
     assert_eq!(done["statuses"].as_array().and_then(|all| all.last()), Some(&json!("SUCCEEDED")));
-    // 144 cycles, and a message each 50 ms.
+    // 144 cycles, and a message every 50 ms.
     assert!(done["feedback"]["count"].as_u64() >= Some(1), "{done:?}");
     let position = |bench: &mut Bench| {
         bench.cyclone.run("axis-states /lineshaft")["axes"]["dial"]["command_increments"].as_i64().expect("a number")
@@ -263,7 +263,7 @@ fn an_order_of_a_function_is_a_goal() {
     assert!((2500 + 1000..2500 + 60_000).contains(&here), "{here}");
     assert_eq!(canceled["result"]["sink"], json!(here));
 
-    // What is left of it was dropped: the next one is a whole order.
+    // The rest of it was dropped: the next one is a complete order.
     let goal = bench.cyclone.run("run-function /lineshaft index travel=40000");
     let goal = goal["goal"].as_str().expect("an identity").to_owned();
     let busy = bench.cyclone.run("run-function /lineshaft index travel=1 --expect ABORTED");

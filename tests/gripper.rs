@@ -1,10 +1,10 @@
-//! The actions of grippers, as a client on Cyclone DDS sees them.
+//! Tests the actions of grippers from a client on Cyclone DDS.
 
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 use std::fs;
 
-/// The thumb creeps to its target, slower than 1 mm/s: like one that holds something.
+/// The thumb approaches its target slower than 1 mm/s, like one that holds an object.
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -33,7 +33,7 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
     cyclone.run("axis-states /lineshaft");
     let reads = cyclone.run("graph /lineshaft")["reads"].clone();
     assert!(!reads.to_string().contains("arm/gripper_cmd"), "{reads}");
-    // Without power. The result has no room for the reason.
+    // Without power. The result has no field for the reason.
     assert_eq!(cyclone.run("gripper /lineshaft --group hand --position 0.02")["status"], "ABORTED");
     program.until_log(
         "/lineshaft/hand/gripper_cmd: goal aborted: axis finger (joint left_finger): the axis is not enabled",
@@ -42,7 +42,7 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
 
     let seen = cyclone.run("gripper /lineshaft --group hand --position 0.02");
     assert_eq!((&seen["status"], &seen["result"]["reached_goal"]), (&json!("SUCCEEDED"), &json!(true)), "{seen:?}");
-    // Within in_position_window, an increment.
+    // Within in_position_window, one increment.
     let is_at = |position: &Value, expected: f64| (position.as_f64().expect("a number") - expected).abs() < 1.5e-6;
     assert!(is_at(&seen["result"]["position"], 0.02), "{seen:?}");
     let goal = "gripper /lineshaft --group hand --parallel --joint left_finger --position 0.03 --velocity 0.05";
@@ -52,7 +52,7 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
     assert!(state["name"] == json!(["left_finger"]) && is_at(&state["position"][0], 0.03), "{state}");
     assert!(seen["feedback"].as_u64() > Some(0), "{seen:?}");
 
-    // 0.126/s * 10 mm / e = 0.46 mm/s at most, and no 1 mm of the way within seconds.
+    // 0.126/s * 10 mm / e = 0.46 mm/s at most, and less than 1 mm of travel within seconds.
     for (group, status, position) in [("tight", "SUCCEEDED", 0.01), ("strict", "ABORTED", -0.01)] {
         let seen = cyclone.run(&format!("gripper /lineshaft --group {group} --position {position}"));
         let (stalled, reached) = (&seen["result"]["stalled"], &seen["result"]["reached_goal"]);

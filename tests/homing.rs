@@ -1,4 +1,4 @@
-//! `~/home`, `~/home_axis` and `~/set_position` as a client on Cyclone DDS sees them, and what a recording of them is worth.
+//! Tests `~/home`, `~/home_axis` and `~/set_position` from a client on Cyclone DDS, and their recordings.
 
 use std::{fs, process::Command};
 
@@ -10,8 +10,8 @@ const HOMING_UNKNOWN_METHOD: u32 = 10303;
 const HOMING_REQUIRED: u32 = 6;
 const HOMING_INDEX_MISSED: u32 = 10307;
 
-/// x and z are where they are switched on (35, 37); y has no method; s goes to a switch that is 2 m away, at 20 mm/s; t has
-/// one at 4 mm, with index pulses every 2 mm.
+/// x and z home at their position when switched on (35, 37); y has no method; s moves to a switch 2 m away, at 20 mm/s;
+/// t has a switch at 4 mm, and index pulses every 2 mm.
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -33,7 +33,7 @@ axes:
       sim: {model: ideal, home_switch: {from: 4 mm, to: 1 m}, index: {every: 2 mm, at: 1 mm}}}
 ";
 
-/// A node of the cell, and who talks to it.
+/// A node of the cell, and its client.
 struct Node {
     cyclone: Peer,
     program: Program,
@@ -51,7 +51,7 @@ impl Node {
         let domain = Domain::take();
         let mut cyclone = Peer::cyclone(&domain);
         let program = Program::start(&args.iter().map(String::as_str).collect::<Vec<_>>(), &domain);
-        // Returns when the service is there.
+        // Returns when the service is available.
         cyclone.run("lifecycle /lineshaft state");
         cyclone.run("events /lineshaft");
         if cell.contains("autostart: true") {
@@ -60,7 +60,7 @@ impl Node {
         Self { cyclone, program, folder }
     }
 
-    /// With all axes on.
+    /// Starts the node with all axes on.
     fn enabled() -> Self {
         let mut node = Self::start(CELL, &[]);
         node.cyclone.run("axes /lineshaft enable");
@@ -83,7 +83,7 @@ impl Node {
         self.cyclone.run(&format!("move /lineshaft --axis {axis} --units increments --position {increments} --wait"));
     }
 
-    /// Texts of the events of a kind since the last look.
+    /// Returns the texts of new events of a kind.
     fn events(&mut self, kind: &str) -> Vec<String> {
         let seen = self.cyclone.run("events /lineshaft --seconds 0.3");
         let all = seen.all().iter().filter_map(|one| one.get("message")).filter(|one| one["kind"] == kind);
@@ -91,7 +91,7 @@ impl Node {
             .collect()
     }
 
-    /// What `~/errors` keeps for who comes now.
+    /// Returns the latched messages of `~/errors` for a late-joining reader.
     fn history(&mut self) -> Vec<Value> {
         let seen = self.cyclone.run("errors /lineshaft");
         seen.all().iter().filter_map(|one| one.get("message")).cloned().collect()
@@ -110,7 +110,7 @@ fn where_the_axis_stands_becomes_zero_and_the_result_tells_the_shift() {
     let homed = node.events("homed");
     assert!(homed.len() == 1 && homed[0].starts_with("x: "), "{homed:?}");
 
-    // By a number, whatever the cell says, and of an axis that has none there.
+    // By a method number, whatever the cell has, also for an axis without a method.
     node.moves("x", -700);
     let seen = node.cyclone.run("home-axis /lineshaft --axis x --scheme cia402 --method 37");
     assert_eq!(seen["result"]["shift_increments"], -700);
@@ -125,10 +125,10 @@ fn where_the_axis_stands_becomes_zero_and_the_result_tells_the_shift() {
 #[test]
 fn the_phases_come_as_feedback_in_their_order_and_the_end_is_exact() {
     let mut node = Node::enabled();
-    // Method 3: onto the switch, back off it, and on to the first index pulse beside it, which is at 3 mm.
+    // Method 3: onto the switch, back off it, and on to the first index pulse next to it, which is at 3 mm.
     let seen = node.cyclone.run("home-axis /lineshaft --axis t");
     let phases = seen["phases"].as_array().expect("a list");
-    // Short ones may come between two messages.
+    // Short phases may occur between two messages.
     assert_eq!((phases.first(), phases.last()), (Some(&json!(1)), Some(&json!(3))), "{phases:?}");
     assert!(phases.iter().all(|phase| [1, 2, 3].map(|known| json!(known)).contains(phase)), "{phases:?}");
     assert_eq!(seen["result"], json!({"code": 0, "message": "", "shift_increments": 3_000}));
@@ -181,7 +181,7 @@ fn what_is_wrong_in_itself_is_rejected_and_what_the_state_forbids_is_aborted() {
 fn home_answers_while_the_axes_still_home() {
     let mut node = Node::enabled();
     node.moves("x", 800);
-    // s has 100 s to go.
+    // s needs another 100 s.
     let seen = node.cyclone.run("home /lineshaft x s");
     assert_eq!(seen["message"], "x, s have started homing");
     assert_eq!(node.axis("s")["state"], "HOMING");
@@ -189,13 +189,13 @@ fn home_answers_while_the_axes_still_home() {
     node.cyclone.run("axes /lineshaft halt s");
     assert_eq!(node.axis("s")["homed"], false);
 
-    // All that have a method: y has none, and is not asked.
+    // All axes with a method: y has none, and is not homed.
     let seen = node.cyclone.run("home /lineshaft");
     assert_eq!(seen["message"], "x, z, s, t have started homing");
     let error = node.cyclone.fails("home /lineshaft y x");
     let [refused, others] = error.split("; ").collect::<Vec<_>>().try_into().expect("two parts");
     assert!(refused.contains('y') && others == "x has started homing", "{error}");
-    // s is on its way.
+    // s is homing already.
     let error = node.cyclone.fails("home /lineshaft s");
     assert!(error.contains('s') && !error.contains("started"), "{error}");
     assert!(node.cyclone.fails("home /lineshaft q x").contains("no axis is called `q`"));
@@ -208,7 +208,7 @@ fn without_a_method_anywhere_home_says_so() {
     let mut node = Node::start(&without[..axes], &[]);
     node.cyclone.run("axes /lineshaft enable");
     assert_eq!(node.cyclone.fails("home /lineshaft"), "no axis has a homing method");
-    // It is read from what is in force, not from the cell.
+    // The method in force is used, not that of the cell.
     node.cyclone.run("params /lineshaft set z.homing.method=35");
     assert_eq!(node.cyclone.run("home /lineshaft")["message"], "z has started homing");
 }
@@ -232,7 +232,7 @@ fn a_position_is_set_and_nothing_moves() {
             "{x}"
         );
     }
-    // Goals are in the new coordinate.
+    // Goals are in the new coordinates.
     node.moves("x", 40);
     node.stands_at("x", 40);
 
@@ -277,8 +277,8 @@ fn switches_show_in_the_state_of_their_axis() {
     assert_eq!(["x", "y", "z"].map(|axis| limits(node.axis(axis))), [[false, false], [false, true], [true, false]]);
 }
 
-/// The encoder of t loses its index when t is switched on: homing ends in the error of HOME-05, which is told to the client, and
-/// to everybody who asks later.
+/// The encoder of t loses its index when t is switched on: homing ends with the error of HOME-05, which the client
+/// gets, and every late-joining reader of the history.
 ///
 /// Proves: MACS-HOME-05
 #[test]
@@ -302,7 +302,7 @@ fn a_lost_index_aborts_homing_and_stands_in_the_history_of_errors() {
     assert_eq!((&t["state"], &t["homed"]), (&json!("ERROR_STOP"), &json!(false)), "{t}");
     assert_eq!(t["error_code"], HOMING_INDEX_MISSED);
 
-    // With how the axis stood, and what to do.
+    // With the state of the axis, and the remedy.
     let [kept] = node.history().try_into().expect("one error");
     assert_eq!(
         (&kept["kind"], &kept["source"], &kept["code"]),
@@ -320,7 +320,7 @@ fn a_lost_index_aborts_homing_and_stands_in_the_history_of_errors() {
     node.stands_at("x", 0);
 }
 
-/// HOME_FORCE: without a zero no goal moves the axis; homing itself does, and gives the way free.
+/// HOME_FORCE: without a zero no goal moves the axis; homing does, and then permits goals.
 ///
 /// Proves: MACS-HOME-09
 #[test]

@@ -1,4 +1,4 @@
-//! The drawings of docs/homing.md: every method of homing, as the simulation of launch-configs/homing.yaml goes it.
+//! Tests the drawings of docs/homing.md: every homing method, as simulated with launch-configs/homing.yaml.
 
 use crate::drawing::{Figure, Fixtures, Panel, Scheme};
 
@@ -9,7 +9,7 @@ const LEFT: Fixtures = Fixtures { axis: "left", home: Some((-4000, -1000)), limi
 const MIDDLE: Fixtures = Fixtures { axis: "middle", home: Some((-200, 600)), limits: true, index: (30, 300) };
 const MACS: Fixtures = Fixtures { axis: "macs", home: Some((1000, 1400)), limits: false, index: (300, 800) };
 
-/// From the left of the switch, from the switch, from its right.
+/// Left of the switch, on it, and right of it.
 const AROUND: &[i64] = &[-1500, 200, 1500];
 
 fn cia402(fixtures: Fixtures, number: i8, starts: &'static [i64], reference: i64) -> Panel {

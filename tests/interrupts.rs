@@ -1,4 +1,4 @@
-//! Signals that end a command: what it has written is complete, and the exit code names the signal.
+//! Tests signals that end a command: its output is complete, and the exit code is that of the signal.
 
 use crate::support::{domain::Domain, machine::share, program::Program};
 use rustix::process::{Pid, Signal, kill_process};
@@ -9,10 +9,10 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Far more than anything here needs.
+/// Much longer than any operation here.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Runs for hours; its expectation never holds.
+/// It runs for hours; its expectation is never true.
 const LONG: &str = "\
 scenario: long
 for: 100000 s
@@ -23,14 +23,14 @@ expect:
   - {signal: x.state, at: end, is: ERROR_STOP}
 ";
 
-/// Cycles of that scenario on the demo, whose cycle is 1 ms.
+/// Number of cycles of that scenario with the demo, whose cycle is 1 ms.
 const LONG_CYCLES: u64 = 100_000_000;
 
 fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 
-/// Waits until something holds.
+/// Waits until a condition is true.
 #[track_caller]
 fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let end = Instant::now() + PATIENCE;
@@ -55,14 +55,14 @@ impl Bench {
         self.0.path().join(name)
     }
 
-    /// Starts the program by a wrapper: its first word is a program, and it ends up in ours.
+    /// Starts the program by a wrapper: its first word is a program that finally executes Lineshaft.
     fn start(&self, wrapper: &[&str], line: &str) -> Child {
         let mut command = wrapped(wrapper);
         command.args(line.split(' ')).current_dir(&self.0).env("ROS_HOME", self.0.path());
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts")
     }
 
-    /// What a command prints that goes well.
+    /// Returns the output of a successful command.
     fn good(&self, line: &str) -> String {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
         let output = command.args(line.split(' ')).current_dir(&self.0).output().expect("the program starts");
@@ -71,7 +71,7 @@ impl Bench {
         said
     }
 
-    /// Waits until a file has so many bytes.
+    /// Waits until a file has this size.
     #[track_caller]
     fn until_size(&self, name: &str, bytes: u64) {
         let path = self.path(name);
@@ -79,10 +79,10 @@ impl Bench {
     }
 }
 
-/// Takes care that no signal is ignored, as by the shell or the `nohup` that runs the tests.
+/// Resets signals that the shell or `nohup` ignores for the tests.
 const USUAL: &[&str] = &["env", "--default-signal=HUP,INT,QUIT,TERM"];
 
-/// The program by its wrapper.
+/// Returns the command of the program with its wrapper.
 fn wrapped(wrapper: &[&str]) -> Command {
     let [first, rest @ ..] = wrapper else { panic!("a wrapper is a program") };
     let mut command = Command::new(first);
@@ -94,7 +94,7 @@ fn send(child: &Child, signal: Signal) {
     kill_process(Pid::from_child(child), signal).expect("it runs");
 }
 
-/// Exit status of a process, and the text that it wrote to standard error.
+/// Returns the exit status of a process, and its standard error.
 #[track_caller]
 fn ended(mut child: Child) -> (ExitStatus, String) {
     until("the end of the program", || child.try_wait().expect("a child of ours").is_some());
@@ -155,7 +155,7 @@ fn second_signal_ends_sim_at_once() {
         before = bytes;
         is_full
     });
-    // Within 0.5 s they are the first one, passed on twice.
+    // Within 0.5 s they count as repetitions of the first one.
     until("the end of the program", || {
         send(&child, Signal::TERM);
         sleep(Duration::from_millis(100));
@@ -179,7 +179,8 @@ fn sim_under_nohup_ignores_the_end_of_its_terminal() {
     assert!(status.code() == Some(143) && said.contains("interrupted by SIGTERM"), "{status}: {said}");
 }
 
-/// Each of them stops the axes, switches them off and completes the recording. SIGQUIT would end a program that does not receive it.
+/// Each of them stops the axes, switches them off and completes the recording. SIGQUIT would end a program that does
+/// not handle it.
 #[test]
 fn run_stops_its_axes_for_every_signal_that_ends_it() {
     for (signal, name) in
@@ -192,7 +193,7 @@ fn run_stops_its_axes_for_every_signal_that_ends_it() {
         command.args(["run", &cell, "--scenario", &scenario, "--record", &bag, "--store", "none"]);
         let mut program = Program::start_by(command, &domain);
         program.until_log("Ctrl-C ends it");
-        // Its x is enabled by then: a bag is flushed each second.
+        // x is enabled by then: a bag is flushed every second.
         bench.until_size("a.mcap", 20_000);
         program.signal(signal);
         let status = program.wait_exit(PATIENCE);

@@ -1,16 +1,16 @@
-//! Joint names of axes on ROS 2, seen and sent by a peer on Eclipse Cyclone DDS: messages that other packages define have joint
-//! names, everything of Lineshaft has object names.
+//! Tests joint names of axes in ROS 2, with a peer on Eclipse Cyclone DDS: messages of other packages have joint names,
+//! those of Lineshaft have object names.
 
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
-/// As long as a joint name may be.
+/// The maximum length of a joint name.
 const LONGEST: &str = "a_joint_name_of_sixty_four_characters_as_long_as_it_may_be_0_1_2";
 /// Longer than any motion here takes, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// Four axes of 1000 inc/mm.
+/// Returns a cell with four axes of 1000 inc/mm.
 fn cell() -> String {
     let axis = |(address, (name, joint)): (usize, (&str, &str))| {
         format!(
@@ -66,7 +66,7 @@ impl Bench {
     }
 }
 
-/// A goal for the four joints: positions in m, at rest there after a second.
+/// Returns a goal for the four joints: positions in m, at standstill there after one second.
 fn goal(joints: [&str; 4], positions: &str) -> String {
     let joints = joints.map(|joint| format!("--joint {joint}")).join(" ");
     format!("follow /lineshaft {joints} --point {positions}")
@@ -148,7 +148,7 @@ fn parameters_of_tolerances_have_joint_names_and_parameters_of_axes_object_names
                    `constraints.Shoulder_Pan.goal`";
     assert!(unknown["set"].to_string().contains(refused), "{:?}", unknown["set"]);
 
-    // 5 mm away, and due at once.
+    // 5 mm away, and due immediately.
     let at_once = goal(["Shoulder_Pan", "left/arm_1", "J1", LONGEST], "0:0.005,0,0,0:0,0,0,0");
     let seen = bench.cyclone.run(&format!("{at_once} --expect ABORTED"));
     let text = seen["text"].as_str().expect("a text");

@@ -1,4 +1,4 @@
-//! The life cycle on ROS 2, /diagnostics and ~/cycle_statistics, seen by a peer on Eclipse Cyclone DDS.
+//! Tests the ROS 2 lifecycle, /diagnostics and ~/cycle_statistics, with a peer on Eclipse Cyclone DDS.
 
 use std::{
     fs,
@@ -11,7 +11,7 @@ use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A node and who talks to it.
+/// A node and its client.
 struct Node {
     cyclone: Peer,
     program: Program,
@@ -19,7 +19,7 @@ struct Node {
 }
 
 impl Node {
-    /// The built-in demo; with `autostart` false it waits to be configured.
+    /// Starts the built-in demo; with `autostart` false it waits to be configured.
     fn start(autostart: bool, args: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
@@ -34,12 +34,12 @@ impl Node {
         let cyclone = Peer::cyclone(&domain);
         let program = Program::start(&args.iter().map(String::as_str).collect::<Vec<_>>(), &domain);
         let mut node = Self { cyclone, program, folder };
-        // Returns when the service is there.
+        // Returns when the service is available.
         node.state();
         node
     }
 
-    /// Unconfigured, with somebody who notes all transitions.
+    /// Starts it unconfigured, with a subscriber of all transitions.
     fn watched(args: &[&str]) -> Self {
         let mut node = Self::start(false, args);
         node.cyclone.run("transition-events /lineshaft");
@@ -71,7 +71,7 @@ impl Node {
         assert_eq!(seen["success"], json!([false]), "{transition}");
     }
 
-    /// Waits until turret has the 1.5 rad/s that it was asked for.
+    /// Waits until turret has the commanded 1.5 rad/s.
     fn turns(&mut self) {
         let end = Instant::now() + Duration::from_secs(20);
         while self.axis("turret")["command_velocity"].as_f64().is_none_or(|velocity| velocity < 1.499) {
@@ -90,7 +90,7 @@ fn labels(seen: &Value) -> Vec<String> {
         .collect()
 }
 
-/// What rcl_lifecycle has: id, label, start, goal.
+/// Returns the transitions of rcl_lifecycle: ID, label, start, goal.
 fn graph() -> Value {
     json!([
         [1, "configure", "unconfigured", "configuring"],
@@ -147,7 +147,7 @@ fn five_services_and_a_topic_tell_the_whole_life_of_a_node() {
     };
     assert_eq!(from_here(&mut node), [1, 5]);
 
-    // What is not possible from here, by id and by label.
+    // Transitions that are not possible here, by ID and by label.
     for wrong in ["3", "activate", "2", "4", "0", "7", "10", "transition_success", "nonsense"] {
         node.refuses(wrong);
     }
@@ -190,7 +190,7 @@ fn five_services_and_a_topic_tell_the_whole_life_of_a_node() {
     for event in seen["events"].as_array().unwrap() {
         assert!(all.as_array().unwrap().contains(event), "{event}");
     }
-    // The process stays until it is told to go.
+    // The process runs until it is ended.
     node.program.end();
 }
 
@@ -222,7 +222,7 @@ fn an_inactive_node_refuses_at_every_door_what_could_switch_on_or_move_and_still
         let sentence = node.cyclone.fails(door);
         assert!(sentence.contains(inactive), "{door}: {sentence}");
     }
-    // A coupling that is refused never couples.
+    // A refused coupling never begins.
     node.cyclone.fails("synchronize /lineshaft --axis x --master line --numerator 1 --denominator 1");
     let after = node.axis("x");
     assert_eq!((&after["command_increments"], &after["enabled"]), (&before, &json!(false)));
@@ -230,7 +230,7 @@ fn an_inactive_node_refuses_at_every_door_what_could_switch_on_or_move_and_still
         assert_eq!(node.axis(axis)["command_velocity"], 0.0);
     }
 
-    // Reads go on, parameters may be set, stops are taken.
+    // Reading works, parameters may be set, stops are accepted.
     let seen = node.cyclone.run("joint-states --count 20 --seconds 20");
     assert_eq!(seen["received"], 20);
     let seen = node.cyclone.run("params /lineshaft set x.max_velocity=0.5");
@@ -258,7 +258,7 @@ fn deactivation_stops_what_moves_under_control_and_ends_its_goal() {
     let samples: Vec<Value> = seen.all().iter().map(turret).collect();
     let speed = |sample: &Value| sample["command_velocity"].as_f64().unwrap();
     assert!(samples.iter().any(|one| speed(one) > 1.4), "it moved");
-    // 1.5 rad/s at 360 deg/s^2 take 0.24 s: it is seen on its way down, and on.
+    // 1.5 rad/s at 360 deg/s^2 need 0.24 s to stop: samples during the deceleration are seen.
     assert!(samples.iter().any(|one| speed(one) > 0.1 && speed(one) < 1.4 && one["enabled"] == true), "{samples:?}");
     let seen = node.cyclone.run(&format!("result /lineshaft move_axis {goal} --expect ABORTED"));
     assert_eq!(seen["result"]["code"], 10105);
@@ -275,7 +275,7 @@ fn there_is_one_transition_at_a_time() {
     node.cyclone.run("axes /lineshaft enable turret");
     node.cyclone.run("move /lineshaft --axis turret --mode velocity --velocity 1.5");
     node.turns();
-    // The stop takes 0.24 s: what is asked meanwhile is answered at once, with no.
+    // The stop takes 0.24 s: requests during it are refused immediately.
     let seen = node.cyclone.run("change-state /lineshaft deactivate shutdown deactivate");
     assert_eq!(seen["success"], json!([true, false, false]));
     assert_eq!(node.state(), "inactive");
@@ -321,7 +321,7 @@ fn an_unconfigured_node_runs_no_cycle_takes_no_command_and_goes_on_where_it_was(
     let state = node.cyclone.run("axis-states /lineshaft");
     assert!(state["cycle"].as_u64().unwrap() > before);
     assert_eq!(state["axes"]["x"]["position_increments"], 100_000, "the machine has kept its state");
-    // What was asked before the configuration was refused, and does not come now.
+    // Requests before the configuration were refused, and are not executed later.
     assert_eq!(state["axes"]["x"]["enabled"], false);
     let pause = last(&mut node);
     assert_eq!(pause["missed"].as_u64().unwrap() / 1000, 0, "the pause of some seconds is no missed cycle: {pause}");
@@ -405,7 +405,7 @@ fn a_fault_of_a_drive_is_diagnosed_at_once_with_its_sentence() {
     assert!(x["message"].as_str().unwrap().contains("2310"), "{x}");
     assert_eq!((&machine["level"], &machine["message"]), (&json!(2), &json!("an axis is in error")));
     assert_eq!(seen["last"]["lineshaft: y"]["level"], 0);
-    // In the cell's order of an array that did not wait for its second.
+    // An array that was published before the end of its second also has the order of the cell.
     node.cyclone.run("diagnostics /lineshaft --seconds 3");
     drop(node);
 }
@@ -419,7 +419,7 @@ fn statistics_of_the_cycle_come_once_a_second() {
     for (before, now) in [(first, second), (second, third)] {
         assert_eq!(of(now, "cycles") - of(before, "cycles"), of(now, "period_cycles"));
         assert_eq!(of(now, "missed") - of(before, "missed"), of(now, "period_missed"));
-        // A second of 1 ms, on a machine that does other things too.
+        // One second of 1 ms cycles, on a machine with other load.
         let all = of(now, "period_cycles") + of(now, "period_missed");
         assert!((500.0..2000.0).contains(&all), "{now}");
         for what in ["lateness", "duration"] {

@@ -1,5 +1,5 @@
-//! Loops that are closed in the core against the same loops computed beside it: `peers/loops.py` has the plant by scipy, and the laws as
-//! the documents have them. It is told the command of each cycle and nothing of what the program has measured.
+//! Compares control loops of the core with an independent calculation: `peers/loops.py` has the plant by scipy, and the
+//! control laws of the documents. It gets the command of each cycle and no measured values of the program.
 
 use crate::support::machine::share;
 use crate::support::setup;
@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Commands that a test gives: a step within two cycles, one that saturates, a velocity, a sinusoid.
+/// Commands of a test: a step within two cycles, one that saturates, a velocity, a sinusoid.
 fn scenario([step, large, run, back]: [&str; 4], amplitude: f64) -> String {
     let mut text = format!(
         "scenario: loops\nfor: 5 s\n\
@@ -18,7 +18,7 @@ fn scenario([step, large, run, back]: [&str; 4], amplitude: f64) -> String {
          - {{at: 1000, do: {{move_axis: {{axis: x, {large}}}}}}}\n  - {{at: 2000, do: {{move_axis: {{axis: x, mode: velocity, {run}}}}}}}\n  \
          - {{at: 2600, do: {{move_axis: {{axis: x, position: 0 inc, {back}}}}}}}\n  - at: 3700\n    do:\n      follow_joint_trajectory:\n        joints: [x]\n        units: increments\n        points:\n"
     );
-    // Three periods of 0.4 s, on a cosine from its rest.
+    // Three periods of 0.4 s, on a cosine from standstill.
     let w = std::f64::consts::TAU / 0.4;
     for point in 1..=60 {
         let t = f64::from(point) * 0.02;
@@ -28,7 +28,7 @@ fn scenario([step, large, run, back]: [&str; 4], amplitude: f64) -> String {
     text
 }
 
-/// One column of a table with a head.
+/// Returns one column of a table with a header.
 fn column(text: &str, name: &str) -> Vec<f64> {
     let mut lines = text.lines();
     let head: Vec<_> = lines.next().expect("a head").split(',').collect();
@@ -37,8 +37,8 @@ fn column(text: &str, name: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(place).and_then(|word| word.parse().ok()).expect("a number")).collect()
 }
 
-/// Runs a cell, and computes the same beside it. `output` is what the drive is asked for; the axis may be so many counts away from what
-/// is computed, and the output so much, in parts of the largest.
+/// Runs a cell, and compares it with the independent calculation. `output` is the signal of the drive command; `within`
+/// are the permitted differences: of the position in counts, and of the output as a fraction of its maximum.
 fn agrees(cell: &str, scenario: &str, output: &str, within: (f64, f64), mut question: Value) {
     let _machine = share();
     let folder = tempfile::tempdir().expect("a folder");
@@ -85,7 +85,7 @@ fn asked(question: &Value) -> Value {
     serde_json::from_slice(&output.stdout).expect("an answer in JSON")
 }
 
-/// Position and velocity loop on a motor: what is asked of it, and where it is, cycle by cycle.
+/// Position and velocity loop with a motor: its command and its position, cycle by cycle.
 ///
 /// Proves: MACS-REG-12, MACS-AMP-01, MACS-AMP-04
 #[test]
@@ -113,8 +113,8 @@ fn the_cascade_on_a_motor_is_the_computed_one() {
     agrees(cell, &scenario, "x.output.effort", (0.0, 1e-9), question);
 }
 
-/// The four structures of a power stage on a winding, whose current, velocity and position scipy discretises: what the stage is asked for,
-/// and where the axis is, cycle by cycle. AMPMAXCUR is reached in the modes that have it.
+/// The four structures of a power stage with a winding, whose current, velocity and position scipy discretises: the
+/// command of the stage and the position of the axis, cycle by cycle. AMPMAXCUR is reached in the modes that have it.
 ///
 /// Proves: MACS-AMP-01, MACS-AMP-07, MACS-AMP-08, MACS-REG-12
 #[test]
@@ -151,7 +151,7 @@ fn the_structures_of_a_power_stage_are_the_computed_ones() {
     }
 }
 
-/// The PID on a drive that lags behind its velocity, every other cycle, with an integral part that comes to its bound.
+/// The PID with a drive that lags behind its velocity, every other cycle, with an integral part that reaches its limit.
 ///
 /// Proves: MACS-REG-01, MACS-REG-04, MACS-REG-05, MACS-REG-08, MACS-REG-12
 #[test]
@@ -174,6 +174,7 @@ fn the_pid_on_a_drive_of_velocities_is_the_computed_one() {
         "gains": {"kprop": 30, "kder": 15, "kint": 1, "kilim": 2000, "bandwidth": 900, "ffvel": 700, "ffacc": 300},
         "plant": {"kind": "lag", "time_constant": 4e-3},
     });
-    // The simulated drive rounds its velocity to 2^-32 inc/s, which may be a count earlier or later: (30 + 2 * 15) / 60000 of the output.
+    // The simulated drive rounds its velocity to 2^-32 inc/s, so that a count may be earlier or later: (30 + 2 * 15) /
+    // 60000 of the output.
     agrees(cell, &scenario, "x.output.velocity", (1.0, 1.1e-3), question);
 }

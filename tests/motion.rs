@@ -1,11 +1,12 @@
-//! Goals in motion on ROS 2: goals that wait and blend, goals on top of others, touch probes, and the verbs of old controllers.
+//! Tests goals in motion on ROS 2: buffered and blended goals, superimposed goals, touch probes, and the verbs of other
+//! controllers.
 
 use std::fs;
 
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 
-/// A running program and who talks to it.
+/// A running program and its client.
 struct Bench {
     cyclone: Peer,
     _program: Program,
@@ -13,7 +14,7 @@ struct Bench {
 }
 
 impl Bench {
-    /// With x enabled.
+    /// Starts it with x enabled.
     fn start(args: &[&str]) -> Self {
         let domain = Domain::take();
         let mut cyclone = Peer::cyclone(&domain);
@@ -28,7 +29,7 @@ impl Bench {
     }
 }
 
-/// Sends a goal in increments to x; its id.
+/// Sends a goal in increments to x; returns its ID.
 fn go(peer: &mut Peer, options: &str) -> String {
     let seen = peer.run(&format!("move /lineshaft --axis x --units increments {options}"));
     seen["goal"].as_str().expect("an id").to_owned()
@@ -55,7 +56,7 @@ fn two_goals_pass_into_each_other_in_every_buffer_mode() {
         let near = |x: &Value| (18_000_000..22_000_000).contains(&x["command_increments"].as_i64().unwrap());
         let speeds = seen.all().iter().map(|sample| &sample["axes"]["x"]).filter(|x| near(x));
         let slowest = speeds.map(|x| x["command_velocity"].as_f64().unwrap()).fold(f64::INFINITY, f64::min);
-        // On its way to rest it is slower than 0.2 m/s for 50 ms.
+        // When it stops it is slower than 0.2 m/s for 50 ms.
         assert_eq!(slowest < 0.2, name == "buffered", "{name}: {slowest} m/s at the passage");
         assert_eq!(bench.command("x"), 40_000_000, "{name}");
         go(&mut bench.cyclone, "--position 0 --wait");
@@ -85,7 +86,7 @@ fn a_superimposed_goal_is_added_to_the_one_under_way() {
     assert_eq!(bench.command("x"), 21_000_000);
 }
 
-/// A cell with an input that latches, and a scenario that lets it do so five times a second.
+/// A cell with an input that latches, and a scenario with five latches per second.
 fn probe_files() -> (String, String) {
     let folder = format!("{}/motion_{}", env!("CARGO_TARGET_TMPDIR"), std::process::id());
     fs::create_dir_all(&folder).expect("the folder of the tests is ours");

@@ -1,4 +1,5 @@
-//! What docs/moveit.md leads through: `lineshaft limits` at the prompt, and the files of launch-configs/arm6, which say the same as its cell.
+//! Tests the steps of docs/moveit.md: `lineshaft limits` on the command line, and the files of launch-configs/arm6,
+//! which must agree with its cell.
 
 use crate::support::{domain::Domain, machine::share, peer::Peer, program::Program};
 use std::path::{Path, PathBuf};
@@ -27,7 +28,7 @@ impl Bench {
         Self(folder)
     }
 
-    /// Code, output and complaints of a line in that folder.
+    /// Returns exit code, output and error output of a command line in that folder.
     fn run(&self, line: &str) -> (Option<i32>, String, String) {
         let _machine = share();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
@@ -88,7 +89,7 @@ fn limits_go_from_the_cell_to_moveit_and_back() {
     );
     let expected = cell.replacen("max_velocity: 180 deg/s", "max_velocity: 2.175 rad/s", 1);
     assert_eq!(bench.cell(), expected.replacen("max_acceleration: 400 deg/s^2", "max_acceleration: 3.75 rad/s^2", 1));
-    // The URDF has the faster one still.
+    // The URDF still has the faster one.
     let (code, _, complaints) = bench.run("check arm6.yaml");
     assert!(code == Some(0) && complaints.contains("joint1 has max_velocity 2.175 in SI"), "{complaints}");
 }
@@ -116,13 +117,14 @@ fn bad_limits_change_nothing() {
     }
 }
 
-/// A change of the cell: `lineshaft limits launch-configs/arm6/arm6.yaml --group arm > launch-configs/arm6/joint_limits.yaml`.
+/// After a change of the cell:
+/// `lineshaft limits launch-configs/arm6/arm6.yaml --group arm > launch-configs/arm6/joint_limits.yaml`.
 #[test]
 fn files_of_the_arm_say_what_its_cell_says() {
     let bench = Bench::new();
     let limits = bench.good("limits arm6.yaml --group arm");
     assert_eq!(read("launch-configs/arm6/joint_limits.yaml"), limits, "write it again from the cell");
-    // Without a warning of the robot description, whose limits are not only within those of the cell.
+    // Without a warning about the robot description, whose limits are equal to those of the cell.
     let (_, said, complaints) = bench.run("check arm6.yaml");
     assert!(!(said.clone() + &complaints).contains("robot_description"), "{said}{complaints}");
     let urdf = read("launch-configs/arm6/arm6.urdf");
@@ -151,7 +153,8 @@ fn files_of_the_arm_say_what_its_cell_says() {
     assert!(read(CELL).contains(&format!("arm: [{}]", JOINTS.join(", "))));
 }
 
-/// The action is where moveit_controllers.yaml says it is: MoveIt joins the name of the controller and action_ns by a slash.
+/// The action has the name in moveit_controllers.yaml: MoveIt joins the name of the controller and action_ns by a
+/// slash.
 #[test]
 fn arm_has_the_action_that_moveit_looks_for() {
     let controllers = read("launch-configs/arm6/moveit_controllers.yaml");
@@ -173,7 +176,7 @@ fn arm_has_the_action_that_moveit_looks_for() {
     let joints: String = JOINTS.iter().map(|joint| format!(" --joint {joint}")).collect();
     let goal = peer.run(&format!("follow /lineshaft --group arm{joints} --point 1:0.2,0.1,0,0,0.3,0.2:0,0,0,0,0,0"));
     assert_eq!((goal["status"].as_str(), goal["error"].as_str()), (Some("SUCCEEDED"), Some("SUCCESSFUL")));
-    // What moves the drawing.
+    // The joint states that move the model in RViz.
     let moved = peer.run("joint-states --count 1 --seconds 5");
     let names: Vec<_> = moved["last"]["name"].as_array().unwrap().iter().filter_map(|name| name.as_str()).collect();
     assert_eq!(names, JOINTS);
@@ -199,7 +202,7 @@ fn plan_is_played_recorded_replayed_and_drawn() {
     let is_same = std::fs::read_to_string(&kept).is_ok_and(|kept| kept == drawn);
     assert!(is_same, "draw it again: LINESHAFT_RENEW=1 cargo test --workspace --test end_to_end moveit");
 
-    // The same plan from a place that is too fast: the sentence, and exit code 1.
+    // The same plan from a position that makes it too fast: the error message, and exit code 1.
     let plan =
         read("launch-configs/arm6/plan.yaml").replacen("sec: 5, nanosec: 600000000", "sec: 5, nanosec: 500000001", 1);
     bench.write("plan.yaml", &plan);

@@ -1,4 +1,4 @@
-//! `lineshaft new` and `lineshaft demo`: a user starts from the program alone.
+//! Tests `lineshaft new` and `lineshaft demo`, with which a user starts from the program alone.
 
 use crate::support::machine::share;
 use std::fs;
@@ -12,14 +12,14 @@ fn lineshaft(folder: &Path, arguments: &[&str]) -> Output {
     command.args(arguments).current_dir(folder).env("ROS_HOME", folder).output().expect("the program starts")
 }
 
-/// Exit code, standard output and standard error.
+/// Returns exit code, standard output and standard error.
 fn said(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
     let output = lineshaft(folder, arguments);
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     (output.status.code().expect("it ended by itself"), text(output.stdout), text(output.stderr))
 }
 
-/// Every kind in a folder of its own: the commands that it prints are good, and nothing is missing.
+/// Every kind in its own folder: the printed commands succeed, and no file is missing.
 #[test]
 fn each_new_cell_is_good_and_its_scenario_passes() {
     let (code, list, _) = said(Path::new("."), &["new", "--list"]);
@@ -39,7 +39,7 @@ fn each_new_cell_is_good_and_its_scenario_passes() {
         let next: Vec<_> = next.lines().map(str::trim).collect();
         let run = if kind == "can" { "lineshaft run mine.yaml --sim" } else { "lineshaft run mine.yaml" };
         assert_eq!(next, ["lineshaft check mine.yaml", "lineshaft sim mine.yaml --scenario mine.scenario.yaml", run]);
-        // No file of the drive is there yet.
+        // The file of the drive does not exist yet.
         let warns = |problems: &str| {
             kind == "can"
                 && problems.lines().count() == 1
@@ -57,7 +57,8 @@ fn each_new_cell_is_good_and_its_scenario_passes() {
     }
 }
 
-/// The numbers of the cam are what `lineshaft table make` makes of the description that is written with them.
+/// The numbers of the cam must be those that `lineshaft table make` makes from the description that is written with
+/// them.
 #[test]
 fn the_table_of_a_new_cam_is_made_of_its_description() {
     let folder = tempfile::tempdir().unwrap();
@@ -108,7 +109,7 @@ fn a_new_cell_that_cannot_be_written_is_one_sentence() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
 }
 
-/// What `lineshaft demo` prints is a cell, and its scenario passes on it.
+/// `lineshaft demo` prints a cell, and its scenario passes with it.
 #[test]
 fn the_demo_can_be_printed_and_used() {
     let folder = tempfile::tempdir().unwrap();

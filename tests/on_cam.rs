@@ -1,4 +1,4 @@
-//! An axis on a cam as a client on Cyclone DDS asks for it, with launch-configs/cams/02_carton.yaml.
+//! Tests an axis on a cam, commanded by a client on Cyclone DDS, with launch-configs/cams/02_carton.yaml.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ impl Erector {
         self.cyclone.run("axis-states /lineshaft")["axes"]["cups"].clone()
     }
 
-    /// Command position of the cups once the shaft has gone so many increments.
+    /// Returns the command position of the cups after the shaft has moved by some increments.
     fn after(&mut self, increments: i64) -> i64 {
         self.cyclone.run(&format!(
             "move /lineshaft --axis shaft --mode relative --units increments --position {increments} --wait"
@@ -35,7 +35,8 @@ impl Erector {
     }
 }
 
-/// 36000 inc of the shaft are a turn: at 180 deg the cups are 120 mm deep, at 330 deg back; half the way with slave_scale 0.5.
+/// 36000 inc of the shaft are one revolution: at 180 deg the cups are 120 mm deep, at 330 deg back; half the distance
+/// with slave_scale 0.5.
 #[test]
 fn a_client_brings_the_cups_onto_their_cam_and_off_it() {
     let mut erector = Erector::start();
@@ -58,12 +59,13 @@ fn a_client_brings_the_cups_onto_their_cam_and_off_it() {
     erector.cyclone.run(&format!("cancel /lineshaft synchronize {goal}"));
     erector.cyclone.run(&format!("result /lineshaft synchronize {goal} --expect CANCELED"));
     assert_eq!(erector.after(18_000), 120_000, "the shaft no longer moves them");
-    // The shaft is at 0 again: from where the cups are, half as deep and back.
+    // The shaft is at 0 again: from the position of the cups, half as deep and back.
     erector.cyclone.run(&format!("{cam} --table stroke --cam-start relative --slave-scale -0.5"));
     assert_eq!([18_000, 18_000].map(|way| erector.after(way)), [60_000, 120_000]);
 }
 
-/// Half a turn of the shaft lowers the cups by 120 mm, wherever it stands itself; 5 mm are added to what the cam says.
+/// Half a revolution of the shaft lowers the cups by 120 mm, whatever the position of the shaft is; 5 mm are added to
+/// the cam position.
 #[test]
 fn a_client_shifts_the_cups_against_their_shaft() {
     let mut erector = Erector::start();
@@ -79,7 +81,7 @@ fn a_client_shifts_the_cups_against_their_shaft() {
     assert!(falls && remaining.len() > 5 && remaining[0] <= std::f64::consts::PI, "{remaining:?}");
     erector.cyclone.run(&format!("{phase} --shift 0.005 --velocity 0.05 --acceleration 0.5"));
     assert_eq!(erector.cups()["command_increments"], 125_000);
-    // Back by half a turn, stopped half-way.
+    // Back by half a revolution, stopped half-way.
     erector.cyclone.run(&format!("{of_master} --shift -3.141592653589793 --cancel-after 0.5"));
     let half = erector.cups();
     let place = half["command_increments"].as_i64().expect("increments");
@@ -97,7 +99,8 @@ fn a_client_shifts_the_cups_against_their_shaft() {
     }
 }
 
-/// 180 deg of the shaft a second: at the end of its turn the half stroke takes over, and at 90 deg the whole one again.
+/// 180 deg/s of the shaft: at the end of its revolution the half stroke becomes active, and at 90 deg the full one
+/// again.
 #[test]
 fn a_client_waits_for_the_end_of_a_turn_and_for_a_place() {
     let mut erector = Erector::start();

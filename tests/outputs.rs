@@ -1,4 +1,4 @@
-//! `~/set_output` and `~/abort` as a client on Cyclone DDS sees them, and what a recording of them is worth.
+//! Tests `~/set_output` and `~/abort` from a client on Cyclone DDS, and their recordings.
 
 use std::{fs, path::Path, process::Command};
 
@@ -14,7 +14,7 @@ struct Node {
 }
 
 impl Node {
-    /// The lift of launch-configs/io.yaml, simulated, with a scenario and recorded.
+    /// Starts the lift of launch-configs/io.yaml, simulated and recorded, with a scenario.
     fn start(scenario: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name).to_str().expect("a path of text").to_owned();
@@ -39,7 +39,7 @@ impl Node {
         ["lift", "slide"].map(|axis| self.axis(axis)["state"].clone())
     }
 
-    /// Ends it as Ctrl-C does, and replays what it recorded.
+    /// Ends it with the signal of Ctrl-C, and replays the recording.
     #[track_caller]
     fn ends_and_replays(&mut self) {
         self.program.end();
@@ -86,7 +86,7 @@ steps:
     node.cyclone.run("set-output /lineshaft lamp=1 speed=2.5 alarm=1");
     node.cyclone.run("events /lineshaft --until error --seconds 10");
     assert_eq!(node.states(), ["STANDSTILL", "ERROR_STOP"], "they are set");
-    // One with a function may be set: alarm shows the error of slide.
+    // An output with a function may be set: alarm shows the error of slide.
     node.cyclone.run("set-output /lineshaft alarm=0");
     node.cyclone.run("events /lineshaft --until error --seconds 10");
     assert_eq!(node.states(), ["ERROR_STOP", "ERROR_STOP"]);

@@ -1,4 +1,5 @@
-//! What colcon, ROS 2 and its tools read: package.xml, CMakeLists.txt, the launch file. Without ROS 2: what can be seen without it.
+//! Tests the files for colcon, ROS 2 and its tools: package.xml, CMakeLists.txt, the launch file; as far as possible
+//! without ROS 2.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,7 +14,7 @@ fn read(path: &str) -> String {
     fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// Texts of all elements of that name in package.xml of `folder`.
+/// Returns the texts of all elements of that name in package.xml of `folder`.
 fn tags(folder: &str, tag: &str) -> Vec<String> {
     let text = read(&format!("{folder}/package.xml"));
     let document = roxmltree::Document::parse(&text).expect("XML");
@@ -33,10 +34,10 @@ fn the_package_is_called_and_versioned_like_the_program() {
     assert!(tags("node", "exec_depend").contains(&"lineshaft_msgs".to_owned()));
 }
 
-/// The launch files, as CMake installs them.
+/// Launch files, as installed by CMake.
 const LAUNCH_FILES: [&str; 2] = ["launch-configs/demo.launch.py", "launch-configs/arm6/arm6.launch.py"];
 
-/// Packages of Python that the launch files import, and those whose nodes they start.
+/// Python packages that the launch files import, and packages whose nodes they start.
 #[test]
 fn what_the_launch_files_need_is_a_dependency() {
     let launch = LAUNCH_FILES.map(read).concat();
@@ -51,7 +52,7 @@ fn what_the_launch_files_need_is_a_dependency() {
     assert!(needed.is_subset(&given), "{needed:?} of {given:?}");
 }
 
-/// README and the pages of docs.
+/// Returns README and the pages of docs.
 fn pages() -> String {
     let docs = fs::read_dir(root().join("docs")).expect("docs");
     let pages = docs
@@ -61,7 +62,8 @@ fn pages() -> String {
     pages.chain([read("README.md")]).collect()
 }
 
-/// Packages of the `ros2` commands in the documentation, and of all interfaces that it names as `PACKAGE/Type` or `PACKAGE/srv/Type`.
+/// Packages of the `ros2` commands in the documentation, and of all interfaces that it names as `PACKAGE/Type` or
+/// `PACKAGE/srv/Type`.
 #[test]
 fn what_the_documentation_uses_is_a_dependency() {
     let pages = pages();
@@ -86,7 +88,8 @@ fn what_the_documentation_uses_is_a_dependency() {
             needed.insert(package.to_owned());
         }
     }
-    // ros2_control and MoveIt are there where somebody uses them: the cell asks for the services of the one, plans come from the other.
+    // Users of ros2_control and MoveIt have these packages: the cell offers the services of the former, plans come from
+    // the latter.
     for other in ["ros2control", "moveit_msgs"] {
         assert!(needed.remove(other), "{other} is not documented any more");
     }
@@ -110,7 +113,7 @@ fn what_cmake_installs_is_there() {
     for file in files {
         assert!(root().join(file).exists(), "{file}");
     }
-    // The program is the one that is built.
+    // The installed program is the one that is built.
     assert!(
         installs.contains(&"install(PROGRAMS \"${CARGO_TARGET}/release/lineshaft\" DESTINATION lib/${PROJECT_NAME})")
     );
@@ -119,7 +122,7 @@ fn what_cmake_installs_is_there() {
     }
 }
 
-/// colcon takes the two packages; crates, which an extension of it would take too, are none.
+/// colcon finds the two packages; crates, which one of its extensions would find too, are excluded.
 #[test]
 fn colcon_finds_two_packages() {
     let (mut packages, mut open) = (Vec::new(), vec![root()]);
@@ -156,7 +159,7 @@ fn launch_file(file: &str, share: &Path, arguments: &[&str]) -> Output {
     launch_with(&[], file, share, arguments)
 }
 
-/// Likewise, with options of the stand-in.
+/// Does the same with options of the stand-in.
 fn launch_with(options: &[&str], file: &str, share: &Path, arguments: &[&str]) -> Output {
     let _machine = crate::support::machine::share();
     Command::new("python3")
@@ -169,12 +172,12 @@ fn launch_with(options: &[&str], file: &str, share: &Path, arguments: &[&str]) -
         .expect("the tests need python3")
 }
 
-/// Runs that of the demo.
+/// Runs the launch file of the demo.
 fn launch(share: &Path, arguments: &[&str]) -> Output {
     launch_file(LAUNCH_FILES[0], share, arguments)
 }
 
-/// The nodes that it starts.
+/// Returns the nodes that it starts.
 fn nodes(share: &Path, arguments: &[&str]) -> Vec<serde_json::Value> {
     nodes_of(launch(share, arguments))
 }
@@ -203,7 +206,7 @@ fn the_launch_file_starts_what_its_arguments_say() {
     );
 }
 
-/// The message with which a launch file refuses its arguments.
+/// Returns the message with which a launch file refuses its arguments.
 fn refused(output: &Output) -> String {
     assert!(!output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
     String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
@@ -223,7 +226,7 @@ fn other_spellings_of_launch_arguments_do_the_same() {
     for given in [&["sim:=0"][..], &["simulation:=False"], &["sim:=false", "simulation:=0"]] {
         assert_eq!(command(&nodes(share, given)[0]), ["lineshaft/lineshaft", "run", "--ros-args"], "{given:?}");
     }
-    // What launch and launch_ros read themselves.
+    // Arguments that launch and launch_ros read themselves.
     assert_eq!(nodes(share, &["launch-prefix:=gdb -ex run --args", "emulate_tty:=true"]).len(), 1);
 }
 
@@ -256,7 +259,7 @@ fn unknown_launch_arguments_are_refused() {
     );
 }
 
-/// A launch file of a machine has arguments of its own, which an included launch file sees.
+/// A launch file of a machine has its own arguments, which an included launch file sees.
 #[test]
 fn an_including_launch_file_has_arguments_of_its_own() {
     let share = Path::new("/nowhere");

@@ -1,4 +1,5 @@
-//! Parameters on ROS 2: the six parameter services, /parameter_events, layers, export and import, with the built-in demo.
+//! Tests ROS 2 parameters: the six parameter services, /parameter_events, layers, export and import, with the built-in
+//! demo.
 
 use std::thread;
 use std::time::Duration;
@@ -6,7 +7,7 @@ use std::time::Duration;
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::{Value, json};
 
-/// A running demo and who talks to it.
+/// A running demo and its client.
 struct Bench {
     cyclone: Peer,
     _program: Program,
@@ -26,18 +27,18 @@ impl Bench {
         self.cyclone.run(&format!("params /lineshaft get {name}"))["get"][0].clone()
     }
 
-    /// The result of setting parameters each by itself.
+    /// Returns the results of setting each parameter separately.
     fn set(&mut self, values: &str) -> Vec<Value> {
         let seen = self.cyclone.run(&format!("params /lineshaft set {values}"));
         seen["set"]["results"].as_array().expect("results").clone()
     }
 
-    /// The result of setting them together.
+    /// Returns the result of setting them together.
     fn set_together(&mut self, values: &str) -> Value {
         self.cyclone.run(&format!("params /lineshaft set_atomically {values}"))["set_atomically"]["result"].clone()
     }
 
-    /// The reason for which a single set is refused.
+    /// Returns the reason for which a single set is refused.
     #[track_caller]
     fn refused(&mut self, value: &str) -> String {
         let result = self.set(value).swap_remove(0);
@@ -72,8 +73,8 @@ fn every_parameter_is_listed_described_and_read() {
     assert_eq!(reaction["integer_range"], json!([{"from_value": 0, "to_value": 5, "step": 1}]));
 }
 
-/// Each parameter that can be set takes its own value and another one; a value beyond its range, of another type, or no number
-/// is refused with a sentence at both doors and changes nothing.
+/// Each settable parameter accepts its own value and another one; a value outside of its range, of another type, or no
+/// number is refused with a message at both interfaces and changes nothing.
 #[test]
 fn every_parameter_is_held_at_its_doors() {
     let mut bench = Bench::start();
@@ -82,7 +83,7 @@ fn every_parameter_is_held_at_its_doors() {
         let last = seen.all().last().expect("what was counted");
         let counted = |name: &str| last[name].as_u64().unwrap();
         assert_eq!(counted("settable") + counted("read_only"), counted("parameters"), "{last}");
-        // The machine has few parameters that do anything.
+        // Few parameters of the machine have an effect.
         assert_eq!(counted("other_values") > 100, object != "machine", "{last}");
         assert!(counted("bad_values") > 5 * counted("settable"), "{last}");
     }
@@ -119,7 +120,7 @@ fn a_set_is_done_each_by_itself_or_all_or_none() {
         assert_eq!(result["successful"], false, "{bad}");
         assert_eq!(bench.get("x.max_velocity"), 0.5, "{bad}: {result}");
     }
-    // Together they agree, one after the other they would not.
+    // Together they are consistent; one after the other they would not be.
     let result = bench.set_together("x.min_position=0.5 x.max_position=0.6");
     assert_eq!((&result["successful"], &result["reason"]), (&json!(true), &json!("")));
     assert_eq!((bench.get("x.min_position"), bench.get("x.max_position")), (json!(0.5), json!(0.6)));
@@ -139,7 +140,7 @@ fn numbers_are_in_the_unit_of_the_row_and_what_may_be_left_out_has_no_value() {
         // 10 um are 1048.576 inc.
         ("x.in_position_window", json!(1.000_404_357_910_16e-5)),
         ("x.amc.position_reference", json!(0.0)),
-        // 125 829 120 inc/s at 2000 inc a revolution.
+        // 125 829 120 inc/s at 2000 inc per revolution.
         ("x.velmax", json!(3_774_873.6)),
         ("x.max_jerk", Value::Null),
         ("x.error_reaction", json!(2)),
@@ -153,7 +154,7 @@ fn numbers_are_in_the_unit_of_the_row_and_what_may_be_left_out_has_no_value() {
         assert_eq!(bench.set(set)[0]["successful"], true, "{set}");
     }
     assert_eq!((bench.get("x.max_jerk"), bench.get("x.amc.position_reference")), (json!(50.0), json!(60.0)));
-    // Given as a time it stays one: 0.3 m/s in 0.4 s.
+    // A value given as a time is still a time: 0.3 m/s in 0.4 s.
     assert_eq!(bench.get("x.max_acceleration"), 0.75);
     assert_eq!(bench.set("x.max_jerk=null x.max_position=null")[0]["successful"], true);
     assert_eq!((bench.get("x.max_jerk"), bench.get("x.max_position")), (Value::Null, Value::Null));
@@ -179,7 +180,8 @@ fn numbers_are_in_the_unit_of_the_row_and_what_may_be_left_out_has_no_value() {
     }
 }
 
-/// The services of ROS, the verbs of old controllers and the layers act on the same values, and are told in the same way.
+/// The ROS services, the verbs of other controllers and the layers act on the same values, and are reported in the same
+/// way.
 ///
 /// Proves: MACS-STO-07, MACS-STO-08
 #[test]
@@ -200,7 +202,7 @@ fn changes_from_any_source_are_published() {
     // Other views of it.
     assert_eq!(seen["x.velmax"], json!(1_887_436.8));
     assert_eq!(seen["x.rampmin"], json!(75.0));
-    // 0.6 m/s are 62 914 560 inc/s: times 65.536, cut.
+    // 0.6 m/s are 62 914 560 inc/s: times 65.536, truncated.
     assert_eq!(seen["x.velmaxqc"], json!(4_123_168_604_i64));
     assert!(seen.get("x.max_acceleration").is_none() && seen.get("y.max_velocity").is_none(), "{seen}");
     bench.set("x.max_acceleration=4");
@@ -217,13 +219,13 @@ fn changes_from_any_source_are_published() {
     assert_eq!(changed(&mut bench, "x.max_velocity")["x.max_velocity"], 1.2);
     bench.set("x.max_position=null");
     assert_eq!(changed(&mut bench, "x.max_position")["x.max_position"], Value::Null);
-    // What is refused or the same is no change.
+    // A refused or equal value is no change.
     bench.set("x.max_velocity=1.2 x.max_velocity=-1.0");
     thread::sleep(Duration::from_millis(200));
     assert_eq!(bench.cyclone.run("parameter-events /lineshaft")["events"], json!([]));
 }
 
-/// Parameters of the machine have the services, the events and the layers of all others.
+/// Parameters of the machine have the same services, events and layers as all others.
 #[test]
 fn parameters_of_the_machine_are_set_read_and_brought_back() {
     let mut bench = Bench::start();
@@ -234,7 +236,7 @@ fn parameters_of_the_machine_are_set_read_and_brought_back() {
     let seen = bench.cyclone.run("parameter-events /lineshaft --until machine.ainftime");
     let events = seen["events"].as_array().expect("a list");
     assert!(events.iter().any(|event| event["changed"] == json!({"machine.ainftime": 7})), "{events:?}");
-    // The demo has no outputs; nothing changes, and of a set with one wrong value none is taken.
+    // The demo has no outputs; nothing changes, and none of a set with one wrong value is accepted.
     let reason = bench.refused("machine.o_error=5");
     assert!(reason.ends_with("o_error is 5; the cell has 0 digital outputs"), "{reason}");
     let result = bench.set_together("machine.ainftime=9 machine.o_error=5");
@@ -250,7 +252,7 @@ fn parameters_of_the_machine_are_set_read_and_brought_back() {
 fn what_is_exported_is_imported_without_any_change() {
     let mut bench = Bench::start();
     bench.cyclone.run("import-of-export /lineshaft");
-    // Numbers with many digits, values that MACS gives, and what is left out.
+    // Numbers with many digits, values that MACS gives, and unset values.
     bench.set(
         "x.max_velocity=0.3333333333333333 x.rampmin=77 x.max_position=null y.max_jerk=31.4159 turret.velmax=123.456",
     );
@@ -340,14 +342,15 @@ fn long_replies_reach_clients_of_rmw_fastrtps() {
     }
 }
 
-/// A client that outlives two nodes still has its requests to the second one, because the first never took notice of them.
+/// A client that outlives two nodes still sends its requests to the second one, although the first one never
+/// acknowledged them.
 #[test]
 fn what_was_asked_of_a_node_is_not_done_by_the_one_that_takes_its_place() {
     let domain = Domain::take();
     let mut old = Peer::cyclone(&domain);
     let start = || Program::start(&["run", "--store", "none"], &domain);
     let known = |peer: &mut Peer| {
-        // The one that is gone is still known, too; what tells of the new one is that its values come.
+        // The first node is still discovered, too; only the arrival of values shows that the new one is discovered.
         peer.run("axis-states /lineshaft");
         thread::sleep(Duration::from_secs(1));
         peer.run("params /lineshaft get x.max_velocity")["get"][0].clone()
@@ -359,15 +362,15 @@ fn what_was_asked_of_a_node_is_not_done_by_the_one_that_takes_its_place() {
     assert_eq!(known(&mut old), 1.2);
     let set = old.run("params /lineshaft set x.max_velocity=0.5");
     assert_eq!(set["set"]["results"][0]["successful"], true);
-    // Without a good-bye: its time stamp alone tells of the request.
+    // The old node does not announce its end: only the time stamp of the request shows that it was for the old node.
     second.kill_both();
     let third = start();
     assert_eq!(known(&mut old), 1.2, "{}", third.log());
     assert!(third.log().contains("it was written before this node was there"), "{}", third.log());
 }
 
-/// `ros2 param dump` and `ros2 param load`, and the dump as `--params-file`: every value is what it was, whatever has no value, is
-/// read-only, is long, short, or looks like another type.
+/// `ros2 param dump` and `ros2 param load`, and the dump as `--params-file`: every value is the same afterwards,
+/// including values that are unset, read-only, long, short, or look like another type.
 #[test]
 fn a_dump_can_be_loaded_and_given_at_the_start() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -375,7 +378,7 @@ fn a_dump_can_be_loaded_and_given_at_the_start() {
     let path = file.to_str().expect("a name of this test");
     let mut bench = Bench::start();
     let values = |bench: &mut Bench| bench.cyclone.run("param-values /lineshaft")["values"].clone();
-    // Shortest texts without a dot, integers for doubles, limits that were there and go, names.
+    // Shortest texts without a decimal point, integers for doubles, limits that are set and removed, names.
     let chosen = "x.in_position_window=1e-05 x.max_velocity=0.3 x.max_jerk=1 x.profile=jerk y.min_position=-0.123456789 \
                   turret.max_velocity=3 x.error_reaction=3 x.saia.clamp_sum=true use_sim_time=false \
                   line.max_jerk=1e+08 constraints.x.goal=1e-06 turret.velmax=1000";
@@ -409,7 +412,7 @@ fn a_dump_can_be_loaded_and_given_at_the_start() {
         let line = format!("run --ros-args --params-file {path} {arguments}");
         let program = Program::start(&line.split_whitespace().collect::<Vec<_>>(), &domain);
         peer.run(&format!("axis-states {node}"));
-        // Names of topics are among those of QoS: they are the node's own.
+        // Names of topics are among those of QoS: they belong to one node.
         let named = |values: &Value| {
             let all =
                 values.as_object().expect("values").iter().filter(|(name, _)| !name.starts_with("qos_overrides."));
@@ -421,7 +424,8 @@ fn a_dump_can_be_loaded_and_given_at_the_start() {
     }
 }
 
-/// A part of the cell that a dump of another cell has otherwise ends the program; so does a value that the cell must have.
+/// A part of the cell that the dump of another cell has with other values ends the program; so does a value that the
+/// cell requires.
 #[test]
 fn a_dump_of_another_cell_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -440,12 +444,12 @@ fn a_dump_of_another_cell_is_refused() {
     }
 }
 
-/// By name, so that a failure shows what differs.
+/// Compares by name, so that a failure shows the differences.
 #[track_caller]
 fn same_values(found: &Value, expected: &Value) {
     let (found, expected) = (found.as_object().expect("values"), expected.as_object().expect("values"));
     let names: std::collections::BTreeSet<_> = found.keys().chain(expected.keys()).collect();
-    // A number may have gone through two units.
+    // A number may have been converted between two units.
     let is_near = |a: &Value, b: &Value| matches!((a.as_f64(), b.as_f64()), (Some(a), Some(b)) if (a - b).abs() <= 1e-9 * b.abs());
     let differs = |name: &&&String| match (found.get(name.as_str()), expected.get(name.as_str())) {
         (Some(found), Some(expected)) => found != expected && !is_near(found, expected),

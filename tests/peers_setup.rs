@@ -1,4 +1,5 @@
-//! The harness of the end-to-end tests itself: the peers can be set up, and they find each other on loopback.
+//! Tests the set-up of the end-to-end tests itself: the peers can be installed, and they discover each other on
+//! loopback.
 
 use std::process::Command;
 

@@ -1,4 +1,5 @@
-//! Programs of users as a user meets them: `lineshaft program` at the prompt, and exchanged by a client on Cyclone DDS.
+//! Tests WebAssembly programs of users: `lineshaft program` on the command line, and their replacement by a client on
+//! Cyclone DDS.
 
 use crate::support::machine::share;
 use std::path::{Path, PathBuf};
@@ -25,7 +26,7 @@ fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 
-/// A folder with a cell and modules, in which the program runs.
+/// A folder with a cell and modules, used as the working folder.
 struct Bench(tempfile::TempDir);
 
 impl Bench {
@@ -56,7 +57,7 @@ impl Bench {
         command.args(line.split_whitespace()).current_dir(self.0.path()).output().expect("it runs")
     }
 
-    /// Exit code, standard output, standard error.
+    /// Returns exit code, standard output and standard error.
     fn says(&self, line: &str) -> (i32, String, String) {
         let Output { status, stdout, stderr } = self.run(line);
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
@@ -105,7 +106,7 @@ fn what_is_wrong_with_a_program_is_told_where_the_cell_names_it() {
     assert!(err.starts_with("cell.yaml:8:16: cannot read `copy.wasm`: No such file"), "{err}");
 }
 
-/// A filter with floats and loops, a program that panics, and one that is exchanged.
+/// A filter with floating-point numbers and loops, a program that panics, and a program that is replaced while it runs.
 const RUN: &str = "\
 scenario: run
 cycles: 600
@@ -182,7 +183,7 @@ fn a_client_exchanges_a_program_that_runs() {
         assert_eq!(cyclone.fails(&request), sentence);
     }
     assert_eq!(function(&mut cyclone)["sink"], 100, "refused changes nothing");
-    // The way of the source in a call: none.
+    // The new program returns the movement of the source since the last call: 0.
     cyclone.run(&load("copy", "fb10.wasm", "keep"));
     assert_eq!((&function(&mut cyclone)["sink"], &function(&mut cyclone)["active"]), (&json!(0), &json!(true)));
     cyclone.run(&load("copy", "fir.wasm", "reset"));

@@ -1,7 +1,7 @@
-//! Runs kept as bags: read by tools that this project did not write, replayed, compared, and what is left of them when the
-//! program is killed or the disk is full.
+//! Tests recordings of runs as bags: reading with independent tools, replay, comparison, and the rest of a bag after
+//! the program was killed or while the disk is full.
 //!
-//! `LINESHAFT_LONG=1` makes the tests long that are better the longer they are.
+//! `LINESHAFT_LONG=1` extends the tests that find more in a longer time.
 
 mod bench;
 mod flight;

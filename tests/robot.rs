@@ -1,4 +1,4 @@
-//! `robot_description`: RViz and robot_state_publisher find the URDF of the cell, whenever they come.
+//! Tests `robot_description`: RViz and robot_state_publisher receive the URDF of the cell, even if they start late.
 
 use crate::support::{domain::Domain, peer::Peer, program::Program};
 use serde_json::Value;
@@ -16,7 +16,7 @@ fn description(peer: &mut Peer) -> String {
     seen["text"].as_str().expect("a text").to_owned()
 }
 
-/// The elements and attributes of a URDF.
+/// Returns the elements and attributes of a URDF.
 fn elements(urdf: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(urdf).expect("XML");
     let mut all = Vec::new();
@@ -27,7 +27,7 @@ fn elements(urdf: &str) -> Vec<String> {
     all
 }
 
-/// The attribute `name` of each joint that is not fixed.
+/// Returns the attribute `name` of each joint that is not fixed.
 fn joints(urdf: &str) -> Vec<String> {
     let document = roxmltree::Document::parse(urdf).expect("XML");
     let joints = document.root_element().children().filter(|node| node.has_tag_name("joint"));
@@ -45,12 +45,12 @@ fn the_demo_describes_its_robot_to_whoever_comes_later() {
     let urdf = description(&mut first);
     assert_eq!(elements(&urdf), elements(&launch_configs("demo.urdf")));
     assert!(!urdf.contains("<!--") && !urdf.contains('\n'), "`ros2 param load` reads it as YAML: {urdf}");
-    // Longer than the DDS library keeps what it may throw away.
+    // Longer than the DDS library keeps samples that it may discard.
     thread::sleep(Duration::from_secs(5));
     let mut late = Peer::cyclone(&domain);
     assert_eq!(description(&mut late), urdf);
     assert_eq!(description(&mut first), urdf, "for a second subscription of the same program, too");
-    // What joint_states move is what the URDF calls a joint.
+    // The names in joint_states are the movable joints of the URDF.
     let seen = late.run("joint-states --count 1 --seconds 5");
     let moved: Vec<&str> = seen["last"]["name"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     assert_eq!(moved, joints(&urdf));

@@ -1,7 +1,8 @@
-//! What clients can do to the node without anybody else noticing: hammer it, freeze, come late, come and go, send nonsense.
+//! Tests that a client does not disturb other clients of the node: high load, a frozen process, late and short
+//! participants, invalid data.
 //!
-//! `LINESHAFT_LONG=1` hammers for a minute, freezes a subscriber for 30 s and lets 200 clients come and go. The figures that
-//! the tests print (`--nocapture`) stand in docs/node.md.
+//! `LINESHAFT_LONG=1` loads the node for a minute, freezes a subscriber for 30 s and starts 200 short clients.
+//! docs/node.md contains the figures that the tests print (`--nocapture`).
 
 use std::{
     env, fs,
@@ -31,7 +32,7 @@ fn is_long() -> bool {
     env::var("LINESHAFT_LONG").is_ok_and(|value| value == "1")
 }
 
-/// One of two numbers: for everybody, and where time does not matter.
+/// Returns the usual length, or the long one with `LINESHAFT_LONG=1`.
 fn length(usual: u64, long: u64) -> u64 {
     if is_long() { long } else { usual }
 }
@@ -40,7 +41,7 @@ fn seconds(length: u64) -> Duration {
     Duration::from_secs(length)
 }
 
-/// Ends the program as a user would; the line in which it tells how it kept its time, and all of its log.
+/// Ends the program as a user does; returns the line with its timing statistics, and the complete log.
 fn ended(mut program: Program) -> (String, String) {
     program.interrupt();
     let status = program.wait_exit(EXIT);
@@ -60,7 +61,7 @@ fn finished(peer: &mut Peer, what: &str) -> Value {
     seen.all().last().expect("what was observed").clone()
 }
 
-/// Starts the program on a domain of its own; `watchers` peers are there before it.
+/// Starts the program in a new domain; `watchers` peers are started before it.
 fn start(args: &[&str], watchers: usize) -> (Program, Vec<Peer>, Domain) {
     let domain = Domain::take();
     let mut peers: Vec<Peer> = (0..watchers).map(|_| Peer::cyclone(&domain)).collect();
@@ -71,7 +72,7 @@ fn start(args: &[&str], watchers: usize) -> (Program, Vec<Peer>, Domain) {
     (program, peers, domain)
 }
 
-/// Two clients of each RMW ask for all services and for goals at the same time, each for an axis of its own.
+/// Two clients of each RMW call all services and send goals at the same time, each for its own axis.
 #[test]
 fn of_hammered_services_and_goals_none_is_lost_doubled_or_mixed_up() {
     let _alone = alone();
@@ -113,8 +114,8 @@ fn of_hammered_services_and_goals_none_is_lost_doubled_or_mixed_up() {
     assert!(grown < 200.0, "{grown} MiB for {answered} requests");
 }
 
-/// One client writes 200 requests to a service before it looks at any answer, all for one axis: each is done, and of 200 goals the
-/// last one counts.
+/// One client writes 200 requests to a service before it reads any answer, all for one axis: each is executed, and of
+/// 200 goals the last one remains in force.
 #[test]
 fn two_hundred_requests_at_once_are_all_done() {
     let _alone = alone();
@@ -126,7 +127,8 @@ fn two_hundred_requests_at_once_are_all_done() {
     assert!(!log.contains("does not keep up") && !log.contains("too many"), "{log}");
 }
 
-/// A process may have two clients of one service, whose ends rmw_cyclonedds marks: an answer that goes to both of them comes twice.
+/// A process may have two clients of one service, which rmw_cyclonedds distinguishes by an identifier: an answer to
+/// both of them is received twice.
 #[test]
 fn an_answer_goes_to_the_client_that_asked_and_to_no_other() {
     let _alone = alone();
@@ -136,7 +138,8 @@ fn an_answer_goes_to_the_client_that_asked_and_to_no_other() {
     drop(program);
 }
 
-/// What was answered is not kept: a node that serves for months must not grow by what it is asked.
+/// Answered requests are not stored: the memory of a node that runs for months must not grow with the number of
+/// requests.
 #[test]
 fn requests_are_not_kept() {
     let _alone = alone();
@@ -147,11 +150,12 @@ fn requests_are_not_kept() {
     peer.run(&format!("many-requests {NODE} --count 2000"));
     let after = program.figures().memory;
     println!("2000 requests of 50 kB: {before:.1} MiB before, {after:.1} MiB after");
-    // They are 100 MB.
+    // The requests have 100 MB.
     assert!(after - before < 40.0, "{before} MiB before, {after} MiB after");
 }
 
-/// The newest signals alone were sampled by a timer of ROS, which left samples out where its thread got its turn late.
+/// An earlier version sampled only the newest signals in a timer of ROS, which omitted samples when its thread was
+/// delayed.
 #[test]
 fn each_cycle_of_the_rate_is_published_on_a_busy_machine() {
     let _alone = alone();
@@ -175,7 +179,7 @@ fn each_cycle_of_the_rate_is_published_on_a_busy_machine() {
     assert!(runs.len() == 1 && runs[0][1] == 10, "{runs:?}");
 }
 
-/// The built-in cell with states at 1 kHz.
+/// Returns the built-in cell with states at 1 kHz.
 fn fast_cell(folder: &Path) -> String {
     let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
     let cell = fs::read_to_string(demo).expect("the built-in cell");
@@ -186,7 +190,8 @@ fn fast_cell(folder: &Path) -> String {
     path.to_str().expect("a name of this test").to_owned()
 }
 
-/// A participant that a thawed process makes may be told good-bye together with its old one, which the node introduces anew.
+/// The end of the old participant of a resumed process may be reported together with its new participant, which the
+/// node then announces again.
 fn works_again(sleeper: &mut Peer) {
     let join = format!("join {NODE} --count 1 --axis y");
     let errors: Vec<_> = (0..3)
@@ -198,8 +203,8 @@ fn works_again(sleeper: &mut Peer) {
     assert!(errors.len() < 3, "{errors:?}");
 }
 
-/// A subscriber is frozen for longer than DDS waits for it, one comes after more samples than a writer of the DDS library
-/// keeps by itself, others come and go.
+/// A subscriber is frozen for longer than its DDS lease, another one joins after more samples than a writer of the DDS
+/// library keeps by default, and others join and leave.
 #[test]
 fn nobody_loses_a_sample_because_of_another() {
     let _alone = alone();
@@ -226,7 +231,7 @@ fn nobody_loses_a_sample_because_of_another() {
         most = most.max(program.figures().memory);
     }
     sleeper.thaw();
-    // What it makes sooner may not find the node for long (docs/known-limits.md).
+    // An endpoint created earlier may not discover the node for a long time (docs/known-limits.md).
     await_lines(&program, BACK, 1, Duration::from_secs(30));
     works_again(&mut sleeper);
     let thawed = program.figures();
@@ -242,7 +247,7 @@ fn nobody_loses_a_sample_because_of_another() {
     let (times, log) = ended(program);
     assert!(!log.contains("does not keep up"), "{log}");
     assert!(!log.contains("so far)"), "{log}");
-    // Of the frozen one, and of nobody else.
+    // Only for the frozen client.
     assert_eq!(log.matches("it counts as gone").count(), 1, "{log}");
     let last = joined["last"].as_u64().expect("a cycle");
     assert!(last > 10_000, "the late subscriber came in cycle {last}");
@@ -259,11 +264,13 @@ fn nobody_loses_a_sample_because_of_another() {
     let (before, thawed, after) = (before.memory, thawed.memory, after.memory);
     println!("memory: {before:.1} MiB before, at most {most:.1} while frozen, {thawed:.1} then, {after:.1} at the end");
     println!("{times}");
-    // 1000 samples of 800 bytes a second, and as many of everything else, until the lease of the frozen one ends.
+    // 1000 samples of 800 bytes a second, and the same number of all other samples, until the lease of the frozen
+    // client expires.
     assert!(most - before < 100.0 && after - before < 100.0, "MiB: {before}, {most}, {thawed}, {after}");
 }
 
-/// Two clients are stopped until their leases are over, one of them twice: then what they made before works again.
+/// Two clients are stopped until their leases expire, one of them twice: after that, their existing endpoints work
+/// again.
 #[test]
 fn clients_that_were_frozen_beyond_their_lease_work_again() {
     let (program, _, domain) = start(&["run"], 0);
@@ -274,7 +281,7 @@ fn clients_that_were_frozen_beyond_their_lease_work_again() {
         step(&mut client);
         client
     });
-    // Asked, and not answered before it is frozen.
+    // A request that is not answered before the client is frozen.
     clients[0].tell(&format!("axes {NODE} reset_errors turret"));
     for (round, frozen) in [(1, 2), (2, 1)] {
         let before = [program.log().matches(GONE).count(), program.log().matches(BACK).count()];
@@ -286,22 +293,22 @@ fn clients_that_were_frozen_beyond_their_lease_work_again() {
         await_lines(&program, BACK, before[1] + frozen.len(), Duration::from_secs(30));
         println!("round {round}: back after {:?}", thawed.elapsed());
         if round == 1 {
-            // Whether it was answered: it does not matter to what comes.
+            // Whether it was answered has no influence on the rest of the test.
             drop(frozen[0].answer());
         }
         for client in frozen.iter_mut() {
             let moved = step(client);
             println!("round {round}: {moved:?} after {:?}", thawed.elapsed());
-            // What came before it was frozen is read first.
+            // Samples from before the freeze are read first.
             client.run("joint-states --seconds 1");
             client.run("joint-states --count 100 --seconds 10");
         }
     }
-    // Feedback, and the latched status of goals, came to the readers that the client had before.
+    // The readers that the client had before received feedback and the latched status of goals.
     let moved = step(&mut clients[0]);
     assert!(moved["feedback"]["count"].as_u64() > Some(0), "{moved:?}");
     assert_eq!(moved["statuses"].as_array().and_then(|all| all.last()), Some(&"SUCCEEDED".into()), "{moved:?}");
-    // None of the goals was done twice.
+    // No goal was executed twice.
     let seen = clients[0].run(&format!("axis-states {NODE}"));
     let position = &seen.all().last().expect("a sample")["axes"]["turret"]["command_increments"];
     assert_eq!(position, &Value::from(6 * STEP), "{seen:?}");
@@ -320,7 +327,7 @@ fn step(client: &mut Peer) -> Observations {
     client.run(&format!("move {NODE} {how}"))
 }
 
-/// Waits until a line stands in the log so often.
+/// Waits until the log contains a line this number of times.
 #[track_caller]
 fn await_lines(program: &Program, line: &str, count: usize, patience: Duration) {
     let begun = Instant::now();
@@ -330,7 +337,7 @@ fn await_lines(program: &Program, line: &str, count: usize, patience: Duration) 
     }
 }
 
-/// The two have seen the same samples, as long as both were there.
+/// Checks that both have received the same samples while both were active.
 #[track_caller]
 fn same_stream(one: &Value, other: &Value) {
     let cycles = |seen: &Value| -> Vec<u64> {
@@ -349,13 +356,13 @@ fn same_stream(one: &Value, other: &Value) {
     assert!(missed.is_empty() && missed_too.is_empty(), "only one of them has seen {missed:?} and {missed_too:?}");
 }
 
-/// Samples that are no messages, on everything that the node reads, and texts of 10 MB wherever a text may stand.
+/// Sends samples that are no messages to everything that the node reads, and texts of 10 MB in each text field.
 #[test]
 fn nonsense_is_refused_and_does_nothing() {
     let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     let mut peer = Peer::cyclone(&domain);
-    peer.run(&format!("axes {NODE} enable x")); // so that something could move
+    peer.run(&format!("axes {NODE} enable x")); // so that a motion would be possible
     let before = program.figures();
     let read = peer.run(&format!("everything-read {NODE} --axis x --megabytes 10"));
     let between = program.figures();
@@ -373,18 +380,18 @@ fn nonsense_is_refused_and_does_nothing() {
     assert!(!log.contains("panicked"), "{log}");
     let longest = log.lines().map(str::len).max().unwrap_or(0);
     assert!(longest < 3000, "a line of {longest} bytes");
-    // The DDS library keeps them although they were taken, see Qos::depth and docs/node.md: some hundred MB.
+    // The DDS library keeps them although they were taken, see Qos::depth and docs/node.md: several hundred MB.
     assert!(after - before < 2500.0, "{before} MiB before, {after} MiB after");
 }
 
-/// A full disk, a terminal that is stopped, a journal that does not keep up: requests used to wait for it.
+/// A full disk, a stopped terminal, or a slow journal: an earlier version delayed requests until the log was written.
 #[test]
 fn a_log_that_nobody_reads_holds_nobody_up() {
     let _alone = alone();
     let folder = tempfile::tempdir().expect("a folder");
     let pipe = folder.path().join("stderr");
     mkfifoat(CWD, &pipe, Mode::RUSR | Mode::WUSR).expect("a pipe in a folder of this test");
-    // Open at both ends, so that the program finds a reader.
+    // Opened for reading and writing, so that the pipe has a reader when the program opens it.
     let unread = fs::OpenOptions::new().read(true).write(true).open(&pipe).expect("it was just made");
     let mut command = Command::new("sh");
     command.args(["-c", "exec \"$0\" run --ros-args --log-level debug 2>\"$1\"", env!("CARGO_BIN_EXE_lineshaft")]);

@@ -1,4 +1,4 @@
-//! The built-in demo on ROS 2, seen and driven by peers on Eclipse Cyclone DDS and Fast DDS.
+//! Tests the built-in demo on ROS 2 with peers on Eclipse Cyclone DDS and Fast DDS.
 //!
 //! The demo is the node /lineshaft with x and y (linear), turret (rotary) and the virtual axis line.
 
@@ -13,10 +13,10 @@ use lineshaft_msgs::srv::AxesCommand;
 use lineshaft_msgs::{Action, GetResult, Message, SendGoal, Service};
 use serde_json::{Value, json};
 
-/// Far more than the program needs to end.
+/// Much longer than the program needs to end.
 const EXIT: Duration = Duration::from_secs(20);
 
-/// A running demo and who talks to it.
+/// A running demo and its clients.
 struct Demo {
     cyclone: Peer,
     program: Program,
@@ -24,7 +24,7 @@ struct Demo {
 }
 
 impl Demo {
-    /// Returns when the demo publishes.
+    /// Starts the demo, and returns when it publishes.
     fn start() -> Self {
         let domain = Domain::take();
         let mut cyclone = Peer::cyclone(&domain);
@@ -33,7 +33,7 @@ impl Demo {
         Self { cyclone, program, domain }
     }
 
-    /// With x and turret enabled.
+    /// Starts the demo with x and turret enabled.
     fn enabled() -> Self {
         let mut demo = Self::start();
         demo.cyclone.run("axes /lineshaft enable x turret");
@@ -45,7 +45,7 @@ impl Demo {
         demo
     }
 
-    /// What axis_states says of an axis now.
+    /// Returns the present state of an axis from axis_states.
     fn axis(&mut self, axis: &str) -> Value {
         self.cyclone.run("axis-states /lineshaft")["axes"][axis].clone()
     }
@@ -70,7 +70,7 @@ fn both_peers_see_joint_states_at_100_hz() {
     }
 }
 
-/// Whoever subscribes without asking for the past gets none: an old status or error would look like news.
+/// A subscription without history gets none: an old status or error would look like a new one.
 #[test]
 fn a_volatile_reader_of_a_latched_topic_gets_what_comes_after_it() {
     let mut demo = Demo::enabled();
@@ -97,7 +97,7 @@ fn the_graph_shows_the_node_and_only_endpoints_that_exist() {
     }
 }
 
-/// As `ros2 topic info -v` of ROS 2 Jazzy, on a participant that starts after the node.
+/// Like `ros2 topic info -v` of ROS 2 Jazzy, on a participant that starts after the node.
 #[test]
 fn a_new_participant_sees_the_type_hash_of_every_endpoint() {
     let demo = Demo::start();
@@ -206,7 +206,8 @@ fn a_synchronized_axis_follows_the_line_exactly() {
         assert!(seen.all().len() > 10, "{} samples of the motion", seen.all().len());
         for sample in seen.all() {
             let (slave, master) = (command(&sample["axes"]["x"]) - x, command(&sample["axes"]["line"]) - line);
-            // The line's command has a fraction, which the gear uses: it lies between this increment and the next.
+            // The command of the line axis has a fraction, which the gear uses: it is between this increment and the
+            // next one.
             let geared = |master: i64| (355 * master).div_euclid(113);
             let between = geared(master)..=geared(master + 1);
             assert!(between.contains(&slave), "cycle {}: line at {master}, slave at {slave}", sample["cycle"]);

@@ -1,4 +1,4 @@
-//! What becomes of the machine, its clients and its goals when the ROS side is frozen, killed or attacked.
+//! Tests the machine, its clients and its goals while the ROS side is frozen, killed or attacked.
 
 use std::{
     path::PathBuf,
@@ -11,14 +11,14 @@ use crate::support::{domain::Domain, namespace, peer::Peer, program::Program, se
 use rustix::process::{Signal, kill_process};
 use serde_json::Value;
 
-/// Within this time a client has its answer again.
+/// A client gets an answer again within this time.
 const AGAIN: &str = "answered /lineshaft --seconds 20";
 
 fn seconds(seconds: f64) -> Duration {
     Duration::from_secs_f64(seconds)
 }
 
-/// The demo cell, with what `ros` says beside it.
+/// Returns the demo cell with additional keys in `ros`.
 fn cell(folder: &tempfile::TempDir, ros: &str) -> String {
     let demo = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
     let demo = std::fs::read_to_string(demo).expect("the demo cell");
@@ -43,7 +43,7 @@ fn axis(peer: &mut Peer, name: &str) -> Value {
     peer.run("axis-states /lineshaft").all().last().expect("a sample")["axes"][name].clone()
 }
 
-/// A node whose turret turns at 0.5 rad/s, and a client.
+/// Starts a node whose turret turns at 0.5 rad/s, and a client.
 fn turning(domain: &Domain) -> (Program, Peer) {
     let program = Program::start(&["run"], domain);
     let mut peer = Peer::cyclone(domain);
@@ -53,7 +53,7 @@ fn turning(domain: &Domain) -> (Program, Peer) {
     (program, peer)
 }
 
-/// An axis runs at a velocity, and its ROS side stops: nobody could halt it any more.
+/// An axis runs at a velocity, and its ROS side stops: no client could halt the axis.
 #[test]
 fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
     let domain = Domain::take();
@@ -71,7 +71,7 @@ fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
     Peer::fastdds(&domain).run("axes /lineshaft disable turret");
 }
 
-/// `on_loss: none`: the goal goes on, and the client that has given it gets its result from the next participant.
+/// `on_loss: none`: the goal continues, and the client that has sent it gets its result from the next participant.
 #[test]
 fn goals_outlive_the_ros_side_where_the_cell_says_so() {
     let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("a folder"));
@@ -90,7 +90,8 @@ fn goals_outlive_the_ros_side_where_the_cell_says_so() {
     program.until_log("the axes go on (on_loss: none)");
 }
 
-/// Ctrl-Z and fg, strace, a debugger: ROS goes on, and what was asked meanwhile is not done afterwards.
+/// Ctrl-Z and fg, strace, a debugger: ROS continues, and requests from the time of the freeze are not executed
+/// afterwards.
 #[test]
 fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
     let domain = Domain::take();
@@ -112,18 +113,19 @@ fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
     let error = error.expect("it is refused");
     assert!(error.contains("request_timeout of the cell is 2 s"), "{error}");
     assert_eq!(axis(&mut peer, "x")["state"], "DISABLED");
-    // A stop is never too late.
+    // A request to stop never expires.
     program.freeze();
     peer.tell("axes /lineshaft disable y");
     thread::sleep(seconds(2.5));
     program.thaw();
     assert_eq!(peer.answer().1, None);
     assert_eq!(axis(&mut peer, "y")["state"], "DISABLED");
-    // On a busy machine a late answer may be reported; the side is not lost for that.
+    // On a busy machine a late answer may be reported; the ROS side is not treated as lost for that reason.
     assert!(!program.log().contains("all axes halt"), "it was lost for nothing: {}", program.log());
 }
 
-/// A node that stands still for longer than any limit of its ROS side, 5 times `loss_timeout`, has not lost that side when it goes on.
+/// A node that is frozen for longer than any timeout of its ROS side, 5 times `loss_timeout`, has not lost that
+/// process when it continues.
 #[test]
 #[ignore = "long: .ci/nightly runs it"]
 fn a_program_that_was_frozen_for_long_has_not_lost_its_ros_side() {
@@ -138,7 +140,7 @@ fn a_program_that_was_frozen_for_long_has_not_lost_its_ros_side() {
     assert!(!program.log().contains("ROS side"), "it was lost for nothing: {}", program.log());
 }
 
-/// Both processes are killed, and with them nobody is left to say good-bye: the next one says it.
+/// Both processes are killed, so no process announces the end of the participant: the next node announces it.
 #[test]
 fn what_a_dead_node_was_asked_is_not_done_by_the_next_one() {
     let (domain, home) = (Domain::take(), tempfile::tempdir().expect("a folder"));
@@ -162,13 +164,13 @@ fn what_a_dead_node_was_asked_is_not_done_by_the_next_one() {
     assert_eq!((&x["state"], &x["command_increments"]), (&"DISABLED".into(), &0.into()), "{}", program.log());
 }
 
-/// One datagram used to fill the memory of the process, or to keep its thread for ever.
+/// In an earlier version one datagram could fill the memory of the process, or block its thread forever.
 #[test]
 fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     let domain = Domain::take();
     let program = Program::start(&["run"], &domain);
     for kind in ["heartbeat", "gap", "fragment"] {
-        // The node never hears that client again where its samples were said to be irrelevant.
+        // After its samples were declared irrelevant, the node receives nothing more from that client.
         let mut peer = Peer::cyclone(&domain);
         peer.run(AGAIN);
         let begun = Instant::now();
@@ -183,8 +185,8 @@ fn forged_datagrams_cost_the_ros_side_and_not_the_machine() {
     assert!(lines < 60, "{lines} lines of log: {}", program.log());
 }
 
-/// The DDS library waits for the acknowledgement of every reader, and best-effort readers never acknowledge: with one of them and a reliable
-/// one it kept all samples.
+/// The DDS library waits for the acknowledgement of every reader, and best-effort readers never acknowledge: with one
+/// of them and a reliable one it kept all samples.
 #[test]
 fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
     let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("a folder"));
@@ -203,14 +205,14 @@ fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
     let grown = program.memory_of_ros_side() - before;
     let received = seen["received"].as_u64().expect("a number");
     println!("{received} samples, {grown:.1} MiB more");
-    // A third of what is published: a busy machine leaves samples out.
+    // A third of the published samples: a busy machine omits some.
     assert!(received > 4000, "{seen:?}");
     // A kept sample took 0.6 kB.
     assert!(grown < received as f64 * 2e-4, "{grown} MiB for {received} samples");
 }
 
-/// The DDS library keeps some memory of all that it hears: a ROS side that has grown hands over to another one, while clients of both
-/// implementations ask, and come and go.
+/// The DDS library keeps some memory for all data that it receives: a ROS side that has grown is replaced by another
+/// one, while clients of both implementations send requests, join and leave.
 #[test]
 fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     let domain = Domain::take();
@@ -245,8 +247,9 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     }
 }
 
-/// Clients of both implementations come and go for 12 s, read what is latched and call the node, while others stay. On the loopback
-/// nothing is seen that either implementation cannot bear (tests/peers/rtps_check.py); a reader of Fast DDS that hangs fails the visits.
+/// Clients of both implementations join and leave for 12 s, read latched topics and call the node, while others stay.
+/// The loopback interface shows nothing that either implementation rejects (tests/peers/rtps_check.py); if a reader of
+/// Fast DDS hangs, the visits fail.
 #[test]
 fn other_dds_implementations_bear_what_the_node_sends() {
     if !namespace::is_inside(
@@ -255,7 +258,7 @@ fn other_dds_implementations_bear_what_the_node_sends() {
     ) {
         return;
     }
-    // As on Ethernet: a description of the node in the graph is longer than a datagram, and goes in fragments.
+    // As on Ethernet: the description of the node in the graph is longer than a datagram, and is sent in fragments.
     let status = Command::new("ip").args(["link", "set", "lo", "mtu", "1500"]).status();
     assert!(status.expect("ip was there for the namespace").success());
     let domain = Domain::take();
@@ -272,7 +275,7 @@ fn other_dds_implementations_bear_what_the_node_sends() {
     while begun.elapsed() < seconds(12.0) {
         fresh.run("first-replies /lineshaft --clients 3");
         other_visitors.run("newcomer /lineshaft");
-        // A latched value that changes while clients come: the status of goals.
+        // A latched value that changes while clients join: the status of goals.
         lasting.run("axes /lineshaft enable turret");
         lasting.run("move /lineshaft --axis turret --mode relative --units increments --position 10 --wait");
     }
@@ -282,15 +285,15 @@ fn other_dds_implementations_bear_what_the_node_sends() {
     assert!(seen["with_hash"].as_u64() > Some(100), "the endpoints are announced with their type hashes: {seen:?}");
 }
 
-/// The logs of two nodes of one name, whose endpoints come and go for a while; none where a ROS side was started again: a new side is
-/// another participant, and has to be told anew.
+/// Returns the logs of two nodes with the same name, whose endpoints are created and deleted for a while; `None` if a
+/// ROS side was restarted: the new process is another participant, for which the duplicate name is reported again.
 fn logs_of_namesakes(told: &str) -> Option<[String; 2]> {
     let domain = Domain::take();
     let programs = [Program::start(&["run"], &domain), Program::start(&["run"], &domain)];
     for program in &programs {
         wait_for(program, told, seconds(20.0));
     }
-    // Endpoints that come and go announce the node anew.
+    // New and deleted endpoints announce the node again.
     let mut peer = Peer::cyclone(&domain);
     peer.run("answered /lineshaft --seconds 20");
     let logs = programs.map(|mut program| {
@@ -301,11 +304,11 @@ fn logs_of_namesakes(told: &str) -> Option<[String; 2]> {
     logs.iter().all(|log| !log.contains("it is started again")).then_some(logs)
 }
 
-/// Clients reach either of two nodes of one name: each says so once.
+/// Clients reach either of two nodes of one name: each node reports this once.
 #[test]
 fn two_nodes_of_one_name_are_told_once_each() {
     let told = "has a node /lineshaft, too";
-    // On a machine that is busy enough a ROS side may be started again.
+    // On a very busy machine a ROS side may be restarted.
     let logs = (0..3).find_map(|_| logs_of_namesakes(told)).expect("three runs, and in each a ROS side began anew");
     for log in logs {
         assert_eq!(log.matches(told).count(), 1, "once each: {log}");

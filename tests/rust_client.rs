@@ -1,9 +1,9 @@
-//! A client in Rust, as its users write it: docs/rust_client.md.
+//! Tests the example of a client in Rust: docs/rust_client.md.
 
 use crate::support::{domain::Domain, program::Program};
 use rust_client::Lineshaft;
 
-/// Over both mappings of services the node answers; `ros2-client` speaks one of them.
+/// The node answers both mappings of services; `ros2-client` uses one of them.
 #[test]
 fn a_client_in_rust_enables_an_axis_moves_it_and_reads_its_joint() {
     let domain = Domain::take();
@@ -27,7 +27,7 @@ fn a_client_in_rust_enables_an_axis_moves_it_and_reads_its_joint() {
         let way: Vec<f64> = moved.feedback.iter().map(|feedback| feedback.distance_to_go).collect();
         assert!(way.len() >= 2 && way.is_sorted_by(|before, after| before >= after), "{way:?}");
 
-        // Beyond its end: accepted, and aborted with the sentence.
+        // Beyond its limit: accepted, and aborted with the message.
         let beyond = lineshaft.move_to("x", 9.0).await.expect("an answer");
         assert_eq!(beyond.status as i8, 6);
         assert!(beyond.result.message.contains("max_position"), "{}", beyond.result.message);

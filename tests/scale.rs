@@ -1,6 +1,7 @@
-//! A cell of 64 axes: what it costs, and that it works. The figures stand in docs/node.md.
+//! Tests a cell of 64 axes and measures its processor load. The figures are in docs/node.md.
 //!
-//! `cargo test --release --workspace --test end_to_end scale -- --nocapture` repeats them; `LINESHAFT_LONG=1` measures for 60 s.
+//! `cargo test --release --workspace --test end_to_end scale -- --nocapture` repeats them; `LINESHAFT_LONG=1` measures
+//! for 60 s.
 
 use std::{env, fmt::Write, fs, path::Path, thread, time::Duration};
 
@@ -8,7 +9,7 @@ use crate::support::{domain::Domain, peer::Peer, program::Program};
 
 const AXES: usize = 64;
 
-/// A cell of linear axes, a quarter of them without a motor, at 100 states a second.
+/// Returns a cell of linear axes, a quarter of them without a motor, at 100 states a second.
 fn cell(cycle: &str) -> String {
     let mut cell = format!(
         "lineshaft: 1\ncycle: {cycle}\nros: {{joint_states_rate: 100, axis_states_rate: 100}}\n\
@@ -36,7 +37,7 @@ fn start(folder: &Path, cycle: &str, domain: &Domain) -> Program {
     Program::start(&["run", path.to_str().expect("a name of this test")], domain)
 }
 
-/// Work of the program in a while (% of one processor).
+/// Returns the processor load of the program during a time (% of one processor).
 fn load(program: &Program, length: Duration) -> f64 {
     let before = program.figures().worked;
     thread::sleep(length);
@@ -90,7 +91,7 @@ fn sixty_four_axes_are_found_served_and_moved() {
     }
 }
 
-/// The one at `place` of ascending times, in ms.
+/// Returns the element at index `place` of ascending times, in ms.
 fn ms(times: &[f64], place: usize) -> f64 {
     1000.0 * times[place]
 }

@@ -1,4 +1,4 @@
-//! What leads as a client on Cyclone DDS sees it on `~/shaft`.
+//! Tests the topic `~/shaft`, which publishes the leaders (sources of position), with a client on Cyclone DDS.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use crate::support::{
 };
 use serde_json::{Value, json};
 
-/// 1000 inc in a mm of both.
+/// Both have 1000 inc per mm.
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -24,7 +24,7 @@ axes:
   line: {type: linear, scale: {increments: 1000, per: 1 mm}, drive: virtual, max_velocity: 1 m/s, max_acceleration: 20 m/s^2}
 ";
 
-/// The belt is at 7 k in cycle k, until its line is cut.
+/// The belt is at 7 k in cycle k, until its encoder signal is lost.
 const SCENARIO: &str = "
 scenario: a belt that is lost
 for: 600 s
@@ -72,7 +72,8 @@ fn real(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// Position in units of 2^-32 inc, of which the fraction is a whole number; JSON may miss its last digit.
+/// Returns the position in units of 2^-32 inc; in these units the fraction is a whole number. JSON may lose its last
+/// digit.
 fn raw(leader: &Value) -> i128 {
     let fraction = real(&leader["fraction"]) * 4_294_967_296.0;
     assert!((fraction - fraction.round()).abs() < 1e-3 && (0.0..4_294_967_296.0).contains(&fraction), "{leader}");
@@ -85,7 +86,7 @@ fn a_client_reads_every_leader_of_each_cycle_of_the_rate() {
     let mut shaft = Shaft::start("50 Hz");
     shaft.cyclone.run("params /lineshaft set machine.setsys_15=333");
     shaft.cyclone.run("move /lineshaft --axis line --mode velocity --velocity 0.0123457");
-    // Until it has that velocity.
+    // Until it has reached that velocity.
     shaft.told(5);
     let seen = shaft.told(20);
     let mut before: Option<(i128, i128, i128)> = None;
@@ -100,7 +101,7 @@ fn a_client_reads_every_leader_of_each_cycle_of_the_rate() {
         }
         assert_eq!((raw(belt), real(&belt["velocity_increments"])), ((7 * cycle) << 32, 7_000.0));
         assert_eq!((real(&belt["position"]), real(&belt["velocity"])), ((7 * cycle) as f64 / 1e6, 0.007));
-        // ~/axis_states of the same cycle says the same of its command.
+        // ~/axis_states of the same cycle shows the same command position.
         let axis = &told["axes"]["line"];
         assert_eq!(line["position_increments"], axis["command_increments"]);
         assert_eq!((&line["position"], &line["velocity"]), (&axis["command_position"], &axis["command_velocity"]));

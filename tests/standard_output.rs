@@ -1,4 +1,5 @@
-//! Standard output that cannot be written: a full disk is reported with exit code 1, a closed pipe ends a command quietly.
+//! Tests errors of standard output: a full disk is reported with exit code 1, a closed pipe ends a command without a
+//! message.
 
 use crate::support::machine::share;
 use std::collections::BTreeSet;
@@ -6,7 +7,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// Commands that print and need neither a bus nor ROS, with what they read in the folder of [`Bench`].
+/// Commands that print and need neither a bus nor ROS; the files that they read are in the folder of [`Bench`].
 const PRINT: [&str; 44] = [
     "--help",
     "--version",
@@ -98,7 +99,7 @@ impl Bench {
             .expect("it ends")
     }
 
-    /// Removes what `program new` and `new` have made, so that they can run again.
+    /// Removes the output of `program new` and `new`, so that they can run again.
     fn clear(&self) {
         let _ = fs::remove_dir_all(self.path("speed"));
         for name in ["made.yaml", "made.scenario.yaml"] {
@@ -143,7 +144,7 @@ fn closed_pipe_ends_every_command_quietly_with_its_usual_exit_code() {
     }
 }
 
-/// A command that has failed keeps its exit code: 2 is a bad file, whether its report could be written or not.
+/// A failed command keeps its exit code: 2 is a bad file, even if its report could not be written.
 #[test]
 fn failed_command_keeps_its_exit_code_on_a_full_disk() {
     let bench = Bench::new();
@@ -173,11 +174,12 @@ fn closed_standard_error_keeps_the_exit_code() {
 /// A new command has to be added to [`PRINT`], or here with the reason.
 #[test]
 fn every_command_of_the_help_is_tried() {
-    // `run` prints a report only after a scenario in real time; `can` needs a bus, the next ones a node; `man` prints nothing.
+    // `run` prints a report only after a scenario in real time; `can` needs a bus, the next ones a node; `man` prints
+    // nothing.
     let other = ["run", "can", "state", "enable", "disable", "reset", "home", "halt", "move", "jog", "man"];
     let help = text(&Bench::new().run("--help", Stdio::piped()).stdout);
     let commands = help.split("Commands:\n").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("a list");
-    // Longer explanations go on further to the right.
+    // Lines of longer descriptions have a deeper indent.
     let names = commands.lines().filter_map(|line| line.strip_prefix("  ").filter(|line| !line.starts_with(' ')));
     let names: BTreeSet<_> = names.filter_map(|line| line.split(' ').next()).collect();
     let tried: BTreeSet<_> = PRINT.iter().filter_map(|line| line.split(' ').next()).chain(other).collect();

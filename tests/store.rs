@@ -1,6 +1,6 @@
-//! What was saved outlives the program: restarts, kills at any moment, files that are damaged, recordings.
+//! Tests that saved parameters persist: restarts, kills at any moment, damaged files, recordings.
 //!
-//! `LINESHAFT_LONG=1` kills a thousand times.
+//! `LINESHAFT_LONG=1` kills the program a thousand times.
 
 mod killed;
 mod node;
@@ -17,7 +17,7 @@ use lineshaft::{cell::Cell, store::Store};
 use lineshaft_core::parameter::AxisParameters;
 use tempfile::TempDir;
 
-/// The cell of all these tests.
+/// Returns the path of the cell of all these tests.
 fn cell() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/parameters.yaml")
 }
@@ -39,7 +39,7 @@ impl Bench {
         self.path(name)
     }
 
-    /// `lineshaft sim` with these steps and the store; what it said, and its code.
+    /// Runs `lineshaft sim` with these steps and the store; returns its exit code and its output.
     fn sim(&self, store: &str, steps: &str) -> (Option<i32>, String) {
         let _machine = share();
         let scenario = self.write("scenario.yaml", &format!("scenario: test\nfor: 300 ms\nsteps:\n{steps}"));
@@ -48,7 +48,7 @@ impl Bench {
         said(&command.output().expect("the program starts"))
     }
 
-    /// As [`Bench::sim`]; panics unless the scenario passes.
+    /// Like [`Bench::sim`]; panics unless the scenario passes.
     #[track_caller]
     fn plays(&self, store: &str, steps: &str) -> String {
         let (code, text) = self.sim(store, steps);
@@ -66,7 +66,8 @@ fn said(output: &Output) -> (Option<i32>, String) {
     (output.status.code(), text)
 }
 
-/// What a store holds, as the library reads it: its generation, and line and x at the start.
+/// Returns the contents of a store as the library reads it: its generation, and the parameters of line and x at the
+/// start.
 fn read(path: &Path) -> (u64, AxisParameters, AxisParameters) {
     let mut machine = Cell::load(&cell()).expect("the cell").machine;
     let store = Store::open(path).unwrap_or_else(|error| panic!("{error}"));

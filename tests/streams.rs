@@ -1,5 +1,5 @@
-//! `~/jog` and `~/setpoints` as publishers on Cyclone DDS and Fast DDS give them: what moves, what ends it, what is refused, and what a
-//! recording of it is worth.
+//! Tests `~/jog` and `~/setpoints` with publishers on Cyclone DDS and Fast DDS: motion, end of motion, refusals, and
+//! the replay of a recording.
 
 use std::{
     process::Command,
@@ -14,7 +14,7 @@ use crate::support::{
 };
 use serde_json::Value;
 
-/// The built-in demo with x and y switched on, recorded, and who listens to it. Its axes have setpoint_timeout 100 ms.
+/// The built-in demo with x and y enabled, recorded, and its listener. Its axes have setpoint_timeout 100 ms.
 struct Demo {
     listener: Peer,
     program: Program,
@@ -27,7 +27,7 @@ impl Demo {
         let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("room for a folder"));
         let mut listener = Peer::cyclone(&domain);
         let bag = folder.path().join("run").display().to_string();
-        // Parts of 2 s: a file may begin while something streams.
+        // Files of 2 s: a file may begin while setpoints are streamed.
         let arguments = ["run", "--flight-recorder", "0", "--record", &bag, "--max-bag-duration", "2"];
         let program = Program::start(&arguments, &domain);
         listener.run("axis-states /lineshaft");
@@ -44,7 +44,7 @@ impl Demo {
         self.axis(axis)["command_increments"].as_i64().expect("whole increments")
     }
 
-    /// Waits until an axis stands.
+    /// Waits until an axis is at rest; returns its position.
     #[track_caller]
     fn stands(&mut self, axis: &str) -> i64 {
         for _ in 0..100 {
@@ -58,12 +58,12 @@ impl Demo {
         panic!("{axis} does not come to rest");
     }
 
-    /// The texts of all events of a kind since the last look.
+    /// Returns the texts of all events of a kind since the last call.
     fn events(&mut self, kind: &str) -> Vec<String> {
         self.events_of(&[kind])
     }
 
-    /// The texts of all events of these kinds since the last look.
+    /// Returns the texts of all events of these kinds since the last call.
     fn events_of(&mut self, kinds: &[&str]) -> Vec<String> {
         thread::sleep(Duration::from_millis(200));
         let seen = self.listener.run("events /lineshaft");
@@ -72,7 +72,7 @@ impl Demo {
         wanted.filter_map(|message| message["text"].as_str().map(str::to_owned)).collect()
     }
 
-    /// Ends the run as Ctrl-C does; what was recorded must replay without a difference.
+    /// Ends the run with the signal of Ctrl-C; the recording must replay without a difference.
     #[track_caller]
     fn end(mut self) {
         self.program.end();
@@ -91,13 +91,13 @@ fn a_jog_moves_while_it_comes_and_its_silence_is_a_controlled_stop_with_a_warnin
     let start = demo.position("x");
     hand.run("stream /lineshaft jog --axis x=0.05 --seconds 1");
     let end = demo.stands("x");
-    // 50 mm in 1 s, and 5 mm more until the silence is noticed; between two computers under load much may be late.
+    // 50 mm in 1 s, and 5 mm more until the timeout; with two computers under load many messages may be late.
     assert!(end > start, "{start} to {end}");
-    // Once, or more often where the publisher itself was held up.
+    // Once, or more often if the publisher itself was delayed.
     let warnings = demo.events("warning");
     assert!(!warnings.is_empty() && warnings.len() <= 10, "{warnings:?}");
     assert!(warnings.iter().all(|text| text == "x: streamed setpoints stopped coming"), "{warnings:?}");
-    // As long as it asks for, and no warning at its end.
+    // The jog lasts as long as its message requests, and ends without a warning.
     hand.run("stream /lineshaft jog --axis x=-0.05 --duration 0.05");
     assert!(demo.stands("x") < end);
     assert_eq!(demo.events("warning"), [""; 0]);
@@ -108,7 +108,7 @@ fn a_jog_moves_while_it_comes_and_its_silence_is_a_controlled_stop_with_a_warnin
 fn a_publisher_that_is_killed_stops_its_axis_and_no_other() {
     let mut demo = Demo::start();
     let (mut hand, mut machine) = (Peer::cyclone(&demo.domain), Peer::cyclone(&demo.domain));
-    // Started and matched, so that the two begin together on a busy machine too.
+    // Both are started and matched, so that they begin together on a busy machine, too.
     machine.run("stream /lineshaft setpoints --axis y=0.01");
     hand.run("stream /lineshaft jog --axis x=0.02");
     demo.stands("x");
@@ -152,7 +152,7 @@ fn what_is_refused_moves_nothing_and_says_why() {
         ("setpoints --axis x=0.01 --axis x=0.01", "axis `x` stands twice"),
         ("setpoints --axis x=0.01 --age 5", "ms old by its stamp"),
     ] {
-        // More often than a sentence is told.
+        // The node limits the rate of equal warnings to one per second.
         thread::sleep(Duration::from_millis(1100));
         hand.run(&format!("stream /lineshaft {message} --seconds 0.1 --rate 200"));
         let refused = demo.events("refused");
@@ -163,7 +163,7 @@ fn what_is_refused_moves_nothing_and_says_why() {
         }
         assert_eq!(demo.position("x"), start, "{message}");
     }
-    // A stamp of now is taken.
+    // A present time stamp is accepted.
     hand.run("stream /lineshaft setpoints --axis x=0.02 --age 0 --seconds 0.2");
     assert!(demo.stands("x") > start);
     demo.end();
@@ -176,7 +176,7 @@ fn a_stream_that_finds_no_free_axis_is_told_once() {
     hand.run("stream /lineshaft jog --axis turret=0.1 --seconds 0.4 --rate 100");
     let off = "turret: streamed setpoints are not followed: the axis is not enabled; enable it first";
     let warnings = demo.events("warning");
-    // Under load a pause may have come between.
+    // Under load there may have been a gap.
     assert!(!warnings.is_empty() && warnings.len() < 10 && warnings.iter().all(|text| text == off), "{warnings:?}");
     demo.listener.run("move /lineshaft --axis x --position 0.5 --velocity 0.05");
     hand.run("stream /lineshaft jog --axis x=-0.05 --seconds 0.4 --rate 100");
@@ -188,17 +188,17 @@ fn a_stream_that_finds_no_free_axis_is_told_once() {
     demo.end();
 }
 
-/// x ends at -50 mm, with 1048576 inc for 10 mm.
+/// The limit of x is -50 mm, with 1048576 inc for 10 mm.
 const LIMIT: i64 = -5 * 1_048_576;
 
-/// With error_reaction 0, the default of a cell, an error takes the power.
+/// With error_reaction 0, the default of a cell, an error switches the drive off.
 #[test]
 fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
     let mut demo = Demo::start();
     let mut hand = Peer::cyclone(&demo.domain);
     demo.listener.run("params /lineshaft set x.error_reaction=0");
     let jog_until = |demo: &mut Demo, hand: &mut Peer, is_there: fn(&Value) -> bool| {
-        // A publisher that is held up stops the axis on its way.
+        // If the publisher is delayed, the axis stops before the limit.
         let ends = (0..20).any(|_| {
             hand.run("stream /lineshaft jog --axis x=-0.1 --seconds 1");
             is_there(&demo.axis("x"))
@@ -219,7 +219,7 @@ fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
         let axis = demo.axis("x");
         assert_eq!((axis["enabled"].as_bool(), axis["error_code"].as_i64()), (Some(true), Some(0)), "{axis}");
         assert_eq!(told(&mut demo), ["x: stopped at min_position -50 mm"]);
-        // 50 messages further into it, after a silence.
+        // 50 more messages towards the limit, after a gap.
         jog_until(&mut demo, &mut hand, is_at_limit);
         assert_eq!((demo.stands("x"), told(&mut demo)), (LIMIT, Vec::new()));
         hand.run("stream /lineshaft jog --axis x=0.1 --seconds 0.3");
@@ -232,7 +232,8 @@ fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
     demo.end();
 }
 
-/// The same for a client on Fast DDS, the default of ROS 2, which jogs and sees the state of the axis and its one event.
+/// The same for a client on Fast DDS, the default of ROS 2, which jogs and receives the state of the axis and its one
+/// event.
 #[test]
 fn jog_from_fast_dds_stops_at_the_software_limit_and_its_client_sees_it() {
     let mut demo = Demo::start();
@@ -240,7 +241,7 @@ fn jog_from_fast_dds_stops_at_the_software_limit_and_its_client_sees_it() {
     let starts = hand.run("axis-states /lineshaft")["axes"]["x"].clone();
     assert_eq!((&starts["state"], starts["command_increments"].as_i64()), (&"STANDSTILL".into(), Some(0)), "{starts}");
     hand.run("events /lineshaft");
-    // A publisher that is held up stops the axis on its way.
+    // If the publisher is delayed, the axis stops before the limit.
     let comes = (0..40).any(|_| {
         hand.run("stream /lineshaft jog --axis x=-0.1 --seconds 0.3");
         hand.run("axis-states /lineshaft")["axes"]["x"]["command_increments"] == LIMIT
@@ -253,7 +254,7 @@ fn jog_from_fast_dds_stops_at_the_software_limit_and_its_client_sees_it() {
         (&limit["source"], &limit["code"], &limit["increments"], &limit["text"]),
         (&"x".into(), &10_203.into(), &LIMIT.into(), &"x: stopped at min_position -50 mm".into())
     );
-    // Further into it, after a silence: nothing moves, and nothing more is reported.
+    // More messages towards the limit, after a gap: no motion, and no further report.
     hand.run("stream /lineshaft jog --axis x=-0.1 --seconds 0.3");
     let x = hand.until_axis("x", "stands at its limit", |x| x["state"] == "STANDSTILL");
     assert_eq!(
@@ -270,7 +271,7 @@ fn jog_from_fast_dds_stops_at_the_software_limit_and_its_client_sees_it() {
     demo.end();
 }
 
-/// The events of limits and errors among what a peer has seen.
+/// Returns the events of limits and errors that a peer has received.
 fn limits(seen: &Observations) -> Vec<&Value> {
     let messages = seen.all().iter().filter_map(|one| one.get("message"));
     messages.filter(|message| message["kind"] == "limit" || message["kind"] == "error").collect()

@@ -1,11 +1,12 @@
-//! Steps of the system clock, as libfaketime shows them to the node and its clients: the clock of the machine is never set.
+//! Tests steps of the system clock, which libfaketime simulates for the node and its clients: the clock of the machine
+//! is never set.
 
 use std::{fs, path::PathBuf, process::Command};
 
 use crate::support::{bag_check::bag_check, domain::Domain, machine::alone, peer::Peer, program::Program, setup};
 use serde_json::Value;
 
-/// Begins a peer with variables of its own.
+/// Starts a peer with additional environment variables.
 type Begin = fn(&Domain, Vec<(&str, String)>) -> Peer;
 
 /// The built-in demo, recorded, and a client; both have the system clock of the file.
@@ -26,7 +27,7 @@ impl Bench {
         program.args(["run", "--max-bag-duration", "2", "--record"]).arg(folder.path().join("run"));
         program.arg("--flight-folder").arg(folder.path().join("flight")).envs(fake(&file));
         let program = Program::start_by(program, &domain);
-        // A participant of Fast DDS that begins together with the program may get no topic of it.
+        // A participant of Fast DDS that starts together with the program may receive no topic of it.
         program.until_log("the node is active");
         let mut client = client(&domain, fake(&file));
         client.run("axis-states /lineshaft");
@@ -45,7 +46,7 @@ impl Bench {
         seen.all().iter().filter(|one| one.get("step").is_some()).cloned().collect()
     }
 
-    /// A newcomer and the client move x, there and back.
+    /// A new client and the existing one move x forward and back.
     #[track_caller]
     fn works_for(&mut self, newcomer: &mut Peer) {
         for client in [newcomer, &mut self.client] {
@@ -55,7 +56,7 @@ impl Bench {
         }
     }
 
-    /// Ends the run as Ctrl-C does; what was recorded must replay without a difference.
+    /// Ends the run with the signal of Ctrl-C; the recording must replay without a difference.
     #[track_caller]
     fn end(&mut self) {
         self.program.end();
@@ -66,7 +67,7 @@ impl Bench {
     }
 }
 
-/// What makes a process read the system clock of the file.
+/// Returns the environment variables that give a process the system clock of the file.
 fn fake(file: &std::path::Path) -> Vec<(&'static str, String)> {
     vec![
         ("LD_PRELOAD", setup::fake_clock().display().to_string()),
@@ -77,7 +78,8 @@ fn fake(file: &std::path::Path) -> Vec<(&'static str, String)> {
 }
 
 /// Each step is reported within a second by one event and one line, before any stamp of joint_states, axis_states,
-/// diagnostics or cycle_statistics shows it; events and lines of `/rosout` show it from then on. Bags keep steady log times and replay.
+/// diagnostics or cycle_statistics shows it; events and lines of `/rosout` show it from then on. Bags keep steady log
+/// times and replay.
 #[test]
 fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
     let _alone = alone();
@@ -90,7 +92,7 @@ fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
         assert_eq!((&one["kind"], &one["severity"]), (&"warning".into(), &1.into()), "{one}");
         let second = |value: &Value| value.as_f64().expect("a time") < 1.0;
         assert!(second(&one["event_s"]), "{one}");
-        // The others come once a second.
+        // The other topics are published once a second.
         assert!(
             ["/joint_states", "/lineshaft/axis_states"].iter().all(|topic| second(&one["shown_s"][topic])),
             "{one}"
@@ -99,7 +101,7 @@ fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
         assert_eq!(log.lines().filter(|line| line.contains(text)).count(), 1, "{log}");
     }
     bench.end();
-    // From one log time to the next no more passes than in the run.
+    // The span of the log times does not exceed the duration of the run.
     let bag = bench.path("run");
     let span = bag_check(["rosbags", &bag.display().to_string()]);
     let (start, end) = (span["start_ns"].as_i64(), span["end_ns"].as_i64());
@@ -107,8 +109,8 @@ fn stamps_follow_the_system_clock_after_the_event_that_reports_it() {
     assert!((1..300).contains(&seconds), "{span:?}");
 }
 
-/// The DDS library stops reading announcements of participants where time goes back: without a new ROS side the node would lose this client
-/// after its lease (10 s), and never find another one.
+/// The DDS library stops reading announcements of participants when time goes back: without a new ROS side the node
+/// would lose this client after its lease (10 s), and never discover another one.
 #[test]
 fn node_works_on_after_steps_of_the_system_clock() {
     let mut bench = Bench::start(Peer::cyclone_with);
@@ -122,8 +124,8 @@ fn node_works_on_after_steps_of_the_system_clock() {
     bench.end();
 }
 
-/// The same for clients on Fast DDS, the default of ROS 2: the event of each step, then the stamps of all topics that follow it, and answers
-/// after a step back, of a client that was there and of a new one.
+/// The same for clients on Fast DDS, the default of ROS 2: the event of each step, then the stamps of all topics that
+/// follow it, and answers after a step back, for an existing client and for a new one.
 #[test]
 fn clients_on_fast_dds_see_stamps_follow_the_system_clock_and_work_on() {
     let mut bench = Bench::start(Peer::fastdds_with);

@@ -1,4 +1,4 @@
-//! `lineshaft table` as a user meets it at the prompt: what it writes and says, and with which code it ends.
+//! Tests `lineshaft table` on the command line: its output, its messages and its exit codes.
 
 use crate::support::machine::share;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path)
 }
 
-/// A folder with the example's description, in which the program runs.
+/// A folder with the description of the example, used as the working folder.
 struct Bench(tempfile::TempDir);
 
 impl Bench {
@@ -55,7 +55,7 @@ impl Bench {
         command.output().expect("the program starts")
     }
 
-    /// What a command says that goes well.
+    /// Runs a command that must succeed; returns its output.
     fn good(&self, line: &str) -> String {
         let output = self.run(line);
         let said = text(&output.stderr);
@@ -63,7 +63,7 @@ impl Bench {
         text(&output.stdout)
     }
 
-    /// What a command complains of that ends with 2.
+    /// Runs a command that must end with code 2; returns its message.
     fn bad(&self, line: &str) -> String {
         let output = self.run(line);
         assert_eq!(output.status.code(), Some(2), "{line}: {}{}", text(&output.stdout), text(&output.stderr));
@@ -75,7 +75,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).expect("text")
 }
 
-/// The values of a CSV file of one column.
+/// Returns the values of a CSV file of one column.
 fn values(text: &str) -> Vec<i64> {
     text.lines().filter(|line| !line.starts_with('#')).map(|line| line.parse().expect(line)).collect()
 }
@@ -90,7 +90,8 @@ fn a_description_becomes_a_table_that_a_cell_takes() {
     assert!(csv.starts_with(head), "{csv}");
     let points = values(&csv);
     assert_eq!((points.len(), points[0], points[1000]), (1001, 0, 0));
-    // A point every 20 inc: it stands up to 5000, is half up at 8500, up at 12000, half down at 16000.
+    // A point every 20 inc: dwell up to 5000, half of the rise at 8500, end of the rise at 12000, half of the fall at
+    // 16000.
     assert_eq!([points[250], points[425], points[600], points[800]], [0, 4000, 8000, 4000]);
     // By the law of VDI 2143: 16000 is z = 1/2; at 14000, z = 1/4, f = 10/64 - 15/256 + 6/1024 = 0.103515625.
     assert_eq!(points[700], (8000.0_f64 * (1.0 - 0.103_515_625)).round() as i64);
@@ -157,7 +158,8 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
     let mut lines = said.lines();
     let first = "knife.yaml: 3 segments, 1001 points of form y, cyclic; period 20000 inc of the master, way 0 inc";
     assert_eq!(lines.next(), Some(first));
-    // Cv, Ca and Cj of the modified sine by 8000 inc in 7000 inc: 4 pi / (4 + pi), 4 pi^2 / (4 + pi), 16 pi^3 / (4 + pi).
+    // Cv, Ca and Cj of the modified sine by 8000 inc in 7000 inc: 4 pi / (4 + pi), 4 pi^2 / (4 + pi), 16 pi^3 / (4 +
+    // pi).
     let pi = std::f64::consts::PI;
     let of = |factor: f64, order: i32| factor / (4.0 + pi) * 8000.0 / 7000.0_f64.powi(order);
     for (name, value, at) in [
@@ -174,7 +176,8 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
     }
     assert_eq!(lines.next(), None);
 
-    // The rise is the steepest, the end of it brakes as hard as it begins: the deceleration has half of the limit, and binds.
+    // The rise is the steepest segment, and its end decelerates as much as its start accelerates: the deceleration has
+    // half of the limit, so it is decisive.
     let fastest = (200_000.0 / of(4.0 * pi * pi, 2)).sqrt();
     assert!(40_000.0 / of(4.0 * pi, 1) > fastest && (1e8 / of(16.0 * pi.powi(3), 3)).cbrt() > fastest);
     let slow = bench.good("check knife.yaml --cell cell.yaml --axis knife --master-speed 10000");
@@ -194,7 +197,7 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
         "{}",
         text(&fast.stdout)
     );
-    // Without a speed there is no verdict, and the fastest speed all the same.
+    // Without a speed there is no verdict; the fastest speed is still shown.
     let alone = bench.good("check knife.yaml --cell cell.yaml --axis knife");
     assert!(alone.contains(&wanted) && !alone.contains("ok"), "{alone}");
     assert_eq!(
@@ -203,7 +206,7 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
     );
 }
 
-/// 2.01098 inc/inc at 20 mm/s of the belt, 20000 inc/s, are 40.22 mm/s of the knife, which permits 40.
+/// 2.01098 inc/inc at 20 mm/s of the belt, 20000 inc/s, are 40.22 mm/s of the knife, whose limit is 40.
 #[test]
 fn speed_of_a_master_has_units_and_without_one_is_max_velocity_of_the_leader() {
     let bench = Bench::new();
@@ -295,7 +298,8 @@ fn points_are_checked_by_differences_which_is_said() {
     assert_eq!(bench.bad("check corners.csv"), missing);
 }
 
-/// Twelve points of 1000000 sin x: the spline is within 2 % of 1000000 (2 pi / 12000)^2 and ^3, where lines bend at once.
+/// Twelve points of 1000000 sin x: the derivatives of the spline are within 2 % of 1000000 (2 pi / 12000)^2 and ^3;
+/// with straight lines, the slope would step.
 #[test]
 fn a_spline_is_checked_by_its_own_derivatives() {
     let bench = Bench::new();
@@ -355,7 +359,7 @@ fn tables_are_converted_there_and_back() {
         assert!(said.contains(&format!("{file} exists and is more than a table, so it is not replaced")), "{said}");
         assert_eq!(bench.read(file), before);
     }
-    // As it stands in a cell.
+    // Inside a whole cell.
     bench.write("whole.yaml", &format!("{CELL}{snippet}"));
     bench.good("convert whole.yaml cell.csv --name knife");
     assert_eq!(bench.read("cell.csv"), bench.read("back.csv"));
@@ -410,7 +414,7 @@ fn both_kinds_of_file_are_drawn_the_same_each_time() {
     assert_eq!(bench.bad("plot knife.yaml -o knife.pdf"), "error: knife.pdf ends with neither .svg nor .png\n");
 }
 
-/// docs/cams.md shows what the program says and draws.
+/// docs/cams.md shows the output and the drawing of the program.
 #[test]
 fn the_page_shows_what_check_says() {
     let bench = Bench::new();

@@ -1,5 +1,5 @@
-//! `~/probe_axis` on an active input, `~/touch_probe`, `~/abort_trigger`, and `~/set_position` of an axis that moves, as a client on Cyclone DDS sees
-//! them (`~/probe_axis` also one on Fast DDS), and what a recording of them is worth.
+//! Tests `~/probe_axis` on an active input, `~/touch_probe`, `~/abort_trigger`, and `~/set_position` of a moving axis
+//! with a client on Cyclone DDS (`~/probe_axis` also with one on Fast DDS), and the replay of a recording.
 
 use std::{fs, process::Command};
 
@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 const PROBE_INPUT_ACTIVE: u32 = 10270;
 
-/// A sensor sees marks along x, 2 mm long, that begin at 5 mm, 15 mm, 25 mm..
+/// A sensor detects marks along x, 2 mm long, that begin at 5 mm, 15 mm, 25 mm..
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -31,7 +31,7 @@ struct Node {
 }
 
 impl Node {
-    /// With its axes on.
+    /// Starts the node with its axes enabled.
     fn start(args: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         fs::write(folder.path().join("cell.yaml"), CELL).expect("room for a file");
@@ -62,7 +62,7 @@ impl Node {
         assert!(error.contains(sentence), "{request}: {error}");
     }
 
-    /// Events of a kind of x since the last look: so many, and no more within 0.3 s.
+    /// Returns the events of a kind of x since the last call: exactly `count`, and no more within 0.3 s.
     #[track_caller]
     fn events(&mut self, kind: &str, count: usize) -> Vec<Value> {
         let mut found = Vec::new();
@@ -79,7 +79,7 @@ impl Node {
     }
 }
 
-/// Places that events tell (inc), to what the straight line of a cycle of the way rounds.
+/// Checks the positions of events (inc), with the rounding error of linear interpolation within a cycle.
 #[track_caller]
 fn are_at(events: &[Value], places: &[i64]) {
     let told: Vec<i64> = events.iter().map(|event| event["increments"].as_i64().expect("increments")).collect();
@@ -98,7 +98,7 @@ fn a_probe_of_an_active_input_is_refused_before_motion_and_may_be_allowed() {
     assert!(seen["result"]["message"].as_str().expect("a sentence").starts_with(sentence), "{seen:?}");
     let x = node.axis("x");
     assert_eq!((&x["state"], &x["command_increments"]), (&json!("STANDSTILL"), &json!(6_000)), "{x}");
-    // The edge that the input can have next is searched for: the mark ends at 7 mm.
+    // Searches for the next possible edge of the input: the mark ends at 7 mm.
     let seen = node.cyclone.run(&format!("{probe} --edge falling"));
     let probed = seen["result"]["probed_increments"].as_i64().expect("increments");
     assert!(seen["result"]["probed"] == true && (probed - 7_000).abs() <= 1, "{seen:?}");
@@ -155,7 +155,7 @@ fn a_touch_probe_records_marks_while_the_axis_moves() {
     );
     assert_eq!(told[0]["value"], 1.0);
 
-    // Backwards, within 10 to 31 mm: each mark begins where it ends on the way there.
+    // In negative direction, within 10 to 31 mm: each mark begins where it ends in positive direction.
     let window = "--first-position 10 --last-position 31 --units axis_unit --window-only";
     node.cyclone.run(&format!("touch-probe /lineshaft --axis x --event mark --edge both --continuous {window}"));
     node.moves(0.0);
@@ -192,7 +192,7 @@ fn an_axis_that_moves_gets_another_position_where_nothing_refers_to_the_old_one(
     assert_eq!((&x["state"], &x["command_velocity"]), (&json!("CONTINUOUS_MOTION"), &json!(0.02)), "{x}");
     node.cyclone.run("set-position /lineshaft --axis x --position -100 --relative");
     let x = node.cyclone.until_axis("x", "has its old position", |x| place(x) < 100_000_000);
-    // 20 inc a cycle from the first request on, for a minute at most.
+    // 20 inc in each cycle from the first request on, for a minute at most.
     assert!((0..2_400_000).contains(&place(&x)) && x["following_error_increments"] == 0, "{x}");
     node.refuses("set-position /lineshaft --axis mark --position 1 --relative", "no axis is called `mark`");
     node.cyclone.run("touch-probe /lineshaft --axis x --event mark --continuous --last-position 1 --window-only");

@@ -1,5 +1,5 @@
-//! Trajectories on ROS 2: follow_joint_trajectory and joint_trajectory, seen and driven by a peer on Eclipse Cyclone DDS;
-//! `~/query_state` also by one on Fast DDS.
+//! Tests trajectories on ROS 2, follow_joint_trajectory and joint_trajectory, with a peer on Eclipse Cyclone DDS;
+//! `~/query_state` also with one on Fast DDS.
 //!
 //! The demo is the node /lineshaft with x (1048576 inc = 10 mm), y (131072 inc = 20 mm) and turret (36000 inc = 1 rev).
 
@@ -14,10 +14,10 @@ use crate::support::{
 };
 use serde_json::{Value, json};
 
-/// Longer than any motion here takes, on a machine that is busy with other things.
+/// Longer than any motion here takes, on a machine that is busy with other work.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A running machine and who talks to it.
+/// A running machine and its client.
 struct Bench {
     cyclone: Peer,
     program: Program,
@@ -33,7 +33,7 @@ impl Bench {
         Self { cyclone, program, domain }
     }
 
-    /// The demo with all its drives enabled.
+    /// Starts the demo with all its drives enabled.
     fn enabled() -> Self {
         let mut bench = Self::start(&["run"]);
         bench.cyclone.run("axes /lineshaft enable x y turret");
@@ -48,7 +48,7 @@ impl Bench {
         self.axis(axis)["command_increments"].as_i64().expect("a whole number of increments")
     }
 
-    /// Waits until the axis is as `wanted` says.
+    /// Waits until the axis satisfies `wanted`.
     #[track_caller]
     fn wait(&mut self, axis: &str, what: &str, wanted: impl Fn(&Value) -> bool) -> Value {
         let end = Instant::now() + PATIENCE;
@@ -61,14 +61,15 @@ impl Bench {
         }
     }
 
-    /// Begins a goal and leaves it to itself; its id.
+    /// Begins a goal without waiting for it; returns its id.
     #[track_caller]
     fn leave(&mut self, goal: &str) -> String {
         let seen = self.cyclone.run(&format!("{goal} --leave"));
         seen["goal"].as_str().expect("an id").to_owned()
     }
 
-    /// Position, velocity and acceleration that are asked of x: as a query says for the moment of a message, and as the message shows.
+    /// Returns the commanded position, velocity and acceleration of x: from a query for the time of a message, and from
+    /// the message.
     fn asked_and_shown(&mut self) -> [[f64; 3]; 2] {
         let seen = self.cyclone.run("controller-state /lineshaft --seconds 0.1");
         let last = &seen.all().last().expect("a message")["state"];
@@ -80,7 +81,7 @@ impl Bench {
         ]
     }
 
-    /// What stands on /rosout so far.
+    /// Returns the messages on /rosout so far.
     fn log(&mut self) -> String {
         let seen = self.cyclone.run("log --seconds 1");
         let lines = seen.all().iter().filter_map(|line| line["message"]["msg"].as_str());
@@ -88,7 +89,7 @@ impl Bench {
     }
 }
 
-/// A goal for all joints of the demo: x and y (m), turret (rad), at rest there after `seconds`.
+/// Returns a goal for all joints of the demo: x and y (m), turret (rad), at rest there after `seconds`.
 fn all(seconds: f64, x: f64, y: f64, turret: f64) -> String {
     format!("follow /lineshaft --joint x --joint y --joint turret --point {seconds}:{x},{y},{turret}:0,0,0")
 }
@@ -144,22 +145,23 @@ fn a_goal_is_reached_and_says_so_as_the_controller_does() {
         }
     }
     let last = feedback.last().unwrap();
-    // Linear between its points, it comes to the last one with 0.03 m/s: at 8 m/s^2 it stands 57 um later, and comes back.
+    // With linear interpolation it reaches the last point at 0.03 m/s: at 8 m/s^2 it stops 57 um later, and returns.
     assert!(last["desired"]["positions"][0].as_f64().unwrap() <= 0.05 + 60e-6, "{last}");
 }
 
-/// GRP-TRAJ-12: 50 messages a second while somebody reads them; x moves 100 mm in 1 s on a cubic, and lags behind on a straight line.
+/// GRP-TRAJ-12: 50 messages a second while a reader exists; x moves 100 mm in 1 s on a cubic, and lags behind a
+/// straight line.
 #[test]
 fn controller_state_shows_what_is_asked_for_and_what_is_there() {
     let mut bench = Bench::enabled();
     let states = |seen: &Observations| -> Vec<Value> { seen.all().iter().map(|one| one["state"].clone()).collect() };
     let seen = states(&bench.cyclone.run("controller-state /lineshaft --seconds 2"));
-    // A first sample after a quarter of a second at the latest, then one each 20 ms; a busy machine may leave some out.
+    // The first sample after a quarter of a second at most, then one every 20 ms; a busy machine may omit some.
     assert!((40..=101).contains(&seen.len()), "{} messages", seen.len());
     let stamps: Vec<i64> = seen.iter().map(|one| nanoseconds(&one["header"]["stamp"])).collect();
     assert!(stamps.windows(2).all(|pair| pair[1] > pair[0]), "{stamps:?}");
     bench.cyclone.run(&all(1.0, 0.1, 0.0, 0.0));
-    // 0.4 m/s from one cycle to the next: by 0.4^2 / (2 * 8) m, for a tenth of a second.
+    // A step to 0.4 m/s from one cycle to the next: x lags by 0.4^2 / (2 * 8) m, for a tenth of a second.
     bench.cyclone.run("follow /lineshaft --joint x --joint y --joint turret --point 0.25:0,0,0");
     let seen = states(&bench.cyclone.run("controller-state /lineshaft"));
     let number = |one: &Value, part: &str, field: &str| one[part][field][0].as_f64().expect("a number");
@@ -178,8 +180,8 @@ fn controller_state_shows_what_is_asked_for_and_what_is_there() {
     assert_eq!(states(&bench.cyclone.run("controller-state /lineshaft --seconds 0.5")), [] as [Value; 0]);
 }
 
-/// 0.1 m in 6 s on a cubic with a start that is known: after 3 s 0.05 m at 1.5 * 0.1 / 6 m/s. A moment that has been is answered as
-/// `reference` showed it.
+/// 0.1 m in 6 s on a cubic with a known start: after 3 s 0.05 m at 1.5 * 0.1 / 6 m/s. A query for a past time returns
+/// what `reference` has shown for it.
 #[test]
 fn query_state_tells_where_the_joints_are_asked_to_be_at_a_time() {
     let mut bench = Bench::enabled();
@@ -192,7 +194,7 @@ fn query_state_tells_where_the_joints_are_asked_to_be_at_a_time() {
     let middle = bench.cyclone.run(&ask("3"));
     assert_eq!(middle["name"], json!(["x", "y", "turret"]));
     let number = |seen: &Observations, field: &str| seen[field][0].as_f64().expect("a number");
-    // The trajectory is as much later as a busy machine has missed cycles since it was accepted: 40 ms at most.
+    // The trajectory is later by the cycles that a busy machine has missed since it was accepted: 40 ms at most.
     for (field, expected) in [("position", 0.05), ("velocity", 0.025), ("acceleration", 0.0)] {
         let found = number(&middle, field);
         assert!((found - expected).abs() < 1e-3, "{field} {found} instead of {expected}");
@@ -211,20 +213,20 @@ fn query_state_tells_where_the_joints_are_asked_to_be_at_a_time() {
     assert_eq!(bench.cyclone.fails(&ask("3")), "no trajectory runs");
 }
 
-/// The same cubic for each joint, asked by a client on Fast DDS, the default of ROS 2: after 3 of 6 s half of the distance d, at
-/// 1.5 * d / 6 s, without acceleration.
+/// The same cubic for each joint, queried by a client on Fast DDS, the default of ROS 2: after 3 of 6 s half of the
+/// distance d, at 1.5 * d / 6 s, without acceleration.
 #[test]
 fn query_state_answers_a_client_on_fast_dds_while_the_trajectory_runs() {
     let mut bench = Bench::enabled();
     let mut fast = Peer::fastdds(&bench.domain);
-    // Another order than that of the cell, which is that of the answer.
+    // Another order than that of the cell; the answer has the order of the cell.
     let goal = fast.run("follow /lineshaft turret,x,y 6:1,0.1,0.04:0,0,0 --start 1 --leave");
     let start = nanoseconds(&goal["stamp"]);
     let ask = |fast: &mut Peer, ns: i64| fast.run(&format!("query-state /lineshaft {ns}"));
     let middle = ask(&mut fast, start + 3_000_000_000);
     assert_eq!((&middle["success"], &middle["message"]), (&json!(true), &json!("")));
     assert_eq!(middle["name"], json!(["x", "y", "turret"]));
-    // It is as much later as a busy machine has missed cycles since it was accepted: 40 ms at most.
+    // It is later by the cycles that a busy machine has missed since it was accepted: 40 ms at most.
     for (field, part) in [("position", 0.5), ("velocity", 0.25), ("acceleration", 0.0)] {
         let found = numbers(&middle[field]);
         assert_eq!(found.len(), 3, "{middle:?}");
@@ -233,7 +235,7 @@ fn query_state_answers_a_client_on_fast_dds_while_the_trajectory_runs() {
         }
     }
     fast.until_axis("x", "moves", |x| x["command_velocity"].as_f64() > Some(0.01));
-    // For the cycle of a message the answer is what the message shows of the commands.
+    // For the cycle of a message, the answer equals the commands in the message.
     let mut is_same = || {
         let shown = fast.run("axis-states /lineshaft");
         let asked = ask(&mut fast, nanoseconds(&shown["stamp"]));
@@ -253,7 +255,7 @@ fn query_state_answers_a_client_on_fast_dds_while_the_trajectory_runs() {
     assert_eq!(refused, "no trajectory runs");
 }
 
-/// A goal with a later start ends the goal before at once, and its axes follow that one until then.
+/// A goal with a later start ends the previous goal at once, and its axes follow the previous trajectory until then.
 #[test]
 fn a_goal_with_a_later_start_leaves_the_joints_on_the_one_before() {
     let mut bench = Bench::enabled();
@@ -268,7 +270,8 @@ fn a_goal_with_a_later_start_leaves_the_joints_on_the_one_before() {
     assert_eq!(bench.command("x"), 40 * 1_048_576);
 }
 
-/// From 0 to 0.1 m/s in 0.5 s, 1 s at that, and to rest in 0.5 s: 25 + 100 + 25 mm, with 1048576 inc for 10 mm.
+/// From 0 to 0.1 m/s in 0.5 s, 1 s at that velocity, and to rest in 0.5 s: 25 + 100 + 25 mm, with 1048576 inc for 10
+/// mm.
 #[test]
 fn points_of_velocities_alone_are_integrated_where_the_node_is_told_so() {
     let mut bench = Bench::enabled();
@@ -299,13 +302,14 @@ fn goal_that_ends_in_motion_succeeds_and_the_joint_stops_after_it() {
     assert!(command > 10 * 1_048_576 && command < 12 * 1_048_576, "{command}");
 }
 
-/// MoveIt sends one point at time 0 where start and goal are the same; others send the same point twice, or where they are and the way.
+/// MoveIt sends one point at time 0 if start and goal are the same; others send the same point twice, or the present
+/// position followed by the path.
 #[test]
 fn a_goal_where_the_joints_are_is_reached() {
     let mut bench = Bench::enabled();
     let there = "--joint turret --joint x --joint y --point 1:0.3,0.05,0.04:0,0,0";
     bench.cyclone.run(&format!("follow /lineshaft {there}"));
-    // 0.3 rad are 1718.87 increments, and it stands on 1719.
+    // 0.3 rad are 1718.87 increments, and it is at 1719.
     let joints = "follow /lineshaft --joint turret --joint x --joint y";
     for points in [
         "--point 0:0.3,0.05,0.04:0,0,0",
@@ -328,7 +332,7 @@ fn a_goal_where_the_joints_are_is_reached() {
         text.starts_with("turret: the last point of the trajectory is due at once, and 0.1 rad (5.73 deg) away"),
         "{text}"
     );
-    // As far as the goal's own tolerance says (rad).
+    // Within the tolerance of the goal (rad).
     bench.cyclone.run(&format!("{joints} --point 0:0.3001,0.05,0.04:0,0,0 --goal turret:0.001"));
 }
 
@@ -355,7 +359,7 @@ fn a_joint_that_settles_too_late_aborts() {
     assert_eq!(seen["error"], "GOAL_TOLERANCE_VIOLATED");
     let text = seen["text"].as_str().unwrap();
     assert!(text.starts_with("Aborted due to goal_time_tolerance exceeding"), "{text}");
-    // With time to settle the same is reached.
+    // With settling time, the same tolerance is reached.
     let goal = all(0.5, 0.0, 0.0, 0.0);
     bench.cyclone.run(&format!("{goal} --goal x:0.0000001 --goal-time 10"));
 }
@@ -422,7 +426,7 @@ fn a_goal_with_a_stamp_in_the_future_waits_for_it() {
     let first = states.all().iter().find(|state| command(state) != 0).expect("it has moved");
     assert!(at(first) > -1_000_000, "it moved {} ns after its stamp", at(first));
     let there = states.all().iter().find(|state| command(state) == 5 * 1_048_576).expect("it has arrived");
-    // Within a cycle before, and some publications after.
+    // Up to one cycle earlier, and up to several publications later.
     assert!((998_000_000..1_500_000_000).contains(&at(there)), "it was there {} ns after its stamp", at(there));
 }
 
@@ -514,7 +518,7 @@ fn what_state_or_limits_forbid_is_accepted_and_aborted_with_the_sentence() {
     assert_eq!(bench.command("x"), 0);
 }
 
-/// 0.1 m in 0.25 s: 6 * 0.1 / 0.25^2 = 9.6 m/s^2, and x may have 8: sqrt(1.2) = 1.0955 times as long.
+/// 0.1 m in 0.25 s: 6 * 0.1 / 0.25^2 = 9.6 m/s^2, and the limit of x is 8: sqrt(1.2) = 1.0955 times as long.
 #[test]
 fn excess_is_stretched_and_reported_or_refused() {
     let mut bench = Bench::enabled();
@@ -572,7 +576,7 @@ fn the_topic_has_the_tolerances_of_the_parameters() {
     assert!(bench.command("x") < 30 * 1_048_576, "it has not gone on to its target");
     let log = bench.log();
     assert!(log.contains("x: ") && log.contains("tolerance"), "nobody else is told:\n{log}");
-    // Of a goal it is the same, until the goal says otherwise.
+    // The same applies to a goal without its own tolerance.
     let goal = all(0.5, 0.0, 0.0, 0.0).replace("follow /lineshaft", "follow /lineshaft --path x:-1");
     bench.cyclone.run(&goal);
 }
@@ -596,7 +600,7 @@ fn the_topic_moves_and_stops_the_joints() {
     bench.cyclone.run("publish-trajectory /lineshaft --joint x --joint elbow --joint y --point 1:0,0,0");
     let log = bench.log();
     assert!(log.contains("joint_names has the joint `elbow`; there are x, y, turret"), "{log}");
-    // The machine refuses this one: x ends at 0.85 m.
+    // The machine refuses this one: the limit of x is 0.85 m.
     bench.cyclone.run("events /lineshaft");
     bench.cyclone.run(&publish(60.0, 0.9, 0.0, 0.0));
     let log = bench.log();
@@ -612,7 +616,7 @@ fn the_topic_moves_and_stops_the_joints() {
     assert_eq!(bench.command("x"), rests);
 }
 
-/// 2 mm more each time, 0.1 s ahead, for one joint of three: each message replaces the one before it on its way.
+/// 2 mm more each time, 0.1 s ahead, for one joint of three: each message replaces the previous one during the motion.
 #[test]
 fn a_new_point_20_times_a_second_is_followed() {
     let mut bench = Bench::enabled();
@@ -676,13 +680,13 @@ fn action_and_topic_replace_each_other() {
     bench.cyclone.run(&publish(6.0, 0.05, 0.04, 0.0));
     let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
     assert_eq!(seen["error"], "INVALID_GOAL");
-    // The topic's is on its way by now; the action takes over.
+    // The trajectory of the topic is running; the action replaces it.
     bench.cyclone.run(&all(2.0, 0.1, 0.1, 0.0));
     assert_eq!(bench.command("x"), 10 * 1_048_576);
     thread::sleep(Duration::from_millis(300));
     assert_eq!(bench.command("x"), 10 * 1_048_576, "the topic's has no say any more");
 
-    // A message without points stops what the action has begun, of the joints that it names: and with one of them all.
+    // A message without points stops the trajectory of the action for the joints that it names: one of them stops all.
     let goal = bench.leave(&all(6.0, 0.4, 0.2, 1.0));
     bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
     bench.cyclone.run("publish-trajectory /lineshaft --joint x");
@@ -725,13 +729,14 @@ fn each_group_has_its_own_action_and_topic() {
 #[test]
 fn a_goal_of_100_000_knots_is_taken_and_a_longer_one_is_refused() {
     let mut bench = Bench::enabled();
-    // All points but the first are on the spot; 3 joints in 33,333 points. 3 * 2 numbers of 8 bytes a point: 2 MB.
+    // All points but the first are at the same position; 3 joints in 33,333 points. 3 * 2 numbers of 8 bytes a point: 2
+    // MB.
     let goal = bench.leave(&format!("{} --fill 33332 --fill-from 1", all(1.0, 0.05, 0.04, 0.0)));
     bench.wait("x", "at 50 mm", |axis| axis["command_increments"] == 5 * 1_048_576);
     bench.cyclone.run("axes /lineshaft halt x");
     let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
     assert_eq!(seen["error"], "INVALID_GOAL");
-    // More are refused, and told.
+    // More points are refused and reported.
     let goal = format!("{} --fill 33333 --fill-from 1", all(1.0, 0.05, 0.04, 0.0));
     assert_eq!(bench.cyclone.fails(&goal), "the goal was rejected");
     let log = bench.log();

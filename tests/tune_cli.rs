@@ -1,4 +1,4 @@
-//! `lineshaft tune` as a user meets it at the prompt: what it says, draws and writes, and with which code it ends.
+//! Tests `lineshaft tune` on the command line: its messages, drawings, files and exit codes.
 
 use crate::support::machine::share;
 use std::path::Path;
@@ -38,7 +38,7 @@ impl Bench {
     }
 }
 
-/// Gains are said, drawn, and written where that is asked for; a second time finds the same ones, and nothing new to write.
+/// Gains are printed, drawn, and written on request; a second run finds the same gains, and nothing new to write.
 #[test]
 fn gains_are_found_drawn_and_written() {
     let bench = Bench::new(CELL);
@@ -91,7 +91,7 @@ fn what_is_wrong_is_said_before_anything_moves() {
     assert_eq!(bench.cell(), CELL);
 }
 
-/// Play in the coupling of an axis: the sentence names the option, and with it there are gains.
+/// Backlash in the coupling of an axis: the message names the option, and with the option gains are found.
 #[test]
 fn play_asks_for_the_ratio_of_inertias() {
     let bench = Bench::new(include_str!("../launch-configs/play.yaml"));
@@ -105,7 +105,7 @@ fn play_asks_for_the_ratio_of_inertias() {
 
 #[test]
 fn an_axis_without_gains_ends_with_a_sentence() {
-    // Half of the torque that its friction takes.
+    // Half of the torque that its friction requires.
     let bench = Bench::new(&CELL.replace("static_friction: 0.03 Nm", "static_friction: 2 Nm"));
     let (code, _, complaints) = bench.tune(&["x"]);
     assert_eq!(code, Some(1), "{complaints}");

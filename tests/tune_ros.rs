@@ -1,4 +1,4 @@
-//! `~/tune` as a client on Cyclone DDS sees it, and `lineshaft tune` of a drive that hangs on a bus.
+//! Tests `~/tune` with a client on Cyclone DDS, and `lineshaft tune` of a drive on a bus.
 
 use crate::support::can::CanDrives;
 use crate::support::can_cell::{CanCell, axis};
@@ -15,7 +15,7 @@ const NOT_TUNED: u32 = 10248;
 const CANCELLED: u32 = 10103;
 const PARAMETERS: &str = "x.kprop x.kder x.kint x.ffvel x.ffacc x.velkprop x.velkint x.velkilim";
 
-/// A node of the cell, and who talks to it.
+/// A node with the cell, and its client.
 struct Node {
     cyclone: Peer,
     program: Program,
@@ -35,7 +35,7 @@ impl Node {
         let args =
             ["run", &path("cell.yaml"), "--flight-recorder", "0", "--store", "none", "--record", &path("bag.mcap")];
         let program = Program::start(&args, &domain);
-        // Returns when the service is there.
+        // Returns when the service exists.
         cyclone.run("lifecycle /lineshaft state");
         cyclone.run("axis-states /lineshaft");
         Self { cyclone, program, folder }
@@ -50,7 +50,7 @@ impl Node {
     }
 }
 
-/// A goal finds gains and sets them where it is asked to; its feedback tells the phases in their order, and the run replays.
+/// A goal finds gains and sets them on request; its feedback reports the phases in their order, and the run replays.
 #[test]
 fn a_goal_finds_gains_and_sets_them_where_it_is_asked_to() {
     let mut node = Node::start();
@@ -58,7 +58,7 @@ fn a_goal_finds_gains_and_sets_them_where_it_is_asked_to() {
     let line = "tune /lineshaft --axis x --units axis_unit --travel 2 --velocity 8 --effort 0.25 --duration 3";
     let found = node.cyclone.run(line);
     assert_eq!((&found["code"], &found["message"], &found["applied"]), (&json!(0), &json!(""), &json!(false)));
-    // Enabling and disabling may be over between two messages.
+    // Enabling and disabling may be shorter than the interval of two messages.
     let phases: Vec<_> = found["phases"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
     let mut all = ["enabling", "exciting", "disabling", "designing"].into_iter();
     assert!(phases.iter().all(|phase| all.any(|next| next == *phase)), "each once, in their order: {phases:?}");
@@ -68,7 +68,7 @@ fn a_goal_finds_gains_and_sets_them_where_it_is_asked_to() {
     };
     let (progress, positions, velocities) = (numbers("progress"), numbers("positions"), numbers("velocities"));
     assert!(progress.is_sorted() && progress.last() == Some(&1.0), "{progress:?}");
-    // Two turns and a quarter of them beyond, from where it stood; 8 rev/s, and what a fifth of a second would add.
+    // Two turns plus a quarter of that distance, from the start; 8 rev/s plus the increase of a fifth of a second.
     let turn = std::f64::consts::TAU;
     let way = positions.iter().map(|position| (position - positions[0]).abs()).fold(0.0, f64::max);
     assert!(way > 0.2 * turn && way < 2.5 * turn, "{way} rad");
@@ -97,11 +97,11 @@ fn a_goal_finds_gains_and_sets_them_where_it_is_asked_to() {
     assert_eq!(replayed.expect("the program starts").status.code(), Some(0));
 }
 
-/// One goal at a time; cancel and halt end it with the axis off; what is wrong with a goal rejects it before anything moves.
+/// One goal at a time; cancel and halt end it with the axis disabled; an invalid goal is rejected before any motion.
 #[test]
 fn goals_are_rejected_cancelled_and_ended_by_a_halt() {
     let mut node = Node::start();
-    // The log has a thread of its own: a line may come after the answer.
+    // A separate thread writes the log: a line may be written after the answer.
     let log = |node: &Node, part: &str| {
         let begin = Instant::now();
         while !node.program.log().contains(part) {
@@ -137,7 +137,7 @@ fn goals_are_rejected_cancelled_and_ended_by_a_halt() {
     assert_eq!(ended["message"], "x: it was stopped before its end");
     assert_eq!(node.state(), "DISABLED");
 
-    // An effort that friction keeps: nothing is found.
+    // An effort below the friction: nothing is found.
     let stuck = node.cyclone.run("tune /lineshaft --axis x --effort 0.01 --velocity 0.5 --expect ABORTED");
     assert_eq!(stuck["code"], json!(NOT_TUNED));
     assert!(stuck["message"].as_str().expect("a sentence").starts_with("x: "), "{stuck:?}");
@@ -145,7 +145,8 @@ fn goals_are_rejected_cancelled_and_ended_by_a_halt() {
     node.program.end();
 }
 
-/// The drive of another make, behind a bus: not without leave; found with it; stopped by Ctrl-C.
+/// A drive of an independent implementation on a bus: it is tuned only with permission, its gains are found, and Ctrl-C
+/// stops it.
 #[test]
 fn a_real_drive_is_tuned_with_leave_alone() {
     let mut drives = CanDrives::boot("1");

@@ -1,6 +1,8 @@
-//! Mistakes of newcomers, and what the answer must have: the place, the name, the value, and the allowed range or what was meant.
+//! Tests mistakes of new users; the message must contain the place, the name, the value, and the allowed range or the
+//! correct name.
 //!
-//! Each answer was read as a newcomer would read it. A change of a sentence is allowed; what is in this table must stay in it.
+//! Each message was reviewed from the view of a new user. A message may be reworded; the parts in this table must
+//! remain.
 
 use crate::support::machine::share;
 use std::path::Path;
@@ -78,7 +80,7 @@ segments:
   - {to: 20000, travel: -8000, law: polynomial_5}
 ";
 
-/// What is written in the file, what a newcomer writes instead, and what the answer must have.
+/// Text in the file, text that a new user writes instead, and parts that the message must contain.
 type Typo = (&'static str, &'static str, &'static [&'static str]);
 
 const VELOCITY: &str = "    max_velocity: 1200 mm/s\n";
@@ -190,7 +192,7 @@ const IN_TABLES: &[Typo] = &[
     ("segments:", "segment:", &["t.yaml:4:1: ", "`segment`", "`segments`?"]),
 ];
 
-/// Arguments, and what the answer must have.
+/// Arguments, and parts that the message must contain.
 const ON_THE_COMMAND_LINE: &[(&[&str], &[&str])] = &[
     (&["chekc", "cell.yaml"], &["'chekc'", "'check'"]),
     (&["check"], &["required", "<CELL>"]),
@@ -214,7 +216,7 @@ const ON_THE_COMMAND_LINE: &[(&[&str], &[&str])] = &[
     (&["can", "scan", "--bus", "can0"], &["'can0'", "socketcan:can0"]),
 ];
 
-/// A folder with good files, in one of which a mistake can be made.
+/// A folder with valid files; a mistake can be made in one of them.
 struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -234,7 +236,7 @@ impl Folder {
         std::fs::write(self.path().join(name), text).expect("room");
     }
 
-    /// Exit code and standard error.
+    /// Returns exit code and standard error.
     fn run(&self, arguments: &[&str]) -> (Option<i32>, String) {
         let _machine = share();
         let mut command = Command::new(env!("CARGO_BIN_EXE_lineshaft"));
@@ -251,7 +253,7 @@ impl Folder {
             self.write(file, &good.replacen(from, to, 1));
             let (code, said) = self.run(arguments);
             assert_eq!(code, Some(2), "{to:?}: {said}");
-            // One line for the mistake; a name that is missing may have consequences.
+            // One line for the mistake; a missing name may have consequences.
             assert!(said.lines().count() <= 4, "{to:?}: {said}");
             assert_has(to, &said, parts);
         }
@@ -295,7 +297,7 @@ fn mistakes_on_the_command_line_name_what_was_meant() {
     }
 }
 
-/// What only a run shows: it ends with 1, and names the step.
+/// Errors that only a run detects: it ends with 1, and names the step.
 #[test]
 fn an_axis_that_follows_itself_is_refused_in_its_step() {
     let folder = Folder::new();

@@ -1,8 +1,8 @@
-//! MoveIt, MoveIt Servo and rqt_joint_trajectory_controller as clients of the arm of launch-configs/arm6: no goal and no message has an
-//! unexpected result.
+//! Tests MoveIt, MoveIt Servo and rqt_joint_trajectory_controller as clients of the arm of launch-configs/arm6: no goal
+//! and no message has an unexpected result.
 //!
-//! The clients are imitated by a peer on Eclipse Cyclone DDS as their sources of ROS 2 Jazzy send: tests/peers/users.py. The peer fails
-//! at the first check that does not hold, so most tests only run its commands.
+//! A peer on Eclipse Cyclone DDS imitates the clients and sends the same messages as their source code of ROS 2 Jazzy:
+//! tests/peers/users.py. The peer stops at the first failed check, so most tests only run its commands.
 
 use std::fs;
 use std::path::Path;
@@ -11,7 +11,8 @@ use crate::support::{domain::Domain, machine::alone, peer::Peer, program::Progra
 
 /// Runs these commands of the peer one after the other, with the arm enabled.
 ///
-/// The test runs alone: MoveIt has a time limit for each goal, and messages of MoveIt Servo are over 0.1 s after they were made.
+/// The test runs alone: MoveIt has a time limit for each goal, and messages of MoveIt Servo expire 0.1 s after their
+/// creation.
 #[track_caller]
 fn run(commands: &[&str]) {
     let _alone = alone();
@@ -30,12 +31,13 @@ fn run(commands: &[&str]) {
     peer.run("axis-states /lineshaft");
     peer.run("axes /lineshaft enable");
     for command in commands {
-        // Lateness, final error, and the like.
+        // Lateness, final error, and similar figures.
         println!("{command}: {:?}", peer.run(command));
     }
 }
 
-/// The controller is active, each goal ends within 1.2 times its duration and 0.5 s, and the arm is within 0.01 rad of its target.
+/// The controller is active, each goal ends within 1.2 times its duration and 0.5 s, and the arm is within 0.01 rad of
+/// its target.
 #[test]
 fn moveit_plans_succeed_in_time_and_end_at_their_targets() {
     run(&["as-moveit /lineshaft --goals 5"]);
@@ -64,7 +66,8 @@ fn hundred_moveit_servo_messages_are_followed_without_a_refusal() {
     run(&["as-servo /lineshaft --goals 100", "as-servo /lineshaft --goals 100 --single-point"]);
 }
 
-/// The user moves the slider of joint1 to its upper limit and back, then the spin box, whose six decimals are beyond that limit.
+/// The user moves the slider of joint1 to its upper limit and back, then the spin box, whose six decimals exceed that
+/// limit.
 #[test]
 #[ignore = "long: .ci/nightly runs it"]
 fn hundred_rqt_joint_trajectory_controller_messages_are_followed_without_a_refusal() {

@@ -1,4 +1,4 @@
-//! The scenarios of the sources: a folder of them for each, played by the program.
+//! Plays the scenarios of the sources, one folder for each source.
 
 use crate::support::{domain::Domain, machine::share};
 use std::path::{Path, PathBuf};
@@ -8,18 +8,19 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The cell of the command line in a scenario's comment: `#   lineshaft sim CELL --scenario FILE`.
+/// Returns the cell of the command line in a scenario's comment: `#   lineshaft sim CELL --scenario FILE`.
 fn named_cell(scenario: &str) -> Option<&str> {
     let line = scenario.lines().find_map(|line| line.strip_prefix('#')?.trim().strip_prefix("lineshaft sim "))?;
     line.split_whitespace().next()
 }
 
-/// Plays every scenario of `scenarios/NAME`, on `NAME.yaml` or on the cell that its comment names; how many there are.
+/// Plays every scenario of `scenarios/NAME`, with `NAME.yaml` or with the cell that its comment names; returns their
+/// number.
 fn plays(name: &str) -> usize {
     plays_in(&format!("launch-configs/scenarios/{name}"), ".yaml", &format!("launch-configs/{name}.yaml"))
 }
 
-/// Plays every file of a folder whose name ends so; how many there are.
+/// Plays every file of a folder whose name ends with `ending`; returns their number.
 fn plays_in(folder: &str, ending: &str, usual: &str) -> usize {
     let folder = root().join(folder);
     let mut files: Vec<PathBuf> = std::fs::read_dir(&folder)
@@ -38,7 +39,7 @@ fn plays_in(folder: &str, ending: &str, usual: &str) -> usize {
 }
 
 /// # Errors
-/// What the program said, where it did not end with 0.
+/// The output of the program, if its exit code is not 0.
 fn play(cell: &Path, scenario: &Path) -> Result<(), String> {
     let _machine = share();
     let folder = tempfile::tempdir().expect("a folder");
@@ -108,7 +109,7 @@ fn the_terminals_of_a_machine_play_their_scenarios() {
     assert!(plays("io") >= 6);
 }
 
-/// Each cell of the examples has a scenario beside it, whose comment names it.
+/// Each cell of the examples has a scenario in the same folder, whose comment names it.
 #[test]
 fn function_slots_and_cams_play_their_examples() {
     for (folder, fewest) in [("launch-configs/functions", 4), ("launch-configs/cams", 2), ("launch-configs/shaft", 2)] {
@@ -126,12 +127,12 @@ fn arm_plays_its_plan() {
     assert_eq!(plays_in("launch-configs/arm6", ".scenario.yaml", "launch-configs/arm6/arm6.yaml"), 1);
 }
 
-/// A cell whose drives and terminals hang on a CAN bus that this machine has not: `run` says so and ends, `run --sim` rehearses it with its
-/// switches, its brake and its load, up to the end of a scenario.
+/// A cell whose drives and terminals are on a CAN bus that does not exist on this machine: `run` reports this and ends,
+/// `run --sim` runs it with its switches, its brake and its load, up to the end of a scenario.
 #[test]
 fn run_with_sim_rehearses_a_real_cell() {
     let (folder, domain) = (tempfile::tempdir().expect("a folder"), Domain::take());
-    // Never the interface of whoever runs the tests: something may hang on it.
+    // Never the interface of the machine that runs the tests: real devices may be connected to it.
     let text = std::fs::read_to_string(root().join("launch-configs/io.yaml")).expect("it is there");
     let (cell, scenario) = (folder.path().join("io.yaml"), root().join("launch-configs/scenarios/io/switches.yaml"));
     std::fs::write(&cell, text.replace("socketcan:can0", "slcan-tcp:127.0.0.1:1")).expect("room for a file");

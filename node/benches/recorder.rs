@@ -1,7 +1,8 @@
-//! What the recorder costs the cycle thread: 64 moving axes, one cycle every 200 us.
+//! Measures the time that the recorder needs in the cycle thread: 64 moving axes, one cycle every 200 us.
 //!
-//! `cargo bench -p lineshaft --bench recorder`: the cycle alone, then with the hand-over of whole cycles to the recorder's
-//! thread, which keeps the last 10 s (flight recorder) or also writes a bag. Only the cycle thread's share is timed.
+//! `cargo bench -p lineshaft --bench recorder`: the cycle alone, then with the transfer of complete cycles to the
+//! recorder thread, which keeps the last 10 s (flight recorder) or also writes a bag. Only the time in the cycle thread
+//! is measured.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use lineshaft::cell::Cell;
@@ -31,7 +32,7 @@ use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 const AXES: u16 = 64;
-/// Five times as fast as the cell's own cycle, and still slow enough for the recorder to follow.
+/// Five times as fast as the cycle of the cell, and still slow enough for the recorder.
 const PERIOD: Duration = Duration::from_micros(200);
 
 fn cell() -> Cell {
@@ -46,7 +47,7 @@ fn cell() -> Cell {
     Cell::parse("bench.yaml", text).expect("a good cell")
 }
 
-/// A machine whose axes all move.
+/// A machine with all axes in motion.
 struct Rig {
     machine: Machine,
     plant: Plant,
@@ -86,7 +87,7 @@ impl Rig {
         self.cycle(&commands, None);
     }
 
-    /// Runs a cycle and says how long the cycle thread's share of it took.
+    /// Runs a cycle and returns the time that it took in the cycle thread.
     fn cycle(&mut self, commands: &[Command], frames: Option<&mut FrameSender>) -> Duration {
         self.inputs.begin(self.machine.next_cycle(), 0);
         self.plant.read(&mut self.inputs);
@@ -104,7 +105,7 @@ impl Rig {
         taken
     }
 
-    /// `count` cycles on the beat.
+    /// Runs `count` cycles at their deadlines.
     fn run(&mut self, count: u64, mut frames: Option<&mut FrameSender>) -> Duration {
         let (start, mut total) = (Instant::now(), Duration::ZERO);
         for beat in 0..count {

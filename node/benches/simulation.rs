@@ -1,4 +1,5 @@
-//! How fast a scenario runs: simulated time of the demo cell, and of a cell with eight moving axes, without CSV.
+//! Measures the speed of a scenario: simulated time of the demo cell, and of a cell with eight moving axes, without
+//! CSV.
 //!
 //! `cargo bench -p lineshaft --bench simulation`: an element is a millisecond of simulated time, so `thrpt` in Kelem/s is
 //! simulated seconds per second.

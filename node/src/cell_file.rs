@@ -1,13 +1,13 @@
-//! Parameters of axes set in a cell file.
+//! Sets parameters of axes in a cell file.
 //!
-//! Law      a value that stands is written in its place, one that is missing behind its neighbours, with all else of the text left as it is;
-//!          one that the cell has anyway is left alone. The new text is read as a cell: where that differs from the old one in more
-//!          or less than these values, nothing is written
-//! Reads    the cell, with the files beside it
-//! Writes   the cell file, in one step; its permissions stay, a link leads to where it led
+//! Law      an existing value is replaced in its place, a missing one is inserted after its neighbours; the rest of the
+//!          text stays unchanged, and so does a value that the cell has already. The new text is read as a cell; if it
+//!          differs from the old one in more or fewer than these values, nothing is written
+//! Reads    the cell, with the files next to it
+//! Writes   the cell file, in one step; its permissions are kept, and a symbolic link stays a link
 //! Refuses  [`EditError`]
 //!
-//! Layer User hides what a cell says (docs/parameters.md): who has saved values there sets them there, too.
+//! Layer User overrides the cell (docs/parameters.md): values that were saved there must be set there, too.
 
 use crate::cell::Cell;
 use crate::document::{Document, Fixed, Source};
@@ -18,107 +18,107 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// A parameter of an axis, as it is to be.
+/// New value of a parameter of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// The axis.
+    /// Name of the axis.
     pub axis: String,
-    /// As cells, ROS and docs/parameters.md have it.
+    /// Key, as in cells, ROS and docs/parameters.md.
     pub key: &'static str,
-    /// In the core's units.
+    /// Value in units of the core.
     pub value: Value,
-    /// As the cell says it.
+    /// Value in the format of the cell.
     pub written: String,
 }
 
-/// A cell with other parameters.
+/// A cell with changed parameters.
 #[derive(Clone, Debug)]
 pub struct Edited {
-    /// Its text.
+    /// Text of the cell.
     pub text: String,
-    /// What it is.
+    /// The new cell.
     pub cell: Cell,
-    /// What it did not have before.
+    /// Values that the cell did not have before.
     pub written: Vec<Setting>,
 }
 
-/// Why parameters are not in the cell file.
+/// Reason why parameters cannot be set in the cell file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EditError {
-    /// The cell is none as it stands.
+    /// The present cell has errors.
     #[error("{name} is no cell without errors; lineshaft check says more")]
     Cell {
-        /// The file.
+        /// Path of the file.
         name: String,
     },
-    /// No such axis.
+    /// There is no such axis.
     #[error("{name} has no axis {axis}")]
     NoAxis {
-        /// The file.
+        /// Path of the file.
         name: String,
-        /// What was asked for.
+        /// Given name.
         axis: String,
     },
-    /// No such parameter, or none with that value.
+    /// There is no such parameter, or the value is not permitted.
     #[error("{key} is {value}, which no cell takes")]
     Value {
-        /// The parameter.
+        /// Key of the parameter.
         key: String,
-        /// Its value.
+        /// Given value.
         value: String,
     },
-    /// Another view of the value stands there.
+    /// The cell has another view of the value.
     #[error("{name}, line {line}: {view} gives the same value as {key}; take it out first")]
     View {
-        /// The file.
+        /// Path of the file.
         name: String,
-        /// Where, from 1.
+        /// Line, from 1.
         line: usize,
-        /// What stands there.
+        /// Key of the existing view.
         view: &'static str,
-        /// What would stand beside it.
+        /// Key that would be added.
         key: &'static str,
     },
-    /// The text cannot be changed there.
+    /// The text cannot be changed at that location.
     #[error("{name}, {fixed}")]
     Fixed {
-        /// The file.
+        /// Path of the file.
         name: String,
-        /// Where, and why.
+        /// Location and reason.
         fixed: Fixed,
     },
-    /// The new text would be no cell.
+    /// The new cell would have errors.
     #[error("with these values the cell has errors; nothing is written\n{problems}")]
     Invalid {
-        /// What is wrong with it, a line each, at the places of the new text.
+        /// Problems of the new text, one per line, with locations in it.
         problems: String,
     },
-    /// The text would say something else.
+    /// The new text would have another meaning.
     #[error("{name} would not say these values and the rest as before; nothing is written")]
     Differs {
-        /// The file.
+        /// Path of the file.
         name: String,
     },
-    /// Somebody has written it meanwhile.
+    /// The file was changed by another program.
     #[error("{name} has changed since it was read; nothing is written")]
     Changed {
-        /// The file.
+        /// Path of the file.
         name: String,
     },
-    /// The disk's.
+    /// An error of the disk.
     #[error("cannot write {name}: {reason}")]
     File {
-        /// The file.
+        /// Path of the file.
         name: String,
-        /// What the system says.
+        /// Error message of the operating system.
         reason: String,
     },
 }
 
-/// Writes parameters into the cell file, which was `read` before; where none is another one, the file is left alone.
+/// Writes parameters into the cell file, whose text was `read` before; if no value changes, the file is not written.
 ///
 /// # Errors
-/// [`EditError`]; the file is what it was.
+/// Returns an [`EditError`]; the file is then unchanged.
 pub fn apply(path: &Path, read: &str, settings: &[Setting]) -> Result<Edited, EditError> {
     let document = Document::read(path);
     if !document.problems().is_empty() {
@@ -134,8 +134,8 @@ pub fn apply(path: &Path, read: &str, settings: &[Setting]) -> Result<Edited, Ed
     Ok(edited)
 }
 
-/// The text of a cell with these parameters; nothing is written. Files of its tables stand beside `path`. A parameter that is missing goes
-/// behind another one of the same axis in `settings`.
+/// Returns the text of a cell with these parameters; nothing is written. The files of its tables are next to `path`. A
+/// missing parameter is inserted after another one of the same axis in `settings`.
 ///
 /// # Errors
 /// [`EditError`]
@@ -159,7 +159,7 @@ pub fn edited(path: &Path, text: &str, settings: &[Setting]) -> Result<Edited, E
     Ok(Edited { text: new, cell, written })
 }
 
-/// The text with parameters of one axis; `asked` are its neighbours.
+/// Returns the text with parameters of one axis; `asked` are its neighbours.
 fn set(name: &str, text: &str, axis: &str, written: &[Setting], asked: &[Setting]) -> Result<String, EditError> {
     let fixed = |fixed| EditError::Fixed { name: name.to_owned(), fixed };
     let source = Source::parse(text).map_err(fixed)?;
@@ -176,7 +176,7 @@ fn set(name: &str, text: &str, axis: &str, written: &[Setting], asked: &[Setting
     source.set(&place, &entries, &neighbours).map_err(fixed)
 }
 
-/// Sets parameters, and tells which were others.
+/// Sets parameters, and returns those that changed.
 fn assign(machine: &mut MachineConfig, settings: &[Setting], name: &str) -> Result<Vec<Setting>, EditError> {
     let mut written = Vec::new();
     for setting in settings {
@@ -193,17 +193,17 @@ fn assign(machine: &mut MachineConfig, settings: &[Setting], name: &str) -> Resu
     Ok(written)
 }
 
-/// Do two cells say the same, whatever their texts are?
+/// Whether two cells have the same content, whatever their texts are.
 fn is_same(one: &Cell, other: &Cell) -> bool {
     let said = |cell: &Cell| format!("{:?}", Cell { text: String::new(), ..cell.clone() });
     said(one) == said(other)
 }
 
-/// Puts a text into the place of the one that was read.
+/// Replaces the text that was read by a new one.
 fn replace(path: &Path, old: &str, new: &str) -> Result<(), EditError> {
     let name = || path.display().to_string();
     let file = |error: io::Error| EditError::File { name: name(), reason: error.to_string() };
-    // A link leads to where it led.
+    // A symbolic link stays a link.
     let path = &fs::canonicalize(path).map_err(file)?;
     let permissions = fs::metadata(path).map_err(file)?.permissions();
     let written = WholeFile::write(path, new.as_bytes(), Some(permissions)).map_err(file)?;

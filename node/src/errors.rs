@@ -1,4 +1,4 @@
-//! docs/errors.md: every code with its cause and remedy, and what an error does to its axis.
+//! Generates docs/errors.md: every code with its cause and remedy, and the reaction of an axis to an error.
 
 use lineshaft_core::axis::stops_all;
 use lineshaft_core::code::{Code, DRIVE_FAULT, Row};
@@ -148,7 +148,7 @@ to 0. Closing the contact resets nothing.
 **This is no safety function:** the contacts must act on the power of the drives as well (safe torque off).
 ";
 
-/// The ranges with their headings.
+/// Ranges of codes with their headings.
 const PARTS: [(&str, u32, u32); 7] = [
     ("MACS", 1, 999),
     ("Siemens WF 725", 1000, 1999),
@@ -159,17 +159,17 @@ const PARTS: [(&str, u32, u32); 7] = [
     ("Lineshaft: failed", 10_200, 65_535),
 ];
 
-/// Where a code comes from: the heading of its table; empty for 0, which is no code.
+/// Returns the heading of the table of a code; empty for 0, which is no code.
 pub(crate) fn part(code: Code) -> &'static str {
     let is_in = |(_, low, high): &&(&str, u32, u32)| (*low..=*high).contains(&code.0);
     if code.is_none() { "" } else { PARTS.iter().find(is_in).map_or("Drives", |(name, ..)| *name) }
 }
 
-/// The whole page.
+/// Returns the content of the page.
 pub fn markdown() -> String {
     let mut page = INTRODUCTION.to_owned();
     for (name, low, high) in PARTS {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = write!(page, "\n## {name}\n\n| code | name | cause | remedy | reaction |\n|-|-|-|-|-|\n");
         let mut rows: Vec<_> = Code::rows().filter(|row| (low..=high).contains(&row.code.0)).collect();
         rows.sort_unstable_by_key(|row| row.code);
@@ -195,7 +195,7 @@ fn line(row: &Row) -> String {
 mod tests {
     use super::*;
 
-    /// docs/errors.md is what the program makes.
+    /// docs/errors.md must be the generated page.
     #[test]
     fn the_page_in_docs_is_the_one_that_the_program_makes() {
         crate::page::check("errors.md", "errors", |_| markdown());
@@ -213,7 +213,7 @@ mod tests {
         }
     }
 
-    /// The reaction of every code that is an error of an axis, and of no other one.
+    /// The page has a reaction for every code that is an error of an axis, and for no other one.
     #[test]
     fn the_page_tells_the_reaction_of_errors_alone() {
         let page = markdown();

@@ -1,8 +1,8 @@
-//! Signals of the system that end a command in order.
+//! Handles signals of the operating system that end a command in an orderly way.
 //!
-//! SIGINT (Ctrl-C), SIGTERM, SIGHUP (the terminal is closed) and SIGQUIT request that the command ends in order. A second one ends it at
-//! once. A repetition within 0.5 s is the same request, which a terminal and a wrapper have both passed on. SIGHUP and SIGQUIT stay ignored
-//! where the program was started so (`nohup`).
+//! SIGINT (Ctrl-C), SIGTERM, SIGHUP (the terminal is closed) and SIGQUIT request an orderly end of the command. A
+//! second one ends it immediately. A repetition within 0.5 s is the same request, which a terminal and a wrapper have
+//! both forwarded. SIGHUP and SIGQUIT are still ignored if the program was started with them ignored (`nohup`).
 
 use std::fmt;
 use std::io;
@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicI32, Ordering};
 use std::time::{Duration, Instant};
 use tokio::signal::unix::{Signal as UnixSignal, SignalKind, signal};
 
-/// Time within which another signal is the first one, passed on twice.
+/// Time within which another signal counts as a repetition of the first one.
 pub(crate) const SAME_SIGNAL: Duration = Duration::from_millis(500);
 
 /// A signal that ends a command.
@@ -39,7 +39,8 @@ impl EndSignal {
         }
     }
 
-    /// Exit code of a command that this signal has ended before its result: 128 and the number of the signal, as shells count.
+    /// Returns the exit code of a command that this signal ended before its result: 128 + the number of the signal, as
+    /// in shells.
     pub fn exit_code(self) -> u8 {
         u8::try_from(128 + self.kind().as_raw_value()).unwrap_or(u8::MAX)
     }
@@ -56,18 +57,18 @@ impl fmt::Display for EndSignal {
     }
 }
 
-/// A request that a long calculation ends, by default never made. Clones share it.
+/// A request to end a long calculation; by default there is none. Clones share it.
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicI32>);
 
 impl Interrupt {
-    /// Waits for signals in a thread of its own. The first one is the request, a second one ends the process at once.
+    /// Waits for signals in a separate thread. The first one is the request, a second one ends the process immediately.
     ///
     /// # Errors
-    /// The system gives no signals or no thread.
+    /// Returns an error if the operating system delivers no signals or creates no thread.
     pub(crate) fn listen() -> io::Result<Self> {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        // Signals are received from here on, and not only when the thread has its turn.
+        // Signals are received from here on, not only once the thread runs.
         let inside = runtime.enter();
         let signals = Signals::new()?;
         drop(inside);
@@ -78,13 +79,13 @@ impl Interrupt {
         Ok(interrupt)
     }
 
-    /// Makes the request. The first one counts.
+    /// Sets the request, unless one was set before.
     pub fn request(&self, signal: EndSignal) {
-        // A request that was made before stays.
+        // An earlier request is kept.
         let _ = self.0.compare_exchange(0, signal.kind().as_raw_value(), Ordering::Relaxed, Ordering::Relaxed);
     }
 
-    /// The signal of the request, if one was made.
+    /// Returns the signal of the request, if there is one.
     pub fn requested(&self) -> Option<EndSignal> {
         let number = self.0.load(Ordering::Relaxed);
         EndSignal::ALL.into_iter().find(|signal| number != 0 && signal.kind().as_raw_value() == number)
@@ -103,7 +104,7 @@ async fn pass_on(mut signals: Signals, interrupt: Interrupt) {
     }
 }
 
-/// The signals that end the program, received by a runtime.
+/// Receiver of the signals that end the program, for a runtime.
 pub(crate) struct Signals {
     interrupt: UnixSignal,
     terminate: UnixSignal,
@@ -112,10 +113,10 @@ pub(crate) struct Signals {
 }
 
 impl Signals {
-    /// Receives them from now on. A runtime has to be entered.
+    /// Receives signals from now on. A runtime must be entered.
     ///
     /// # Errors
-    /// The system does not give them.
+    /// Returns an error if the operating system delivers no signals.
     pub(crate) fn new() -> io::Result<Self> {
         let ignored = std::fs::read_to_string("/proc/self/status").ok().and_then(|status| ignored(&status));
         let unless_ignored = |end: EndSignal| {
@@ -130,7 +131,7 @@ impl Signals {
         })
     }
 
-    /// Waits for the next one.
+    /// Waits for the next signal.
     pub(crate) async fn recv(&mut self) -> EndSignal {
         let Self { interrupt, terminate, hangup, quit } = self;
         tokio::select! {
@@ -142,7 +143,7 @@ impl Signals {
     }
 }
 
-/// Waits for a signal; for ever where it stays ignored.
+/// Waits for a signal; forever if it is ignored.
 async fn received(signal: &mut Option<UnixSignal>) {
     match signal {
         Some(signal) => {
@@ -152,7 +153,7 @@ async fn received(signal: &mut Option<UnixSignal>) {
     }
 }
 
-/// The signals that a process ignores, by its /proc/PID/status: bit 0 is signal 1.
+/// Returns the signals that a process ignores, from its /proc/PID/status: bit 0 is signal 1.
 fn ignored(status: &str) -> Option<u64> {
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
     u64::from_str_radix(mask.trim(), 16).ok()
@@ -167,7 +168,7 @@ fn is_in(mask: u64, kind: SignalKind) -> bool {
 mod tests {
     use super::*;
 
-    /// signal(7): SIGHUP is 1, SIGINT 2, SIGQUIT 3, SIGTERM 15; a shell shows 128 more.
+    /// signal(7): SIGHUP is 1, SIGINT 2, SIGQUIT 3, SIGTERM 15; a shell reports 128 more.
     #[test]
     fn exit_codes_are_those_of_a_shell() {
         let codes = EndSignal::ALL.map(|signal| (signal.to_string(), signal.exit_code()));

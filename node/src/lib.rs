@@ -3,7 +3,7 @@
 // Output goes through `output`, which checks every write.
 #![cfg_attr(not(test), deny(clippy::print_stdout))]
 
-// First, as its macros are used by the others.
+// First, because the other modules use its macros.
 #[macro_use]
 mod output;
 

@@ -1,4 +1,4 @@
-//! The command line of Lineshaft.
+//! Main program of Lineshaft.
 
 use std::process::ExitCode;
 

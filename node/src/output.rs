@@ -1,8 +1,8 @@
-//! Standard output and standard error of the program: the one place through which every command prints.
+//! Standard output and standard error of the program; all commands print through this module.
 //!
-//! A write that fails, as on a full disk, is kept until the command ends: [`finish`] returns it, and the command line reports it. A closed
-//! pipe (`lineshaft signals cell.yaml | head`) is no failure: the reader has seen enough. Errors of standard error are ignored, as they
-//! cannot be reported; the macros of the standard library panic there.
+//! A write error, for example of a full disk, is stored until the command ends: [`finish`] returns it, and the command
+//! line reports it. A closed pipe (`lineshaft signals cell.yaml | head`) is no error. Errors of standard error are
+//! ignored, because they cannot be reported; the macros of the standard library panic there.
 #![expect(clippy::disallowed_methods, reason = "no other module writes to standard output")]
 
 use rustix::termios::tcgetwinsize;
@@ -17,26 +17,26 @@ macro_rules! eprintln {
     ($($text:tt)*) => { $crate::output::complain(format_args!("{}\n", format_args!($($text)*))) };
 }
 
-/// Prints to standard error, if it can be written.
+/// Prints to standard error, if possible.
 pub(crate) fn complain(text: std::fmt::Arguments<'_>) {
-    // Nothing is left to which this error could be reported.
+    // This error could not be reported anywhere.
     let _ = io::stderr().write_fmt(text);
 }
 
-/// The first write that failed.
+/// The first write error.
 static FAILURE: Mutex<Option<io::Error>> = Mutex::new(None);
 
-/// Prints a text; returns whether further output is of use.
+/// Prints a text; returns whether further output is useful.
 pub(crate) fn print(text: &str) -> bool {
     StandardOutput.write_all(text.as_bytes()).is_ok()
 }
 
-/// Prints a text and a line feed; returns whether further output is of use.
+/// Prints a text and a line feed; returns whether further output is useful.
 pub(crate) fn print_line(text: &dyn std::fmt::Display) -> bool {
     print(&format!("{text}\n"))
 }
 
-/// Standard output as a writer. An error is kept for [`finish`]; the caller need not handle it.
+/// Standard output as a writer. An error is stored for [`finish`]; the caller need not handle it.
 #[derive(Debug)]
 pub(crate) struct StandardOutput;
 
@@ -50,7 +50,7 @@ impl Write for StandardOutput {
     }
 }
 
-/// Keeps the first error of a write for [`finish`], and passes the result on.
+/// Stores the first write error for [`finish`], and returns the result.
 pub(crate) fn kept<T>(written: io::Result<T>) -> io::Result<T> {
     if let Err(error) = &written
         && is_failure(error.kind())
@@ -61,7 +61,7 @@ pub(crate) fn kept<T>(written: io::Result<T>) -> io::Result<T> {
     written
 }
 
-/// Returns false for a reader that has gone, and for an interrupted call, which is repeated.
+/// Returns false for a closed pipe, and for an interrupted call, which is repeated.
 fn is_failure(kind: ErrorKind) -> bool {
     !matches!(kind, ErrorKind::BrokenPipe | ErrorKind::Interrupted)
 }
@@ -69,14 +69,14 @@ fn is_failure(kind: ErrorKind) -> bool {
 /// Flushes standard output at the end of a command.
 ///
 /// # Errors
-/// The first error of any write or flush since the start of the program.
+/// Returns the first error of any write or flush since the start of the program.
 pub(crate) fn finish() -> io::Result<()> {
-    // An error of the flush is kept like any other.
+    // An error of the flush is stored like any other.
     let _ = StandardOutput.flush();
     FAILURE.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
 }
 
-/// Width of the terminal that standard output is (columns); nothing if it is no terminal.
+/// Returns the width of the terminal at standard output, in columns; `None` if it is no terminal.
 pub(crate) fn columns() -> Option<usize> {
     let out = io::stdout();
     let size = out.is_terminal().then(|| tcgetwinsize(&out).ok()).flatten();

@@ -1,8 +1,9 @@
-//! Pages in docs that the program makes.
+//! Generated pages in docs.
 
 use std::path::Path;
 
-/// Compares a page with what is made of it; with LINESHAFT_RENEW it is written anew instead. `filter` chooses the test that does so.
+/// Compares a page with its generated content; with LINESHAFT_RENEW it writes the page instead. `filter` selects the
+/// test that does so.
 #[track_caller]
 pub(crate) fn check(name: &str, filter: &str, made: impl FnOnce(&str) -> String) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name);

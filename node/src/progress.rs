@@ -1,8 +1,8 @@
-//! A progress bar on a terminal for commands that take longer than a moment.
+//! Shows a progress bar on a terminal for commands that take longer than a second.
 //!
-//! Law      the bar is drawn on standard error, if that is a terminal and TERM is neither unset nor `dumb`. It has no colors, so NO_COLOR
-//!          is honoured. It is cleared at the end
-//! Reads    the clock each time that it is set: loops over cycles or messages set it every few hundred of them
+//! Law      the bar is drawn on standard error, if that is a terminal and TERM is neither unset nor `dumb`. It has no
+//!          colors, so NO_COLOR has no effect. It is cleared at the end
+//! Reads    the clock each time it is set, so that loops set it only every few hundred cycles or messages
 
 use crate::recording::clean::clean;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -10,10 +10,10 @@ use std::ffi::OsStr;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// A command that takes no longer needs no bar.
+/// Time before a bar is shown.
 pub(crate) const MOMENT: Duration = Duration::from_secs(1);
 
-/// The bar.
+/// The progress bar.
 #[derive(Debug)]
 pub(crate) struct Progress {
     unit: &'static str,
@@ -24,24 +24,24 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// A bar that is shown after so much time; it counts `unit`.
+    /// Creates a bar that is shown after a time; it counts `unit`.
     pub(crate) fn new(unit: &'static str, after: Duration) -> Self {
         Self::wanted(unit, after, true)
     }
 
-    /// The same, which is never shown unless it is wanted.
+    /// Does the same, but never shows the bar unless `is_wanted`.
     pub(crate) fn wanted(unit: &'static str, after: Duration, is_wanted: bool) -> Self {
         let term = std::env::var_os("TERM");
         let is_wanted = is_wanted && can_be_shown(std::io::stderr().is_terminal(), term.as_deref());
         Self { unit, started: Instant::now(), after, bar: None, is_wanted }
     }
 
-    /// So many of so many are done.
+    /// Sets the progress: `done` of `of`.
     pub(crate) fn set(&mut self, done: usize, of: Option<usize>) {
         self.set_with(done as u64, of.map(|of| of as u64), String::new);
     }
 
-    /// The same, with a text about what is done at the moment, which is made only if the bar is shown.
+    /// Does the same with a text about the current step, which is only created if the bar is shown.
     pub(crate) fn set_with(&mut self, done: u64, of: Option<u64>, detail: impl FnOnce() -> String) {
         if !self.is_wanted {
             return;
@@ -56,7 +56,7 @@ impl Progress {
         bar.set_position(done);
     }
 
-    /// Prints something without the bar in between.
+    /// Prints without interference of the bar.
     pub(crate) fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
         match &self.bar {
             Some(bar) => bar.suspend(print),
@@ -88,7 +88,7 @@ fn bar(of: Option<u64>, unit: &str) -> ProgressBar {
     }
 }
 
-/// `, detail, 12 s left`
+/// Returns text such as `, detail, 12 s left`.
 fn message(detail: &str, elapsed: Duration, done: u64, of: Option<u64>) -> String {
     let detail = if detail.is_empty() { String::new() } else { format!(", {}", clean(detail)) };
     let left = of.filter(|of| done > 0 && *of >= done).map_or_else(String::new, |of| {

@@ -1,10 +1,11 @@
-//! Whether the log has colours.
+//! Determines whether the log has colours.
 
 use std::env;
 use std::ffi::OsStr;
 use std::io::{IsTerminal, stderr};
 
-/// Returns whether the log has colours: on a terminal that has them, unless `NO_COLOR` is set (<https://no-color.org>).
+/// Returns true if the log has colours: on a terminal that supports them, unless `NO_COLOR` is set
+/// (<https://no-color.org>).
 pub(crate) fn has_colors() -> bool {
     let (no_color, term) = (env::var_os("NO_COLOR"), env::var_os("TERM"));
     stderr().is_terminal() && may_color(no_color.as_deref(), term.as_deref())
@@ -14,7 +15,7 @@ fn may_color(no_color: Option<&OsStr>, term: Option<&OsStr>) -> bool {
     no_color.is_none_or(OsStr::is_empty) && !is_dumb(term)
 }
 
-/// Returns true for a terminal that knows no escape sequences.
+/// Returns true for a terminal without escape sequences.
 fn is_dumb(term: Option<&OsStr>) -> bool {
     term.is_some_and(|term| term == "dumb")
 }

@@ -1,14 +1,15 @@
-//! Files that take the place of older ones whole, or not at all.
+//! Writes files that replace older ones completely, or not at all.
 //!
-//! Law      written beside the old one and synchronized, then renamed onto it: after a loss of power the name shows no file without its content
-//! Writes   one file; none where it is dropped before
+//! Law      written next to the old one and synchronized, then renamed to it: after a power failure the name refers to
+//!          no file without its content
+//! Writes   one file; none if it is dropped before
 
 use std::ffi::OsString;
 use std::fs::{self, File, Permissions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A new file that is complete, and has not its name yet; dropped it is gone.
+/// A complete new file without its final name; it is deleted when dropped.
 #[derive(Debug)]
 pub(crate) struct WholeFile {
     beside: PathBuf,
@@ -16,16 +17,16 @@ pub(crate) struct WholeFile {
 }
 
 impl WholeFile {
-    /// Writes `bytes` for the file at `path`, with these permissions, or those that the system gives.
+    /// Writes `bytes` for the file at `path`, with these permissions, or those of the operating system.
     ///
     /// # Errors
-    /// What the system says; nothing is left.
+    /// Returns the error of the operating system; no file remains.
     pub(crate) fn write(path: &Path, bytes: &[u8], permissions: Option<Permissions>) -> io::Result<Self> {
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(format!(".{}.part", std::process::id()));
         let new = Self { beside: path.with_file_name(name), path: path.to_owned() };
-        // What a program that was killed has left, with the same number.
+        // A file that a killed program has left, with the same number.
         let _ = fs::remove_file(&new.beside);
         let mut file = File::create_new(&new.beside)?;
         if let Some(permissions) = permissions {
@@ -36,10 +37,10 @@ impl WholeFile {
         Ok(new)
     }
 
-    /// Takes the place of what stands there.
+    /// Replaces the existing file.
     ///
     /// # Errors
-    /// What the system says; the old one stays, and nothing else is left.
+    /// Returns the error of the operating system; the old file is unchanged, and no other file remains.
     pub(crate) fn take_place(self) -> io::Result<()> {
         fs::rename(&self.beside, &self.path)
     }
@@ -47,7 +48,7 @@ impl WholeFile {
 
 impl Drop for WholeFile {
     fn drop(&mut self) {
-        // It has its name now, or may never have existed.
+        // It has its final name now, or may never have existed.
         let _ = fs::remove_file(&self.beside);
     }
 }
@@ -70,7 +71,7 @@ mod tests {
         new.take_place().unwrap();
         assert_eq!((fs::read_to_string(&path).unwrap().as_str(), names()), ("new", 1));
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
-        // A folder stands in the way.
+        // A folder with that name exists.
         let taken = folder.path().join("taken");
         fs::create_dir_all(taken.join("full")).unwrap();
         assert!(WholeFile::write(&taken, b"new", None).unwrap().take_place().is_err());

@@ -1,5 +1,5 @@
-//! Taking commands and setpoints and handing whole cycles to the recorder takes no memory in the cycle thread and gives none back there, whether the recorder
-//! keeps up or not: an armed allocator watches.
+//! Taking commands and setpoints, and passing complete cycles to the recorder, neither allocates nor frees memory in
+//! the cycle thread, whether the recorder is fast enough or not; a counting allocator checks it.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use lineshaft::cell::Cell;
@@ -18,7 +18,7 @@ use lineshaft_core::parameter::{Change, Value};
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
-/// Two commands with heap parts, which are freed where the frames arrive, in every fifth cycle.
+/// Two commands with heap data, freed by the receiver of frames, in every fifth cycle.
 fn commands(cycle: u64) -> Vec<Command> {
     let change = Change { axis: 1, row: 2, value: Value::Real(5e4) };
     let actions = match cycle % 5 {
@@ -61,7 +61,7 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
         assert_eq!(violation_count(), 0, "in cycle {cycle}");
         plant.write(&outputs);
         spent.free();
-        // From cycle 5000 to the end of 7500 the recorder stands still.
+        // From cycle 5000 to the end of 7500 the recorder is stopped.
         if !(5000..7500).contains(&cycle) {
             while let Some(head) = receiver.take(&mut taken) {
                 head.state.into_iter().for_each(|state| receiver.give_back(state));
@@ -71,7 +71,7 @@ fn no_cycle_takes_or_gives_back_memory_for_the_recorder() {
     assert_eq!(receiver.lost(), 501, "of 2501 cycles without the recorder 2000 fit");
 }
 
-/// From the cycle that takes it in to the one that gives it back.
+/// From the cycle that begins it to the one that returns it.
 #[test]
 fn a_trial_takes_no_memory_in_the_cycle_thread() {
     let cell = Cell::parse("torque.yaml", include_str!("../../launch-configs/torque.yaml")).unwrap();

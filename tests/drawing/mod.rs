@@ -1,4 +1,4 @@
-//! Figures of paths over the places of an axis, made of simulated runs.
+//! Draws figures of paths over the positions of an axis, from simulated runs.
 
 mod run;
 mod svg;
@@ -7,15 +7,15 @@ use crate::support::machine::share;
 use run::Path;
 use svg::Svg;
 
-/// What stands along the way of an axis of launch-configs/homing.yaml, to be drawn (inc).
+/// Fixtures of an axis of launch-configs/homing.yaml, in inc.
 #[derive(Clone, Copy)]
 pub(crate) struct Fixtures {
     pub axis: &'static str,
-    /// Where its reference switch is actuated.
+    /// Range in which the reference switch is actuated.
     pub home: Option<(i64, i64)>,
-    /// It has limit switches at -3000 and 3000.
+    /// Whether it has limit switches at -3000 and 3000.
     pub limits: bool,
-    /// Where an index pulse lies, and how far from one to the next.
+    /// Position of an index pulse, and distance between two of them.
     pub index: (i64, i64),
 }
 
@@ -34,14 +34,14 @@ impl Scheme {
     }
 }
 
-/// One method, from one start or several.
+/// One method, with one or several start positions.
 #[derive(Clone)]
 pub(crate) struct Panel {
     pub fixtures: Fixtures,
     pub scheme: Scheme,
     pub number: i8,
     pub starts: &'static [i64],
-    /// Where the zero must be found; none: at the start.
+    /// Expected position of the zero; `None`: at the start.
     pub reference: Option<i64>,
 }
 
@@ -62,12 +62,12 @@ pub(crate) struct Figure {
 
 const COLUMNS: usize = 4;
 const PANEL: f64 = 236.0;
-/// Height of the path from one start.
+/// Height of the path of one start position.
 const LANE: f64 = 44.0;
 const HEAD: f64 = 24.0;
 const FOOT: f64 = 34.0;
 const LEGEND: f64 = 30.0;
-/// Places at the borders of a panel.
+/// Positions at the borders of a panel.
 const LAST: i64 = 3600;
 /// Phases of homing, with their colours.
 const PHASES: [(&str, &str); 4] = [
@@ -78,8 +78,8 @@ const PHASES: [(&str, &str); 4] = [
 ];
 
 impl Figure {
-    /// The committed drawing is what the simulation does now. `LINESHAFT_RENEW=1 cargo test --workspace --test
-    /// end_to_end homing_drawings` regenerates it.
+    /// The committed drawing must be the present result of the simulation.
+    /// `LINESHAFT_RENEW=1 cargo test --workspace --test end_to_end homing_drawings` regenerates it.
     #[track_caller]
     pub(crate) fn is_in_docs(&self) {
         let _machine = share();
@@ -124,7 +124,7 @@ fn legend(svg: &mut Svg) {
     svg.text((x + 120.0, 19.0), "time runs downwards", "start", "#666");
 }
 
-/// A place in the panel that begins at `left`.
+/// Returns the coordinate of a position in the panel that begins at `left`.
 fn at(left: f64, place: i64) -> f64 {
     let share = (place.clamp(-LAST, LAST) + LAST) as f64 / (2 * LAST) as f64;
     left + 10.0 + share * (PANEL - 20.0)
@@ -142,7 +142,7 @@ fn draw_panel(svg: &mut Svg, panel: &Panel, left: f64, top: f64, height: f64) {
     }
 }
 
-/// The switches and the index below the paths.
+/// Draws the switches and the index below the paths.
 fn fixtures(svg: &mut Svg, panel: &Panel, left: f64, floor: f64) {
     svg.line((at(left, -LAST), floor), (at(left, LAST), floor), "#888", 1.0);
     let Fixtures { home, limits, index: (first, every), .. } = panel.fixtures;

@@ -1,27 +1,27 @@
-//! One homing in the simulation.
+//! Runs one homing in the simulation.
 
 use super::Panel;
 use lineshaft::cell::Cell;
 use lineshaft::scenario::{Options, Scenario, simulate};
 use std::path::PathBuf;
 
-/// Between two points of a path that is drawn (cycles).
+/// Distance between two points of a drawn path, in cycles.
 const STEP: u64 = 10;
 
 pub(super) fn root() -> PathBuf {
     std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Where an axis went while it homed.
+/// Path of an axis during homing.
 pub(super) struct Path {
     pub start: i64,
-    /// Phase, then cycles since the start and places.
+    /// Phase, then cycles since the start and positions.
     pub legs: Vec<(usize, Vec<(u64, i64)>)>,
-    /// The place of the zero that it found.
+    /// Position of the zero that was found.
     pub zero: i64,
 }
 
-/// Plays one method from a start.
+/// Plays one method from a start position.
 pub(super) fn path(panel: &Panel, start: i64) -> Path {
     let cell = Cell::load(&root().join("launch-configs/homing.yaml")).unwrap_or_else(|problems| panic!("{problems}"));
     let (axis, scheme, method) = (panel.fixtures.axis, panel.scheme.verb(), panel.number);
@@ -41,7 +41,7 @@ pub(super) fn path(panel: &Panel, start: i64) -> Path {
     read(&std::fs::read_to_string(csv).expect("a trace"), start)
 }
 
-/// Rows of cycle, count, position, phase.
+/// Parses rows of cycle, count, position, phase.
 fn read(csv: &str, start: i64) -> Path {
     let number = |text: &str| text.parse::<i64>().expect("whole numbers");
     let head: Vec<&str> = csv.lines().next().expect("a head").split(',').collect();
@@ -69,7 +69,7 @@ fn read(csv: &str, start: i64) -> Path {
                 }
             }
             other => {
-                // Legs hang together.
+                // Legs are connected.
                 if let Some((_, points)) = other {
                     points.push(point);
                 }

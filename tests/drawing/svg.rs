@@ -1,10 +1,10 @@
-//! A drawing as text, the same bytes for the same strokes.
+//! A drawing as text, with the same bytes for the same strokes.
 
 use std::fmt::Write;
 
 pub(super) struct Svg(String);
 
-/// Across and down.
+/// Horizontal and vertical coordinate.
 type Point = (f64, f64);
 
 impl Svg {

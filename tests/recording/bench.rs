@@ -1,4 +1,4 @@
-//! What the tests of recordings share: a folder, the program at its prompt, and runs to record.
+//! Shared parts of the recording tests: a folder, the program on the command line, and runs to record.
 
 use crate::support::machine::share;
 use std::{
@@ -14,17 +14,17 @@ use tempfile::TempDir;
 
 use crate::support::bag_check::bag_check;
 
-/// A file of the workspace.
+/// Returns a file of the workspace.
 pub(crate) fn root(path: &str) -> String {
     text_of(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path))
 }
 
-/// The built-in demo as a file.
+/// Returns the path of the built-in demo.
 pub(crate) fn demo() -> String {
     root("launch-configs/demo.yaml")
 }
 
-/// True when the tests are to take their time.
+/// Returns true if long tests are requested.
 pub(crate) fn is_long() -> bool {
     env::var("LINESHAFT_LONG").is_ok_and(|value| value == "1")
 }
@@ -33,23 +33,23 @@ fn text_of(path: &Path) -> String {
     path.to_str().expect("paths of the workspace and of temporary folders are text").to_owned()
 }
 
-/// How a command of the program has ended.
+/// Result of a command of the program.
 #[derive(Debug)]
 pub(crate) struct Ended {
     pub(crate) code: Option<i32>,
-    /// Both outputs, one after the other.
+    /// Standard output and standard error, one after the other.
     pub(crate) text: String,
 }
 
 impl Ended {
-    /// Panics unless the program ended with `code`.
+    /// Checks that the program ended with `code`.
     #[track_caller]
     pub(crate) fn with(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{}", self.text);
         self
     }
 
-    /// Panics unless the text has each of `parts`.
+    /// Checks that the text contains each of `parts`.
     #[track_caller]
     pub(crate) fn says(self, parts: &[&str]) -> Self {
         for part in parts {
@@ -67,12 +67,12 @@ impl Bench {
         Self(tempfile::tempdir().expect("the system has room for a temporary folder"))
     }
 
-    /// A path in the folder.
+    /// Returns the path of a file in the folder.
     pub(crate) fn path(&self, name: &str) -> String {
         text_of(&self.0.path().join(name))
     }
 
-    /// What the files of a folder in it are named, sorted.
+    /// Returns the names in a subfolder, sorted.
     pub(crate) fn list(&self, folder: &str) -> Vec<String> {
         let entries = fs::read_dir(self.0.path().join(folder)).into_iter().flatten();
         let mut names: Vec<_> = entries
@@ -82,7 +82,7 @@ impl Bench {
         names
     }
 
-    /// The MCAP files of a folder in it, in order.
+    /// Returns the MCAP files of a subfolder, sorted.
     pub(crate) fn bag_files(&self, folder: &str) -> Vec<PathBuf> {
         let names = self.list(folder).into_iter().filter(|name| name.ends_with(".mcap"));
         names.map(|name| self.0.path().join(folder).join(name)).collect()
@@ -98,7 +98,7 @@ impl Bench {
         Ended { code: status.code(), text }
     }
 
-    /// Plays the scenario that has something of everything, records it as `bag` and traces all signals to `run.csv`.
+    /// Plays the scenario that contains every kind of data, records it as `bag` and traces all signals to `run.csv`.
     #[track_caller]
     pub(crate) fn record(&self, bag: &str) -> String {
         self.record_scenario(&root("tests/recording/cell.yaml"), &root("tests/recording/scenario.yaml"), bag)
@@ -121,10 +121,10 @@ impl Bench {
     }
 }
 
-/// Cycles of `tests/recording/scenario.yaml`.
+/// Number of cycles of `tests/recording/scenario.yaml`.
 pub(crate) const CYCLES: u64 = 3000;
 
-/// Panics unless rosbag2 reads all of each file by its indexes, in the order of time; returns the number of messages.
+/// Checks that rosbag2 reads each file completely by its indexes, in the order of time; returns the number of messages.
 #[track_caller]
 pub(crate) fn reads_in_time_order<P: AsRef<OsStr>>(files: impl IntoIterator<Item = P>) -> u64 {
     let read = |file: P| {
@@ -135,7 +135,7 @@ pub(crate) fn reads_in_time_order<P: AsRef<OsStr>>(files: impl IntoIterator<Item
     files.into_iter().map(read).sum()
 }
 
-/// A count in an observation, by its path of keys.
+/// Returns the count at a path of keys in an observation.
 #[track_caller]
 pub(crate) fn count(seen: &Value, keys: &[&str]) -> u64 {
     let value = keys.iter().fold(seen, |value, key| &value[key]);

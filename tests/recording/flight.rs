@@ -1,11 +1,11 @@
-//! The flight recorder: a fault leaves a bag of the seconds before it, which replays.
+//! Tests the flight recorder: an axis error saves a bag of the preceding seconds, which replays without differences.
 
 use std::time::Duration;
 
 use super::bench::{Bench, count, demo, reads_in_time_order};
 use crate::support::{bag_check::bag_check, domain::Domain, program::Program};
 
-/// A fault every two seconds, from the third second on.
+/// Returns a scenario with an axis error every two seconds, from the third second on.
 fn faults(number: u32) -> String {
     let mut text = format!("scenario: {number} faults\nfor: {} s\nsteps:\n", 4 + 2 * number);
     for fault in 0..number {
@@ -84,7 +84,7 @@ fn never_more_bags_stay_than_were_asked_for_and_the_newest_stay() {
         last = end;
         bench.lineshaft(&["replay", &bag]).with(0);
     }
-    // The newest fault of five is 9 s behind the start, the one before 2 s earlier.
+    // The last of five errors is 9 s after the first one, the previous error 2 s earlier.
     let kept = count(&bag_check(["rosbags", &bench.path(&format!("flight/{}", bench.list("flight")[0]))]), &["end_ns"]);
     assert!(last - kept < 4_000_000_000, "the two newest ones stay");
 }

@@ -1,4 +1,4 @@
-//! What is left when the program is killed while it records, or the disk is full.
+//! Tests what remains of a recording if the program is killed while it records, or if the disk is full.
 
 use crate::support::machine::share;
 use std::{
@@ -12,7 +12,7 @@ use std::{
 use super::bench::{Bench, count, demo, is_long};
 use crate::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::Program};
 
-/// A scenario that is not at its end before the program is killed, and moves all the time.
+/// A scenario that moves all the time and is still running when the program is killed.
 const LONG: &str = "scenario: back and forth
 for: 10 min
 steps:
@@ -21,13 +21,13 @@ steps:
   - {at: 1100 ms, every: 2 s, count: 299, do: {move_axis: {axis: x, position: 10 mm}}}
 ";
 
-/// A moment below `range_ms` that looks random and is the same in every run of the test.
+/// Returns a pseudorandom delay below `range_ms`, the same in every run of the test.
 fn moment(number: u64, range_ms: u64) -> Duration {
     let mixed = (number + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
     Duration::from_millis(mixed % range_ms)
 }
 
-/// Waits until the file has something in it; panics when that takes too long.
+/// Waits until the file contains data; panics after a timeout.
 #[track_caller]
 fn wait_for_data(file: &Path) {
     let end = Instant::now() + Duration::from_secs(60);
@@ -37,13 +37,13 @@ fn wait_for_data(file: &Path) {
     }
 }
 
-/// Judges a bag whose writer was killed; returns how many cycles are in its whole chunks.
+/// Checks a bag whose writer was killed; returns the number of cycles in its complete chunks.
 #[track_caller]
 fn judge(bench: &Bench, file: &str) -> u64 {
     let left = bag_check(["torn", file]);
     assert_eq!(left["finished"], false, "{file} was finished before the kill: {left}");
     let cycles = count(&left, &["cycles"]);
-    // rosbag2 reads a file without an end in its own order, as it was written: that is the order of time.
+    // rosbag2 reads an unfinished file in the order in which it was written, which is the order of time.
     let scanned = bag_check(["indexed", file]);
     let messages: u64 = left["counts"].as_object().into_iter().flatten().filter_map(|(_, count)| count.as_u64()).sum();
     assert_eq!((count(&scanned, &["messages"]), &scanned["in_order"]), (messages, &true.into()), "{file}");
@@ -103,7 +103,8 @@ fn a_node_that_was_killed_leaves_all_but_the_last_moment() {
     }
 }
 
-/// Stands for a full disk: no file of the program may grow beyond some size, and a write there fails instead of ending it.
+/// Simulates a full disk: no file of the program may exceed a size, and a write beyond it fails instead of ending the
+/// program.
 fn with_small_files(kibibytes: u32, args: &[&str]) -> Command {
     let mut command = Command::new("bash");
     let limited = format!("trap '' XFSZ; ulimit -f {kibibytes}; exec \"$0\" \"$@\"");
@@ -123,7 +124,7 @@ fn a_full_disk_ends_the_bag_with_one_event_and_not_the_cycle() {
     peer.run("events /lineshaft");
     let mut told = Vec::new();
     for seed in 0..20 {
-        // What moves makes the bag grow.
+        // Motion makes the bag grow.
         peer.run(&format!("random-goals /lineshaft --axis x=0:0.8 --axis y=0:0.4 --seconds 2 --seed {seed}"));
         let events = peer.run("events /lineshaft");
         let texts = events.all().iter().filter_map(|seen| seen["message"]["text"].as_str());

@@ -1,4 +1,4 @@
-//! The layouts of Foxglove and PlotJuggler for the demo: every path in them leads to something that a bag of the demo has.
+//! Tests the layouts of Foxglove and PlotJuggler for the demo: every path in them exists in a bag of the demo.
 
 use std::fs;
 
@@ -32,7 +32,7 @@ fn a_state_is_shown_by_its_name() {
     assert!(states.is_empty(), "Foxglove names a value by the constants right before its field: {states:?}");
 }
 
-/// The check itself: an axis that does not exist, a field, a topic, a panel that is not shown.
+/// Tests the check itself: an axis, a field or a topic that does not exist, and a panel that is not shown.
 #[test]
 fn a_path_that_leads_nowhere_is_found() {
     let bench = Bench::new();

@@ -1,4 +1,4 @@
-//! `lineshaft run --record` and `~/record`: runs in real time, with goals that nobody planned.
+//! Tests `lineshaft run --record` and `~/record`: runs in real time, with random goals.
 
 use std::{
     sync::atomic::{AtomicBool, Ordering},
@@ -11,13 +11,13 @@ use crate::support::{bag_check::bag_check, domain::Domain, peer::Peer, program::
 
 const EXIT: Duration = Duration::from_secs(30);
 
-/// Goals for all axes of the demo, turned out by dice.
+/// Returns a peer command that sends random goals to all axes of the demo.
 fn random_goals(seconds: u64, seed: u64) -> String {
     let axes = "--axis x=-0.04:0.8 --axis y=0:0.4 --axis turret=-1.5:1.5 --master line";
     format!("random-goals /lineshaft {axes} --seconds {seconds} --seed {seed}")
 }
 
-/// The built-in demo as a node, recorded or not, and who talks to it.
+/// The built-in demo as a node, with or without recording, and its client.
 struct Demo {
     bench: Bench,
     peer: Peer,
@@ -25,7 +25,7 @@ struct Demo {
 }
 
 impl Demo {
-    /// Returns when the demo publishes.
+    /// Starts the demo, and returns when it publishes.
     fn start(args: &[&str]) -> Self {
         let bench = Bench::new();
         let (domain, flight) = (Domain::take(), bench.path("flight"));
@@ -38,7 +38,7 @@ impl Demo {
         Self { bench, peer, program }
     }
 
-    /// Ends it as Ctrl-C does.
+    /// Ends it with the signal of Ctrl-C.
     #[track_caller]
     fn end(&mut self) {
         self.program.interrupt();
@@ -68,7 +68,7 @@ fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
     let cycles = count(&seen, &["counts", "/lineshaft/inputs"]);
     assert!(cycles > 5000, "{cycles} cycles");
     assert!(count(&seen, &["counts", "/lineshaft/commands"]) > 10, "{seen}");
-    // Topics of the node, in addition to those of its cycles.
+    // Topics that the node publishes in addition to the data of the cycles.
     for topic in
         ["/rosout", "/diagnostics", "/robot_description", "/lineshaft/cycle_statistics", "/lineshaft/transition_event"]
     {
@@ -81,7 +81,7 @@ fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
     demo.bench.lineshaft(&["replay", &changed]).with(3).says(&[&cycle, "y."]);
 }
 
-/// After cleanup no cycle runs: the last messages of the node have no cycle after them.
+/// After cleanup no cycle runs: no cycle follows the last messages of the node.
 #[test]
 fn messages_after_the_last_cycle_are_at_the_end_of_the_bag() {
     let mut demo = Demo::start(&["--record", "BENCH/run.mcap"]);
@@ -92,7 +92,7 @@ fn messages_after_the_last_cycle_are_at_the_end_of_the_bag() {
     demo.end();
     let bag = demo.bench.path("run.mcap");
     let seen = bag_check(["mcap", &bag]);
-    // Two of each transition: configure, activate, deactivate, cleanup.
+    // Two for each of the transitions configure, activate, deactivate and cleanup.
     assert_eq!(count(&seen, &["counts", "/lineshaft/transition_event"]), 8, "{seen}");
     assert_eq!(reads_in_time_order([&bag]), count(&seen, &["messages"]));
     demo.replays(&bag);
@@ -106,7 +106,7 @@ fn a_folder_is_split_by_time_and_rosbags_reads_all_of_it() {
     let files = demo.bench.bag_files("bag");
     let bag = demo.bench.path("bag");
     let seen = bag_check(["rosbags", &bag]);
-    // Of 1 ms each; those that were missed count, too.
+    // 2000 cycles of 1 ms for each file; missed cycles count, too.
     let whole = count(&seen, &["counts", "/lineshaft/inputs"]) as usize / 2000;
     assert!(whole >= 3 && (whole..=whole + 2).contains(&files.len()), "{files:?} for {whole} times 2 s");
     let parts: u64 =
@@ -114,7 +114,7 @@ fn a_folder_is_split_by_time_and_rosbags_reads_all_of_it() {
     assert_eq!(count(&seen, &["messages"]), parts);
     assert_eq!(reads_in_time_order(&files), parts);
     demo.replays(&bag);
-    // Each later file has the machine's state at its start.
+    // Each later file begins with the state of the machine.
     for file in &files[1..] {
         demo.replays(file.to_str().unwrap());
     }
@@ -132,7 +132,7 @@ fn a_folder_is_split_by_size() {
     demo.replays(&bag);
 }
 
-/// Threads that take all the time they can get, until this is dropped.
+/// Threads that use all processor time that they can get, until this value is dropped.
 struct Load {
     stop: &'static AtomicBool,
     threads: Vec<thread::JoinHandle<()>>,
@@ -185,7 +185,7 @@ fn the_service_starts_and_stops_bags() {
         assert_eq!((&seen["recording"], &seen["lost"]), (&false.into(), &0.into()), "{seen:?}");
         assert_eq!(seen["replayable"], true, "{seen:?}");
         assert!(seen["size"].as_u64().unwrap() > 0, "{seen:?}");
-        // A bag that begins in the middle has the machine's state at its start.
+        // A bag that begins during a run begins with the state of the machine.
         demo.replays(&bag);
     }
     bag_check(["rosbags", &demo.bench.path("one")]);
@@ -229,7 +229,7 @@ fn the_service_saves_what_the_flight_recorder_holds() {
     let seen = bag_check(["rosbags", &bag]);
     assert_eq!(reads_in_time_order(demo.bench.bag_files(&bag)), count(&seen, &["messages"]));
     let cycles = count(&seen, &["counts", "/lineshaft/inputs"]);
-    // Two seconds, and up to one more until a state of the machine at its start.
+    // Two seconds, and up to one more second to the preceding state of the machine.
     assert!((1000..=4000).contains(&cycles), "{cycles}");
     demo.replays(&bag);
     demo.end();

@@ -1,4 +1,4 @@
-//! `lineshaft replay` and `lineshaft validate`: what must be equal is, and what was changed is found.
+//! Tests `lineshaft replay` and `lineshaft validate`: equal runs are reported as equal, and changes are found.
 
 use super::bench::{Bench, demo, root};
 use crate::support::bag_check::bag_check;
@@ -16,7 +16,7 @@ fn what_was_recorded_replays() {
     }
 }
 
-/// A changed input: its field, the bit that is turned over, and names of which the report has one.
+/// A changed input: its field, the bit that is inverted, and names of which the report contains one.
 const CHANGES: [(&str, &str, &[&str]); 12] = [
     ("digital[0]", "0", &["start"]),
     ("digital[0]", "1", &["mark"]),
@@ -27,9 +27,9 @@ const CHANGES: [(&str, &str, &[&str]); 12] = [
     ("drive_velocity[1]", "0", &["turret."]),
     // Bit 2 of 60FDh is the reference switch.
     ("drive_inputs[0]", "2", &["x."]),
-    // Bit 3 of the status word is the drive's fault.
+    // Bit 3 of the status word is the fault bit of the drive.
     ("drive_status[0]", "3", &["x."]),
-    // Bit 14 belongs to the maker of a drive: no signal shows it.
+    // Bit 14 is manufacturer-specific: no signal shows it.
     ("drive_status[1]", "14", &["inputs", "drive_status"]),
     ("missed", "0", &["missed", "overruns"]),
     ("latches_lost", "0", &["inputs", "latches_lost"]),

@@ -1,4 +1,4 @@
-//! `lineshaft sim --record`: what stands in the bag is what the CSV of the same run says.
+//! Tests `lineshaft sim --record`: the bag has the same contents as the CSV file of the same run.
 
 use std::{
     env, fs,
@@ -14,7 +14,7 @@ use crate::support::{
     setup::python,
 };
 
-/// What the cell of the tests tells `against-csv`: the scales of its axes, and its inputs.
+/// Data of the test cell for `against-csv`: the scales of its axes, and its inputs.
 const CELL: [&str; 14] = [
     "--scale",
     "line=1/1000000",
@@ -44,10 +44,10 @@ fn every_value_of_a_file_is_that_of_the_csv() {
     let seen = compare(&bench, &bench.record("run.mcap"));
     assert_eq!(count(&seen, &["messages", "CycleInputs"]), CYCLES);
     assert_eq!(count(&seen, &["messages", "Signals"]), CYCLES);
-    // 100 a second.
+    // 100 per second.
     assert_eq!(count(&seen, &["messages", "AxisStates"]), CYCLES / 10);
     assert_eq!(count(&seen, &["messages", "JointState"]), CYCLES / 10);
-    // What is injected concerns the plant; each other step is a command, and each command has its answer.
+    // Injected events change the plant; each other step is a command, and each command has its response.
     assert_eq!(count(&seen, &["messages", "AppliedCommand"]), 12);
     assert!(count(&seen, &["messages", "Event"]) > 12, "{seen}");
     // Three axes of 43 signals each, three inputs, an encoder, the machine.
@@ -64,7 +64,7 @@ fn every_value_of_a_folder_is_that_of_the_csv() {
     assert_eq!(files.len(), 2, "one file and metadata.yaml: {files:?}");
 }
 
-/// The comparison itself: it finds a bit that is wrong.
+/// Tests the comparison itself: it finds a wrong bit.
 #[test]
 fn a_wrong_bit_is_not_the_csvs() {
     let bench = Bench::new();
@@ -93,7 +93,7 @@ fn rosbags_reads_every_message_by_the_metadata() {
     let bench = Bench::new();
     let folder = bench.record("bag");
     bench.record("run.mcap");
-    // metadata.yaml stands beside a file that was asked for by its name.
+    // A recording as a single file has a metadata.yaml in the same folder, too.
     for folder in [folder, bench.path("")] {
         let seen = bag_check(["rosbags", &folder]);
         let topics = [
@@ -200,7 +200,7 @@ fn info_tells_what_is_in_a_bag() {
     bench.lineshaft(&["bag", "info", &bag]).with(0).says(&["/joint_states", "lineshaft_msgs/msg/CycleInputs", "7000"]);
 }
 
-/// The example of docs/recording.md, which reads ~/signals with rosbags.
+/// Tests the example of docs/recording.md, which reads ~/signals with rosbags.
 #[test]
 fn the_example_in_the_docs_reads_signals() {
     let bench = Bench::new();

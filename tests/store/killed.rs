@@ -1,4 +1,4 @@
-//! The program is killed while it saves.
+//! Kills the program while it saves parameters.
 
 use crate::support::machine::share;
 use std::{
@@ -15,10 +15,11 @@ use std::{
 
 use super::{Bench, cell, lineshaft, read};
 
-/// Sets that one program saves, one in each cycle.
+/// Number of sets that one program saves, one in each cycle.
 const SETS: u64 = 600;
 
-/// In each cycle five values of two axes get the same number, one more than before, and are saved.
+/// Returns a scenario that in each cycle sets five values of two axes to the same number, one more than before, and
+/// saves them.
 fn scenario(from: u64) -> String {
     let mut text = format!("scenario: save and save again\ncycles: {}\nsteps:\n", SETS + 1);
     for cycle in 0..SETS {
@@ -35,7 +36,7 @@ fn scenario(from: u64) -> String {
     text
 }
 
-/// A program that saves, and the generations that it told to be on the disk.
+/// A program that saves, and the generations that it has reported as written to the disk.
 struct Saver {
     child: Child,
     told: Receiver<u64>,
@@ -57,7 +58,7 @@ impl Saver {
                 let generation =
                     line.strip_suffix(" is on the disk").and_then(|line| line.rsplit(' ').next()?.parse().ok());
                 if let Some(generation) = generation {
-                    // Nobody listens any more once it was killed.
+                    // After the program was killed, the channel may have no receiver.
                     let _ = send.send(generation);
                 } else {
                     log += &line;
@@ -69,7 +70,8 @@ impl Saver {
         Self { child, told, reader }
     }
 
-    /// The last generation that was told, when it is killed `moment` after the first one; and was it killed?
+    /// Kills the program `moment` after the first reported generation; returns the last reported generation, and
+    /// whether the program was still running.
     fn kill_after(mut self, moment: Duration) -> (u64, bool) {
         let first = self.told.recv_timeout(Duration::from_secs(30));
         thread::sleep(moment);
@@ -82,25 +84,26 @@ impl Saver {
     }
 }
 
-/// A moment below `range_us` that looks random and is the same in every run of the test.
+/// Returns a pseudorandom delay below `range_us`, the same in every run of the test.
 fn moment(number: u64, range_us: u64) -> Duration {
     let mixed = (number + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32;
     Duration::from_micros(mixed % range_us)
 }
 
-/// The number that all values carry; panics where they carry several.
+/// Returns the number that all values have; panics if they have different ones.
 #[track_caller]
 fn number(store: &Path) -> u64 {
     let (generation, line, x) = read(store);
     let n = x.in_position_window as f64;
     let carried = (x.following_error_time as f64, x.max_velocity, line.max_velocity, line.max_acceleration);
     assert_eq!(carried, (n * 1000.0, 100_000.0 + n, 200_000.0 + n, n + 0.5), "a mixture");
-    // Each save had another number than the one before, so each is a generation.
+    // Each save had a different number, so each one is a generation.
     assert_eq!(generation, n as u64);
     generation
 }
 
-/// The old set or the new one, whenever the program is killed; and each program starts with what the one before has left.
+/// The file contains the old set or the new one, whenever the program is killed; each program starts with the set that
+/// the previous one has left.
 ///
 /// Proves: MACS-STO-04, MACS-STO-06
 #[test]
@@ -114,9 +117,11 @@ fn a_program_that_is_killed_while_it_saves_leaves_the_old_set_or_the_new_one() {
         let (told, was_killed) = Saver::start(&bench, &store, last + 1).kill_after(moment(kill, 100_000));
         let found = number(&store);
         assert!(told > last, "kill {kill}: {told} after {last}");
-        // The log is written by a thread of its own, and ends with the program: what was told last may be sets behind.
+        // A separate thread writes the log, and ends with the program: the last reported generation may be older than
+        // the saved one.
         assert!(found >= told, "kill {kill}: {found} is on the disk, {told} was told");
-        // The generation before is whole, too: it is used where the present one is lost. The first one has none before it.
+        // The previous generation is complete, too: it is used if the present one is lost. The first generation has no
+        // predecessor.
         if kill % 10 == 0 && found > 1 {
             let copy = bench.path("copy.yaml");
             fs::copy(bench.path("p.yaml.previous"), &copy).unwrap();

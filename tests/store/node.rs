@@ -1,4 +1,4 @@
-//! A node that keeps what is saved, on the thread that does it.
+//! Tests a node that saves parameters in its store thread.
 
 use std::{
     fs,
@@ -24,12 +24,12 @@ fn node(bench: &Bench, domain: &Domain, scenario: &Path, more: &[&str]) -> Comma
     command
 }
 
-/// A node that does not outlive its test.
+/// A running node, killed with the test.
 struct Running(Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // Both fail when it has ended already, which is fine.
+        // Both fail if it has ended, which is fine.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -53,7 +53,8 @@ fn a_node_keeps_what_is_saved_in_its_folder_for_the_next_one() {
     assert_eq!(read(&file).1.max_velocity, 400_000.0);
     let looks = bench.write("looks.yaml", LOOKS);
     passes(&node(&bench, &domain, &looks, &[]).output().unwrap());
-    // Another file, and none: the cell's values; and what is saved then is not written.
+    // With another store file, and with none, the values of the cell apply; without a store, saved values are not
+    // written.
     let (code, _) = said(&node(&bench, &domain, &looks, &["--store", "none"]).output().unwrap());
     assert_eq!(code, Some(1), "the goal is taken");
     let fast = bench.write("fast.yaml", &SAVES.replace("400 mm/s", "500 mm/s"));
@@ -64,7 +65,8 @@ fn a_node_keeps_what_is_saved_in_its_folder_for_the_next_one() {
     assert_eq!((read(&file).1.max_velocity, read(&other).1.max_velocity), (400_000.0, 500_000.0));
 }
 
-/// Two nodes of one name and cell: the second starts with what is saved, and says that it keeps nothing.
+/// Two nodes with the same name and cell: the second one starts with the saved values, and reports that it does not
+/// save.
 #[test]
 fn a_second_node_does_not_wait_for_the_first_and_does_not_write_its_store() {
     let (bench, domain) = (Bench::new(), Domain::take());
@@ -86,7 +88,7 @@ fn a_second_node_does_not_wait_for_the_first_and_does_not_write_its_store() {
     assert_eq!(read(&file).1.max_velocity, 400_000.0);
 }
 
-/// A disk that takes nothing: the machine goes on, and one line tells it.
+/// A disk that cannot be written: the machine continues, and one line reports the error.
 #[test]
 fn a_store_that_cannot_be_written_is_one_line_in_the_log() {
     let (bench, domain) = (Bench::new(), Domain::take());

@@ -1,4 +1,4 @@
-//! One program after the other with the same store.
+//! Runs several programs one after the other with the same store.
 
 use std::fs;
 
@@ -13,26 +13,26 @@ const TOO_FAST: &str = "  - {at: 10, do: {move_axis: {axis: line, mode: velocity
 #[test]
 fn each_layer_at_the_start_of_the_next_program() {
     let bench = Bench::new();
-    // Set and not saved: nothing is there for the next one.
+    // Set and not saved: the next program does not get the value.
     bench.plays("p.yaml", "  - {at: 0, do: {set_parameters: {line.max_velocity: 100 mm/s}}}\n");
     assert!(!bench.path("p.yaml").exists());
     bench.plays("p.yaml", &format!("{TOO_FAST}}}\n"));
 
-    // Saved, and set after that.
+    // Saved, and set again afterwards.
     bench.plays("p.yaml", &format!("{SAVE}  - {{at: 20, do: {{set_parameters: {{line.max_velocity: 200 mm/s}}}}}}\n"));
     let text = bench.plays("p.yaml", &format!("{TOO_FAST}, refused: max_velocity 400 mm/s}}\n"));
     assert!(text.contains("p.yaml: 2 values of line, x take the place of what the cell says; generation 1"), "{text}");
-    // Volatile: as in the cell.
+    // Volatile: the value of the cell.
     assert_eq!(read(&bench.path("p.yaml")).2.velocity_override, 100.0);
 
-    // Init is in force at once, and what was saved counts again at the next start.
+    // The init layer is in force at once; at the next start the saved values are in force again.
     bench.plays(
         "p.yaml",
         &format!("  - {{at: 0, do: {{reset_parameters: {{axes: [line, x], layer: init}}}}}}\n{TOO_FAST}}}\n"),
     );
     bench.plays("p.yaml", &format!("{TOO_FAST}, refused: max_velocity 400 mm/s}}\n"));
 
-    // Deleted, for the next one as well.
+    // Deleted, for the next program as well.
     bench.plays("p.yaml", &format!("  - {{at: 0, do: {{delete_parameters: {{axes: [line]}}}}}}\n{TOO_FAST}}}\n"));
     let text = bench.plays("p.yaml", &format!("{TOO_FAST}}}\n"));
     assert!(text.contains("p.yaml: 1 value of x takes the place of what the cell says; generation 2"), "{text}");
@@ -75,7 +75,7 @@ fn a_damaged_store_is_named_and_the_generation_before_is_used() {
     {
         assert!(text.contains(part), "{part}: {text}");
     }
-    // Both: nothing starts.
+    // Both files damaged: no program starts.
     fs::write(bench.path("p.yaml.previous"), "").unwrap();
     let (code, text) = bench.sim("p.yaml", SAVE);
     assert_eq!(code, Some(2), "{text}");
@@ -120,7 +120,7 @@ fn a_disk_that_takes_nothing_fails_the_run_and_keeps_the_old_set() {
     assert_eq!(read(&bench.path("p.yaml")).1.max_velocity, 400_000.0);
 }
 
-/// A run that began with saved values replays, from its first file and from each later one.
+/// A run that began with saved values replays without differences, from its first file and from each later file.
 ///
 /// Proves: MACS-STO-04
 #[test]
@@ -160,7 +160,7 @@ steps:
         let (code, text) = said(&lineshaft().arg("replay").arg(&run).output().unwrap());
         assert_eq!(code, Some(0), "{}: {text}", run.display());
     }
-    // The other machine, which began with nothing, does something else: the store is what made it replay.
+    // A machine that begins with the values of the cell behaves differently: so the replay has used the store.
     let (generation, line, x) = read(&bench.path("p.yaml"));
     assert_eq!((generation, x.max_position), (3, Some(1_000_000)));
     assert_eq!(line.macs.velmax, Some(3000.0));

@@ -1,4 +1,4 @@
-//! What libraries that this project did not write say of a bag: `bag_check.py`.
+//! Reads bags with independent libraries: `bag_check.py`.
 
 use std::{
     ffi::OsStr,
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::{machine::share, setup};
 
-/// Runs a command of `bag_check.py` and returns its observation; panics with its sentence when it fails.
+/// Runs a command of `bag_check.py` and returns its observation; panics with its message when it fails.
 #[track_caller]
 pub(crate) fn bag_check<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>) -> Value {
     match run(args) {
@@ -18,7 +18,7 @@ pub(crate) fn bag_check<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>) -> V
     }
 }
 
-/// The same for a command that must fail; returns its sentence.
+/// Does the same for a command that must fail; returns its message.
 #[track_caller]
 pub(crate) fn bag_check_fails<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>) -> String {
     match run(args) {
@@ -27,7 +27,7 @@ pub(crate) fn bag_check_fails<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>
     }
 }
 
-/// The first observation, and the sentence of a failure.
+/// Returns the first observation, and the message of a failure.
 #[track_caller]
 fn run<A: AsRef<OsStr>>(args: impl IntoIterator<Item = A>) -> (Option<Value>, Option<String>) {
     let _machine = share();

@@ -1,4 +1,5 @@
-//! Simulated CANopen drives of another make: a process of their own on a bus, and what asks them.
+//! Simulates CANopen drives with an independent implementation: a process on a bus, and a client that reads their
+//! objects.
 
 use super::child::Captured;
 use super::domain::Domain;
@@ -13,31 +14,31 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long the drives may take to boot.
+/// Timeout of the boot of the drives.
 const BOOT: Duration = Duration::from_secs(30);
-/// How long a device may take to answer.
+/// Timeout of an answer of a device (ns).
 const TIMEOUT_NS: u64 = 500_000_000;
-/// How long anything else may take.
+/// Timeout of everything else.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The group that python-can takes by default.
+/// The default multicast group of python-can.
 const GROUP: Ipv4Addr = Ipv4Addr::new(239, 74, 163, 2);
 const PORT: u16 = 43113;
 
-/// A way to the bus of simulated drives.
+/// A connection to the bus of simulated drives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Way {
-    /// Behind an adapter that speaks slcan over TCP.
+    /// By an adapter that uses slcan over TCP.
     SlcanTcp,
-    /// Behind an adapter that speaks slcan on a pseudo terminal.
+    /// By an adapter that uses slcan on a pseudo terminal.
     SlcanPty,
-    /// Datagrams; in a namespace alone.
+    /// Datagrams; only in a network namespace of the test.
     Udp,
-    /// An interface; where the kernel has CAN.
+    /// A network interface, if the kernel supports CAN.
     SocketCan(&'static str),
 }
 
-/// The habit (tests/peers/can/habits.py) that all drives have, where somebody runs the tests with one (.ci/nightly).
+/// Returns the behaviour (tests/peers/can/habits.py) that all drives have, if the tests are run with one (.ci/nightly).
 pub(crate) fn habit() -> Option<String> {
     std::env::var("LINESHAFT_HABIT").ok()
 }
@@ -46,27 +47,27 @@ pub(crate) fn habit() -> Option<String> {
 pub(crate) struct CanDrives {
     process: Captured,
     address: Address,
-    /// What is told to it beside the bus; a device of another make has none.
+    /// Control connection beside the bus; a device of another implementation has none.
     control: Option<BufReader<TcpStream>>,
 }
 
 impl CanDrives {
-    /// Drives with these node ids (`1-2`) behind an adapter over TCP, booted.
+    /// Starts and boots drives with these node ids (`1-2`) on an adapter over TCP.
     pub(crate) fn boot(nodes: &str) -> Self {
         Self::boot_on(Way::SlcanTcp, nodes)
     }
 
-    /// Drives with these node ids, booted.
+    /// Starts and boots drives with these node ids.
     pub(crate) fn boot_on(way: Way, nodes: &str) -> Self {
         Self::boot_with(way, nodes, &[])
     }
 
-    /// Drives with these node ids, and other devices (`["--modules", "10"]`), booted.
+    /// Starts and boots drives with these node ids, and other devices (`["--modules", "10"]`).
     pub(crate) fn boot_with(way: Way, nodes: &str, others: &[&str]) -> Self {
         Self::start("cia402_sim.py", way, nodes, &[&["--control", "127.0.0.1:0"], others].concat())
     }
 
-    /// A device without a drive, of a make of its own, behind an adapter over TCP.
+    /// Starts and boots an independent device that is no drive, on an adapter over TCP.
     pub(crate) fn boot_device(node: u8) -> Self {
         Self::start("durand_node.py", Way::SlcanTcp, &node.to_string(), &[])
     }
@@ -100,12 +101,12 @@ impl CanDrives {
         Self { process, address, control: control.map(BufReader::new) }
     }
 
-    /// The way to their bus.
+    /// Returns the address of their bus.
     pub(crate) fn address(&self) -> &Address {
         &self.address
     }
 
-    /// Tells the simulation something beside the bus, such as `sdo_mute 1 1`.
+    /// Sends the simulation a command over the control connection, such as `sdo_mute 1 1`.
     pub(crate) fn tell(&mut self, command: &str) -> Value {
         let mut answer = String::new();
         let control = self.control.as_mut().expect("they take commands");
@@ -116,14 +117,14 @@ impl CanDrives {
         value
     }
 
-    /// Pulls the plug: the drives and their adapter are gone.
+    /// Kills the process: the drives and their adapter are gone.
     pub(crate) fn kill(&mut self) {
         self.process.signal(rustix::process::Signal::KILL);
         self.process.wait(PATIENCE);
     }
 }
 
-/// A bus with one drive of which objects are asked.
+/// A bus with one drive whose objects are read and written.
 pub(crate) struct Bus {
     pub(crate) way: Box<dyn Transport>,
     node: NodeId,
@@ -152,7 +153,7 @@ impl Bus {
             let now_ns = self.now_ns();
             let done = heard.and_then(|frame| self.client.receive(&frame, now_ns));
             if let Some(done) = done.or_else(|| self.client.tick(now_ns)) {
-                // What ends a transfer on the bus, too.
+                // Includes the frame that ends the transfer on the bus.
                 self.send_all();
                 return done;
             }
@@ -188,7 +189,7 @@ impl Bus {
         self.finish().result.map_err(|error| error.to_string())
     }
 
-    /// The next state of which the drive tells.
+    /// Returns the next state that the drive reports.
     pub(crate) fn next_state(&mut self) -> NmtState {
         let began = Instant::now();
         loop {

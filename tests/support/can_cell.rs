@@ -1,4 +1,4 @@
-//! A cell of CANopen drives in a folder of its own, and the program that runs it.
+//! Provides a cell of CANopen drives in its own folder, and the program that runs it.
 
 use super::can::{CanDrives, habit};
 use super::domain::Domain;
@@ -11,12 +11,13 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Far more than anything here takes.
+/// Timeout, much longer than any step takes.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
-/// Between two looks.
+/// Interval of polling.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// The keys of an axis of 10000 increments in 10 mm with the drive of a node; `drive` and `keys` are what else is said, each behind a comma.
+/// Returns the keys of an axis of 10000 increments in 10 mm with the drive of a node; `drive` and `keys` are further
+/// keys, each after a comma.
 pub(crate) fn axis(name: &str, node: u8, drive: &str, keys: &str) -> String {
     format!(
         "  {name}: {{type: linear, scale: {{increments: 10000, per: 10 mm}}, drive: {{backend: bus0, node: {node}, eds: \
@@ -24,8 +25,9 @@ pub(crate) fn axis(name: &str, node: u8, drive: &str, keys: &str) -> String {
     )
 }
 
-/// Steps of a scenario, and what it expects: an axis is moved with 10 mm/s; once it has that error and its drive that state, the error is
-/// reset, the axis enabled, and moved by 5 mm. It has the error, and is off until it is enabled.
+/// Returns steps of a scenario and its expectations: an axis is moved at 10 mm/s; once it has that error and its drive
+/// that state, the error is reset, the axis enabled, and moved by 5 mm. The axis has the error, and is disabled until
+/// it is enabled.
 pub(crate) fn recovery(at: usize, axis: &str, code: &str, state: &str) -> (String, String) {
     let steps = format!(
         "  - {{when: {{signal: {axis}.state, is: STANDSTILL}}, do: {{move_axis: {{axis: {axis}, mode: velocity, velocity: 10 mm/s}}}}}}
@@ -47,7 +49,7 @@ pub(crate) fn recovery(at: usize, axis: &str, code: &str, state: &str) -> (Strin
     (steps, expect)
 }
 
-/// The file of a device of which these objects cannot be mapped.
+/// Returns the EDS of a device in which these objects cannot be mapped.
 fn without_mapping(eds: &str, objects: &[&str]) -> String {
     let mut parts: Vec<_> = eds.split('[').map(str::to_owned).collect();
     for part in &mut parts {
@@ -65,17 +67,17 @@ pub(crate) struct CanCell {
 }
 
 impl CanCell {
-    /// Axes at one bus behind this address, with this cycle.
+    /// Creates axes on one bus at this address, with this cycle.
     pub(crate) fn new(address: &str, cycle: &str, axes: &str) -> Self {
         Self::with_buses(&[address], cycle, axes)
     }
 
-    /// Axes at several buses, bus0 and so on.
+    /// Creates axes on several buses, named bus0 and so on.
     pub(crate) fn with_buses(addresses: &[&str], cycle: &str, axes: &str) -> Self {
         Self::of(addresses, cycle, "", axes)
     }
 
-    /// Axes at one bus, and other sections before them.
+    /// Creates axes on one bus, with other sections before them.
     pub(crate) fn with_sections(address: &str, cycle: &str, sections: &str, axes: &str) -> Self {
         Self::of(&[address], cycle, sections, axes)
     }
@@ -98,29 +100,29 @@ impl CanCell {
         cell
     }
 
-    /// The path of something in its folder.
+    /// Returns the path of a file in the folder.
     pub(crate) fn path(&self, name: &str) -> String {
         self.folder.path().join(name).to_str().expect("a path of text").to_owned()
     }
 
-    /// Writes a file there; its path.
+    /// Writes a file in the folder; returns its path.
     pub(crate) fn write(&self, name: &str, text: &str) -> String {
         let path: &Path = &self.folder.path().join(name);
         fs::write(path, text).expect("room for a file");
         path.to_str().expect("a path of text").to_owned()
     }
 
-    /// Starts `lineshaft run` on it with a scenario.
+    /// Starts `lineshaft run` with the cell and a scenario.
     pub(crate) fn run(&self, scenario: &str) -> CanRun {
         self.run_with(scenario, &[])
     }
 
-    /// The same with more options.
+    /// Does the same with more options.
     pub(crate) fn run_with(&self, scenario: &str, options: &[&str]) -> CanRun {
         self.run_in(&Domain::take(), scenario, options)
     }
 
-    /// The same in a domain that others are in.
+    /// Does the same in a domain that has other participants.
     pub(crate) fn run_in(&self, domain: &Domain, scenario: &str, options: &[&str]) -> CanRun {
         let scenario = self.write("scenario.yaml", scenario);
         let cell = self.folder.path().join("cell.yaml");
@@ -132,22 +134,22 @@ impl CanCell {
     }
 }
 
-/// The program on such a cell.
+/// The running program with such a cell.
 pub(crate) struct CanRun {
     pub(crate) program: Program,
 }
 
 impl CanRun {
-    /// Waits until the scenario is over and has passed; all that was written.
+    /// Waits until the scenario has ended and passed; returns all output.
     #[track_caller]
     pub(crate) fn passes(mut self) -> String {
         let status = self.program.wait_exit(PATIENCE * 2);
-        // The log is shown by who drops the program.
+        // The log is shown when the program is dropped.
         assert_eq!(status.code(), Some(0), "the scenario has failed");
         self.program.log()
     }
 
-    /// Waits until it has ended with this code; all that was written.
+    /// Waits until it has ended with this code; returns all output.
     #[track_caller]
     pub(crate) fn ends_with(mut self, code: i32) -> String {
         let status = self.program.wait_exit(PATIENCE);
@@ -155,12 +157,12 @@ impl CanRun {
         self.program.log()
     }
 
-    /// How often it has written this.
+    /// Returns how often it has written this text.
     pub(crate) fn told(&self, text: &str) -> usize {
         self.program.log().matches(text).count()
     }
 
-    /// Waits until it has written this for the n-th time; how long that took.
+    /// Waits until it has written this text `times` times; returns the duration.
     #[track_caller]
     pub(crate) fn until_told(&self, times: usize, text: &str) -> Duration {
         let begin = Instant::now();
@@ -171,7 +173,7 @@ impl CanRun {
         begin.elapsed()
     }
 
-    /// Waits until a drive shows what is asked for.
+    /// Waits until the state of a drive satisfies a condition.
     #[track_caller]
     pub(crate) fn until(&self, drives: &mut CanDrives, node: u8, what: &str, holds: impl Fn(&Shown) -> bool) -> Shown {
         let begin = Instant::now();
@@ -186,15 +188,15 @@ impl CanRun {
     }
 }
 
-/// What a simulated drive is like.
+/// State of a simulated drive.
 #[derive(Clone, Debug)]
 pub(crate) struct Shown {
     pub(crate) nmt: u64,
     pub(crate) state: String,
     pub(crate) velocity: i64,
-    /// As the drive counts (6064h).
+    /// Position counted by the drive (6064h).
     pub(crate) position: i64,
-    /// Of the mechanics, which no homing changes.
+    /// Position of the mechanics, which no homing changes.
     pub(crate) machine: f64,
     pub(crate) fault: u64,
     counters: Value,
@@ -215,7 +217,7 @@ impl Shown {
 }
 
 impl CanDrives {
-    /// What a drive is like.
+    /// Returns the state of a drive.
     #[track_caller]
     pub(crate) fn shown(&mut self, node: u8) -> Shown {
         let told = self.tell(&format!("state {node}"));

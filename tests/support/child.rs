@@ -1,4 +1,4 @@
-//! A child process whose output is captured and which does not outlive its owner.
+//! Runs a child process whose output is captured and which is killed with its owner.
 
 use std::{
     fs,
@@ -16,7 +16,7 @@ use tempfile::TempDir;
 
 use super::domain::Domain;
 
-/// Variables that would send a process to another network, DDS configuration or RMW.
+/// Variables that would select another network, DDS configuration or RMW.
 const FOREIGN: [&str; 8] = [
     "CYCLONEDDS_URI",
     "FASTDDS_DEFAULT_PROFILES_FILE",
@@ -28,16 +28,16 @@ const FOREIGN: [&str; 8] = [
     "ROS_STATIC_PEERS",
 ];
 
-/// Lines of each process that a failed test shows: more would hide why it failed.
+/// Lines of each process that a failed test shows: more would hide the reason of the failure.
 const SHOWN: usize = 25;
 
 /// Characters of each of these lines.
 const WIDTH: usize = 300;
 
-/// Sentences of threads that panicked: a failed test repeats them below the logs, where nobody cuts them off.
+/// Messages of threads that panicked: a failed test repeats them below the logs, where they are not truncated.
 static REASONS: Mutex<String> = Mutex::new(String::new());
 
-/// From now on panics are kept.
+/// Stores all panic messages from now on.
 fn keep_reasons() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -51,21 +51,21 @@ fn keep_reasons() {
     });
 }
 
-/// Why tests of this process have failed so far, the newest last.
+/// Returns why tests of this process have failed so far, the newest reason last.
 fn reason() -> String {
     REASONS.lock().unwrap_or_else(PoisonError::into_inner).trim_end().chars().take(10 * WIDTH).collect()
 }
 
-/// A running process; killed by its own id when dropped.
+/// A running process; killed by its process id when dropped.
 pub(super) struct Captured {
     name: String,
     child: Child,
     lines: Receiver<String>,
     log: Arc<Mutex<String>>,
     readers: Vec<JoinHandle<()>>,
-    /// What a node keeps for its user: gone with the process, so that no test finds what another one saved.
+    /// ROS_HOME of a node: deleted with the process, so that no test finds files of another one.
     _home: Option<TempDir>,
-    /// Nobody else may have it before this process has ended.
+    /// Reserved for this process until it has ended.
     _domain: Domain,
 }
 
@@ -96,7 +96,7 @@ impl Captured {
         let stderr = child.stderr.take().expect("stderr is piped");
         let readers = vec![
             read(stdout, log.clone(), move |line| {
-                // Nobody may listen to the lines of this process: they are in the log all the same.
+                // There may be no receiver for the lines of this process: they are in the log in any case.
                 let _ = send.send(line);
             }),
             read(stderr, log.clone(), drop),
@@ -108,7 +108,7 @@ impl Captured {
         self.child.stdin.take().expect("stdin was asked for and is taken once")
     }
 
-    /// The next line of standard output, waiting at most `timeout`.
+    /// Returns the next line of standard output, waiting at most `timeout`.
     #[track_caller]
     pub(super) fn line(&mut self, timeout: Duration) -> String {
         match self.lines.recv_timeout(timeout) {
@@ -126,13 +126,13 @@ impl Captured {
         }
     }
 
-    /// Has it run before others where that is allowed, as a device of its own does, which no other program delays.
+    /// Raises its priority if that is permitted: a real device is not delayed by other programs either.
     pub(super) fn prefer(&self) {
-        // Only root may: for others it is a device among programs.
+        // Only root may do this: for other users the priority stays unchanged.
         let _ = setpriority_process(Some(Pid::from_child(&self.child)), -10);
     }
 
-    /// What the system says of it and its children; `None` once it has ended.
+    /// Returns memory and processor time of the process and its children; `None` after it has ended.
     pub(super) fn figures(&self) -> Option<Figures> {
         let own = Figures::of(self.child.id())?;
         let children = self.children().into_iter().filter_map(|child| Figures::of(child.unsigned_abs()));
@@ -144,16 +144,16 @@ impl Captured {
         )
     }
 
-    /// The processes that it has started.
+    /// Returns the ids of its child processes.
     pub(super) fn children(&self) -> Vec<i32> {
         let tasks = fs::read_dir(format!("/proc/{}/task", self.child.id())).into_iter().flatten().flatten();
-        // Each belongs to the thread that has started it.
+        // The kernel lists each child under the thread that has started it.
         let children = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
         let children: Vec<String> = children.collect();
         children.iter().flat_map(|line| line.split_whitespace()).filter_map(|child| child.parse().ok()).collect()
     }
 
-    /// Waits for the process to end by itself; its status and all that it wrote.
+    /// Waits for the process to end by itself; returns its status.
     #[track_caller]
     pub(super) fn wait(&mut self, timeout: Duration) -> ExitStatus {
         let end = Instant::now() + timeout;
@@ -167,21 +167,21 @@ impl Captured {
         }
     }
 
-    /// All that it has written so far.
+    /// Returns all output so far.
     pub(super) fn log(&self) -> String {
         self.log.lock().expect("a reader of lines does not panic").clone()
     }
 }
 
-/// In which /proc counts time (1/s), on every Linux.
+/// Unit of time in /proc (1/s), on every Linux.
 const TICKS: f64 = 100.0;
 
-/// What a process takes of the machine.
+/// Resources that a process uses.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Figures {
-    /// Memory that it occupies (MiB).
+    /// Resident memory (MiB).
     pub(crate) memory: f64,
-    /// Time that it has worked, in all threads (s).
+    /// Processor time of all threads (s).
     pub(crate) worked: f64,
 }
 
@@ -191,7 +191,7 @@ impl Figures {
         let status = read("status")?;
         let memory = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
         let memory: f64 = memory.trim().strip_suffix(" kB")?.parse().ok()?;
-        // proc(5): the fields behind the name in parentheses; utime and stime are the 14th and 15th of all.
+        // proc(5): the fields after the name in parentheses; utime and stime are the 14th and 15th of all.
         let stat = read("stat")?;
         let ticks: Vec<f64> =
             stat.rsplit_once(')')?.1.split_whitespace().filter_map(|word| word.parse().ok()).collect();
@@ -222,7 +222,7 @@ fn read(
 
 impl Drop for Captured {
     fn drop(&mut self) {
-        // Both fail when it has ended already, which is fine.
+        // Both fail if it has ended, which is fine.
         let _ = self.child.kill();
         let _ = self.child.wait();
         if thread::panicking() {

@@ -1,4 +1,4 @@
-//! ROS domains that no two tests share, in whichever process they run.
+//! Assigns ROS domains so that no two tests share one, in any process.
 
 use std::{
     env, fmt,
@@ -13,17 +13,17 @@ use std::{
 
 use super::machine::{self, MachineLock};
 
-/// The domains that tests may take; whoever works by hand takes one below. The ports of those above 101 are ports that Linux also
-/// gives to any socket that asks for none.
+/// The domains that tests may take; lower ones are for manual work. The ports of those above 101 are ports that Linux
+/// also assigns to sockets that request none.
 const DOMAINS: RangeInclusive<u32> = 10..=101;
 
-/// A ROS domain that belongs to one test for as long as this value or a clone of it lives; each process in it holds one.
+/// A ROS domain that belongs to one test as long as this value or a clone of it exists; each process in it holds one.
 #[derive(Clone)]
 pub(crate) struct Domain {
     id: u32,
-    /// Its lock is the claim; the system frees it when the process ends, however it ends.
+    /// File whose lock reserves the domain; the system releases the lock when the process ends in any way.
     _lock: Arc<File>,
-    /// While a test has a domain, none that needs the whole machine runs.
+    /// While a test has a domain, no test that needs the whole machine runs.
     _machine: Arc<MachineLock>,
 }
 
@@ -35,7 +35,7 @@ impl Domain {
         static NEXT: AtomicU32 = AtomicU32::new(0);
         let machine = machine::share();
         let count = DOMAINS.end() - DOMAINS.start() + 1;
-        // Test processes start at different places, so that they seldom try what another has.
+        // Test processes start at different numbers, so that they rarely try a domain of another one.
         let first = process::id().wrapping_mul(7).wrapping_add(NEXT.fetch_add(1, Ordering::Relaxed));
         (0..count)
             .map(|i| DOMAINS.start() + first.wrapping_add(i) % count)
@@ -44,7 +44,7 @@ impl Domain {
     }
 }
 
-/// The locked claim on a domain; `None` when somebody else has it. All checkouts on a machine share its ports.
+/// Returns the locked file of a domain; `None` when another process has it. All checkouts on a machine share its ports.
 fn claim(id: u32) -> Option<File> {
     let path = env::temp_dir().join(format!("lineshaft-test-domain-{id}.lock"));
     let file = OpenOptions::new().create(true).truncate(false).write(true).open(path).ok()?;

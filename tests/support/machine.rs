@@ -1,4 +1,4 @@
-//! A lock of the whole machine: end-to-end tests share it, and a test that measures times takes it exclusively.
+//! Locks the whole machine: end-to-end tests share it, and a test that measures times takes it exclusively.
 //!
 //! Test processes of all checkouts on the machine use the same two files, as they do for the domains.
 
@@ -14,14 +14,14 @@ thread_local! {
     static HELD: RefCell<Weak<MachineLock>> = const { RefCell::new(Weak::new()) };
 }
 
-/// A share of the machine, or all of it, until the last clone is dropped.
+/// A shared or exclusive lock of the machine, held until the last clone is dropped.
 pub(crate) struct MachineLock {
-    /// The system releases the lock when the process ends, however it ends.
+    /// The system releases the lock when the process ends in any way.
     _file: File,
 }
 
-/// Runs the calling test alone: waits until no other end-to-end test runs on this machine, and lets none start before the returned value
-/// is dropped. For tests whose result depends on the time that other processes leave them.
+/// Runs the calling test alone: waits until no other end-to-end test runs on this machine, and lets none start before
+/// the returned value is dropped. For tests whose result depends on the available processor time.
 ///
 /// Panics if the test already has a domain: it would wait for itself.
 #[track_caller]
@@ -30,7 +30,7 @@ pub(crate) fn alone() -> Arc<MachineLock> {
     take(File::lock)
 }
 
-/// Shares the machine with all tests but those that run alone. A test that holds the lock already gets the same one.
+/// Shares the machine with all tests except those that run alone. A test that already holds the lock gets the same one.
 pub(crate) fn share() -> Arc<MachineLock> {
     held().unwrap_or_else(|| take(File::lock_shared))
 }
@@ -39,7 +39,8 @@ fn held() -> Option<Arc<MachineLock>> {
     HELD.with_borrow(Weak::upgrade)
 }
 
-/// Takes the lock behind a turnstile, so that a test that waits for the whole machine stops others from starting.
+/// Takes the lock after a second lock, the turnstile, so that a test that waits for the whole machine prevents others
+/// from starting.
 fn take(lock: fn(&File) -> std::io::Result<()>) -> Arc<MachineLock> {
     let turnstile = open("turnstile");
     turnstile.lock().expect("the file system of the temporary folder has locks");

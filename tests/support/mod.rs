@@ -1,7 +1,7 @@
-//! What the end-to-end tests share: the program under test, the peers that talk to it, and their set-up.
+//! Shared parts of the end-to-end tests: the program under test, the peers that communicate with it, and their set-up.
 //!
-//! Nothing here skips: what a test needs and cannot be had is a failure that says
-//! in one sentence what to install.
+//! No test is skipped: if something that a test needs is not available, the test fails with a message that names the
+//! package to install.
 
 pub(crate) mod bag_check;
 pub(crate) mod can;

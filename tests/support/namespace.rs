@@ -1,20 +1,21 @@
-//! A network of its own for one test: loopback alone, which carries multicast, too.
+//! Runs one test in its own network namespace: only loopback, which also carries multicast.
 
 use std::env;
 use std::path::Path;
 use std::process::Command;
 
-/// Says to the test that it runs inside.
+/// Environment variable that marks a test inside the namespace.
 const INSIDE: &str = "LINESHAFT_TEST_NAMESPACE";
 
-/// Makes the namespace. Loopback does not take multicast by default, and a host without a route for it cannot join a group.
+/// Creates the namespace. By default loopback does not carry multicast, and a host without a route for it cannot join a
+/// group.
 const INTO: &str =
     "ip link set lo up && ip link set lo multicast on && ip route add 239.0.0.0/8 dev lo && exec \"$0\" \"$@\"";
 
-/// True inside the namespace. Outside, sets up the peers, for which there is no network inside, runs the test of this full name inside and is
-/// false then: the test has run.
+/// Returns true inside the namespace. Outside, sets up the peers, because there is no external network inside, runs the
+/// test with this full name inside and returns false: the test has run.
 ///
-/// Panics where the test fails, with all that it has written, and where there are no namespaces, with what to do.
+/// Panics if the test fails, with all its output, and if namespaces are not available, with the remedy.
 #[track_caller]
 pub(crate) fn is_inside(test: &str, peers: &[fn() -> &'static Path]) -> bool {
     if env::var_os(INSIDE).is_some() {

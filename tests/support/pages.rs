@@ -1,11 +1,11 @@
-//! The pages of the documentation: their commands and their blocks of code.
+//! Reads the pages of the documentation: their commands and their code blocks.
 
 use std::{
     fs,
     path::{Path, PathBuf},
 };
 
-/// The repository.
+/// Returns the root folder of the repository.
 pub(crate) fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").to_owned()
 }
@@ -24,7 +24,7 @@ pub(crate) struct Quote {
     pub(crate) page: String,
     /// On one line, without the prompt; a comment may follow it.
     pub(crate) text: String,
-    /// Whether it is a line of a code block; otherwise it is code within a sentence.
+    /// True for a line of a code block; false for code within a sentence.
     pub(crate) is_block: bool,
 }
 
@@ -36,7 +36,7 @@ pub(crate) struct Block {
     pub(crate) text: String,
 }
 
-/// README.md and all pages of docs, without docs/spec.
+/// Reads README.md and all pages of docs, without docs/spec.
 pub(crate) fn read() -> Vec<Page> {
     let entries = fs::read_dir(root().join("docs")).expect("docs");
     let names = entries.map(|entry| entry.expect("an entry").file_name().into_string().expect("a name"));
@@ -52,7 +52,7 @@ pub(crate) fn read() -> Vec<Page> {
 }
 
 impl Page {
-    /// All code of the page, in its order: lines of code blocks, and code within sentences.
+    /// Returns all code of the page, in its order: lines of code blocks, and code within sentences.
     pub(crate) fn code(&self) -> Vec<Quote> {
         let (mut found, mut prose, mut is_fenced) = (Vec::new(), Vec::new(), false);
         let mut lines = self.text.lines().enumerate();
@@ -80,7 +80,7 @@ impl Page {
         found
     }
 
-    /// Takes the code out of a paragraph: it is between backticks.
+    /// Extracts the code between backticks from a paragraph.
     fn sentences(&self, prose: &mut Vec<(usize, &str)>, found: &mut Vec<Quote>) {
         let number = prose.first().map_or(0, |(number, _)| *number);
         let text = prose.drain(..).map(|(_, line)| line).collect::<Vec<_>>().join(" ");
@@ -98,12 +98,12 @@ impl Page {
         format!("{}:{}", self.name, number + 1)
     }
 
-    /// The commands that begin with `prefix`.
+    /// Returns the commands that begin with `prefix`.
     pub(crate) fn commands(&self, prefix: &str) -> Vec<Quote> {
         self.code().into_iter().filter(|quote| quote.text.starts_with(prefix)).collect()
     }
 
-    /// The fenced blocks.
+    /// Returns the fenced blocks.
     pub(crate) fn blocks(&self) -> Vec<Block> {
         let (mut found, mut open): (Vec<Block>, Option<Block>) = (Vec::new(), None);
         for (number, line) in self.text.lines().enumerate() {
@@ -125,13 +125,13 @@ impl Page {
         found
     }
 
-    /// Its text on one line.
+    /// Returns its text on one line.
     pub(crate) fn one_line(&self) -> String {
         self.text.split_whitespace().collect::<Vec<_>>().join(" ")
     }
 }
 
-/// The command of a line in a shell, or of a step in CI.
+/// Returns the command of a line in a shell, or of a step in CI.
 fn without_prompt(line: &str) -> &str {
     line.strip_prefix("$ ").or_else(|| line.strip_prefix("- run: ")).unwrap_or(line)
 }

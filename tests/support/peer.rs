@@ -1,4 +1,4 @@
-//! The peers: processes on DDS implementations that are not the program's own, told what to do by lines of words.
+//! Controls the peers: processes on independent DDS implementations that execute commands from standard input.
 
 use std::{
     io::Write,
@@ -12,21 +12,21 @@ use serde_json::Value;
 
 use super::{child::Captured, domain::Domain, setup};
 
-/// Longer than any single wait inside a peer, so that its own sentence comes first.
+/// Longer than any single timeout inside a peer, so that the peer's own message is shown.
 const PATIENCE: Duration = Duration::from_secs(90);
 
-/// A running peer in `serve` mode: one participant, kept over all commands.
+/// A running peer in `serve` mode: one participant for all commands.
 pub(crate) struct Peer {
     process: Captured,
     stdin: ChildStdin,
 }
 
-/// What a peer has observed while it did one command.
+/// Observations of a peer during one command.
 #[derive(Debug)]
 pub(crate) struct Observations(Vec<Value>);
 
 impl Observations {
-    /// All observations, oldest first.
+    /// Returns all observations, oldest first.
     pub(crate) fn all(&self) -> &[Value] {
         &self.0
     }
@@ -46,24 +46,24 @@ impl Index<&str> for Observations {
 }
 
 impl Peer {
-    /// The Eclipse Cyclone DDS peer, with all commands of `lineshaft_peer.py`.
+    /// Starts the Eclipse Cyclone DDS peer, with all commands of `lineshaft_peer.py`.
     pub(crate) fn cyclone(domain: &Domain) -> Self {
         Self::cyclone_with(domain, Vec::new())
     }
 
-    /// The same with variables of its own.
+    /// Does the same with additional environment variables.
     pub(crate) fn cyclone_with(domain: &Domain, variables: Vec<(&str, String)>) -> Self {
         let mut command = Command::new(setup::python());
         command.arg("-B").arg(setup::sources().join("lineshaft_peer.py")).envs(variables);
         Self::start("the Cyclone DDS peer", command, domain)
     }
 
-    /// The Fast DDS peer, with the commands of `fastdds_peer.cpp`.
+    /// Starts the Fast DDS peer, with the commands of `fastdds_peer.cpp`.
     pub(crate) fn fastdds(domain: &Domain) -> Self {
         Self::fastdds_with(domain, Vec::new())
     }
 
-    /// The same with variables of its own.
+    /// Does the same with additional environment variables.
     pub(crate) fn fastdds_with(domain: &Domain, variables: Vec<(&str, String)>) -> Self {
         let mut command = Command::new(setup::fastdds_peer());
         command.envs(variables);
@@ -77,19 +77,19 @@ impl Peer {
         Self { process, stdin }
     }
 
-    /// Stops the process where it is, as a debugger or a machine without memory would.
+    /// Stops the process, as a debugger or a lack of memory would.
     #[track_caller]
     pub(crate) fn freeze(&self) {
         self.process.signal(Signal::STOP);
     }
 
-    /// Lets a frozen process go on.
+    /// Continues a frozen process.
     #[track_caller]
     pub(crate) fn thaw(&self) {
         self.process.signal(Signal::CONT);
     }
 
-    /// Does `command`, words between blanks; panics with the peer's sentence when it fails.
+    /// Executes `command`, words separated by blanks; panics with the peer's message when it fails.
     #[track_caller]
     pub(crate) fn run(&mut self, command: &str) -> Observations {
         let (seen, error) = self.talk(command);
@@ -99,7 +99,7 @@ impl Peer {
         seen
     }
 
-    /// Does `command` and returns the sentence with which it fails; panics when it does not fail.
+    /// Executes `command` and returns its error message; panics when it does not fail.
     #[track_caller]
     pub(crate) fn fails(&mut self, command: &str) -> String {
         let (seen, error) = self.talk(command);
@@ -107,7 +107,7 @@ impl Peer {
         error
     }
 
-    /// Waits until a sample of `/lineshaft/axis_states` has an axis as `holds` says, and returns its state.
+    /// Waits until an axis in a sample of `/lineshaft/axis_states` satisfies `holds`, and returns its state.
     #[track_caller]
     pub(crate) fn until_axis(&mut self, axis: &str, what: &str, holds: impl Fn(&Value) -> bool) -> Value {
         let end = Instant::now() + PATIENCE;
@@ -127,7 +127,7 @@ impl Peer {
         self.answer()
     }
 
-    /// Begins `command` without waiting; `answer` has to follow before the next command.
+    /// Begins `command` without waiting; `answer` has to be called before the next command.
     #[track_caller]
     pub(crate) fn tell(&mut self, command: &str) {
         if let Err(e) = writeln!(self.stdin, "{command}") {
@@ -135,7 +135,7 @@ impl Peer {
         }
     }
 
-    /// The observations of the command begun with `tell`, and its sentence when it has failed.
+    /// Returns the observations of the command that `tell` has begun, and its message when it has failed.
     #[track_caller]
     pub(crate) fn answer(&mut self) -> (Observations, Option<String>) {
         let mut seen = Vec::new();

@@ -1,4 +1,4 @@
-//! The program under test.
+//! Starts and controls the program under test.
 
 use std::{
     process::{Command, ExitStatus, Stdio},
@@ -13,7 +13,7 @@ use super::{
     domain::Domain,
 };
 
-/// Far more than it needs to end.
+/// Much longer than it needs to end.
 const END: Duration = Duration::from_secs(30);
 
 /// A running `lineshaft`.
@@ -27,7 +27,7 @@ impl Program {
         Self::start_by(command, domain)
     }
 
-    /// Starts it by a command that ends up in the program, such as a shell that sets limits first.
+    /// Starts it by a command that finally executes the program, such as a shell that sets limits first.
     pub(crate) fn start_by(command: Command, domain: &Domain) -> Self {
         Self(Captured::start("lineshaft", command, domain, Stdio::null()))
     }
@@ -50,35 +50,35 @@ impl Program {
         self.0.signal(Signal::TERM);
     }
 
-    /// Ends it at once, as a power cut would; it cannot do anything about it.
+    /// Kills it at once, like a power failure; it cannot react.
     #[track_caller]
     pub(crate) fn kill(&self) {
         self.0.signal(Signal::KILL);
     }
 
-    /// Stops it where it is, as Ctrl-Z does, or a debugger.
+    /// Stops it, as Ctrl-Z or a debugger does.
     #[track_caller]
     pub(crate) fn freeze(&self) {
         self.0.signal(Signal::STOP);
     }
 
-    /// Lets it go on.
+    /// Continues it.
     #[track_caller]
     pub(crate) fn thaw(&self) {
         self.0.signal(Signal::CONT);
     }
 
-    /// Ends it and its ROS side at once, as a power cut would: nobody is left to say good-bye.
+    /// Kills it and its ROS side at once, like a power failure: no process announces the end of the participant.
     #[track_caller]
     pub(crate) fn kill_both(&self) {
         let side = self.ros_side();
-        // So that it does not notice that the program is gone.
+        // So that it does not detect the end of the program.
         kill_process(side, Signal::STOP).expect("a child of the program");
         self.kill();
         kill_process(side, Signal::KILL).expect("it is frozen");
     }
 
-    /// Its ROS side, which is a process of its own; panics when there is none.
+    /// Returns its ROS side; panics when there is none.
     #[track_caller]
     pub(crate) fn ros_side(&self) -> Pid {
         let children = self.0.children();
@@ -88,7 +88,8 @@ impl Program {
         }
     }
 
-    /// Its ROS side once it is another one than `before`, and that one has ended; panics when that takes half a minute.
+    /// Returns its ROS side as soon as it is another one than `before`, and `before` has ended; panics after half a
+    /// minute.
     #[track_caller]
     pub(crate) fn ros_side_after(&self, before: Pid) -> Pid {
         let begun = Instant::now();
@@ -101,14 +102,14 @@ impl Program {
         side
     }
 
-    /// Memory that its ROS side occupies (MiB).
+    /// Returns the memory of its ROS side (MiB).
     #[track_caller]
     pub(crate) fn memory_of_ros_side(&self) -> f64 {
         let side = self.ros_side().as_raw_nonzero().get().unsigned_abs();
         Figures::of(side).expect("the ROS side lives").memory
     }
 
-    /// What it takes of the machine now, with its ROS side; panics when it has ended.
+    /// Returns its present resource use, including its ROS side; panics when it has ended.
     #[track_caller]
     pub(crate) fn figures(&self) -> Figures {
         match self.0.figures() {
@@ -117,7 +118,7 @@ impl Program {
         }
     }
 
-    /// Ends it as Ctrl-C does; panics when that is no good end.
+    /// Ends it with the signal of Ctrl-C; panics when it reports an error.
     #[track_caller]
     pub(crate) fn end(&mut self) {
         self.interrupt();
@@ -125,13 +126,13 @@ impl Program {
         assert_eq!(status.code(), Some(0), "{}", self.log());
     }
 
-    /// Waits until it ends by itself; panics when it does not within `timeout`.
+    /// Waits until it ends by itself; panics after `timeout`.
     #[track_caller]
     pub(crate) fn wait_exit(&mut self, timeout: Duration) -> ExitStatus {
         self.0.wait(timeout)
     }
 
-    /// Waits until it has written a text: lines may come later than an answer on the wire.
+    /// Waits until it has written a text: lines may be written later than an answer over the network.
     #[track_caller]
     pub(crate) fn until_log(&self, text: &str) {
         let end = Instant::now() + END;
@@ -141,7 +142,7 @@ impl Program {
         }
     }
 
-    /// What it has written to standard output and standard error so far.
+    /// Returns its standard output and standard error so far.
     pub(crate) fn log(&self) -> String {
         self.0.log()
     }

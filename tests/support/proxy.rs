@@ -1,4 +1,4 @@
-//! A cable between the program and an adapter behind TCP, which can be cut and mended.
+//! Forwards a TCP connection between the program and an adapter; the connection can be cut and restored.
 
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Between two looks whether somebody has come.
+/// Interval of polling for new connections.
 const LOOK: Duration = Duration::from_millis(2);
 
-/// What passes everything on, both ways.
+/// Forwards all data in both directions.
 pub(crate) struct Proxy {
     from: SocketAddr,
     to: String,
@@ -20,7 +20,7 @@ pub(crate) struct Proxy {
 }
 
 impl Proxy {
-    /// A cable to this host and port.
+    /// Creates a proxy to this host and port.
     pub(crate) fn to(address: &str) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").expect("loopback has a free port");
         let from = listener.local_addr().expect("it is bound");
@@ -30,24 +30,24 @@ impl Proxy {
         proxy
     }
 
-    /// Host and port of this end.
+    /// Returns host and port of the near end.
     pub(crate) fn address(&self) -> String {
         self.from.to_string()
     }
 
-    /// Nobody is reached any more, and what goes through ends.
+    /// Ends existing connections and accepts no new ones.
     pub(crate) fn cut(&mut self) {
         self.is_cut.store(true, Ordering::Relaxed);
         if let Some(listener) = self.listener.take() {
             listener.join().expect("it does not panic");
         }
         for stream in self.streams.lock().expect("nobody panics with it").drain(..) {
-            // The other end may have gone already.
+            // The other end may have been closed.
             let _ = stream.shutdown(Shutdown::Both);
         }
     }
 
-    /// The other side is reached again, at the same port.
+    /// Accepts connections again, at the same port.
     pub(crate) fn mend(&mut self) {
         self.is_cut.store(false, Ordering::Relaxed);
         self.listen(TcpListener::bind(self.from).expect("the port is still free"));
@@ -73,7 +73,7 @@ impl Drop for Proxy {
     }
 }
 
-/// Passes on what comes from either side, until one ends.
+/// Forwards data in both directions until one side closes.
 fn join(near: TcpStream, to: &str, streams: &Mutex<Vec<TcpStream>>) -> io::Result<()> {
     let far = TcpStream::connect(to)?;
     near.set_nonblocking(false)?;
@@ -83,7 +83,7 @@ fn join(near: TcpStream, to: &str, streams: &Mutex<Vec<TcpStream>>) -> io::Resul
         kept.push(from.try_clone()?);
         thread::spawn(move || {
             let (mut from, mut to) = (from, to);
-            // However it ends: so does the other way.
+            // However one direction ends, the other one ends, too.
             let _ = io::copy(&mut from, &mut to);
             let _ = from.shutdown(Shutdown::Both);
             let _ = to.shutdown(Shutdown::Both);

@@ -1,7 +1,6 @@
 //! Sets the peers up in `target/peers`: a Python environment, and a C++ program with the libraries that it needs.
 //!
-//! Done once and again only when what it was made from has changed. Test processes that come at the same time wait for
-//! the first one.
+//! This is done once, and again only when the sources have changed. Concurrent test processes wait for the first one.
 
 use std::{
     env,
@@ -11,14 +10,14 @@ use std::{
     sync::OnceLock,
 };
 
-/// Where the sources of the peers are.
+/// Returns the folder with the sources of the peers.
 pub(crate) fn sources() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the workspace").join("tests/peers")
 }
 
-/// The Python interpreter that has everything in `requirements.txt`.
+/// Returns the Python interpreter with all packages of `requirements.txt`.
 ///
-/// Panics with a sentence on what to do when the environment cannot be made.
+/// Panics with the remedy when the environment cannot be created.
 pub(crate) fn python() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {
@@ -28,9 +27,9 @@ pub(crate) fn python() -> &'static Path {
     })
 }
 
-/// The Python interpreter that has everything in `can/requirements.txt`.
+/// Returns the Python interpreter with all packages of `can/requirements.txt`.
 ///
-/// Panics with a sentence on what to do when the environment cannot be made.
+/// Panics with the remedy when the environment cannot be created.
 pub(crate) fn can_python() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {
@@ -40,9 +39,9 @@ pub(crate) fn can_python() -> &'static Path {
     })
 }
 
-/// The Fast DDS peer, built.
+/// Returns the Fast DDS peer, built.
 ///
-/// Panics with a sentence on what to install when it cannot be built.
+/// Panics with the packages to install when it cannot be built.
 pub(crate) fn fastdds_peer() -> &'static Path {
     static PEER: OnceLock<PathBuf> = OnceLock::new();
     PEER.get_or_init(|| {
@@ -54,9 +53,10 @@ pub(crate) fn fastdds_peer() -> &'static Path {
     })
 }
 
-/// The library that shows processes another system clock, built from the source in the Python package `libfaketime`.
+/// Returns the library that changes the system clock of processes, built from the source in the Python package
+/// `libfaketime`.
 ///
-/// Panics with a sentence on what to install when it cannot be built.
+/// Panics with the packages to install when it cannot be built.
 pub(crate) fn fake_clock() -> &'static Path {
     static LIBRARY: OnceLock<PathBuf> = OnceLock::new();
     LIBRARY.get_or_init(|| {
@@ -67,7 +67,7 @@ pub(crate) fn fake_clock() -> &'static Path {
         let source = Path::new(packages.trim()).join("libfaketime/vendor/libfaketime/src");
         made("fake-clock", &requirements, |folder| {
             fs::create_dir_all(folder).unwrap_or_else(|e| panic!("{} cannot be made: {e}", folder.display()));
-            // As its Makefile does.
+            // The same options as in its Makefile.
             let mut compiler = Command::new("gcc");
             compiler.current_dir(&source).args(["-std=gnu99", "-O1", "-w", "-fPIC", "-shared"]);
             compiler.args(["-DFAKE_INTERNAL_CALLS", "-DPREFIX=\"\"", "-DLIBDIRNAME=\"\""]);
@@ -84,7 +84,8 @@ pub(crate) fn fake_clock() -> &'static Path {
     })
 }
 
-/// The folder `name` as `make` leaves it. `from` is all that it depends on, and is kept beside it.
+/// Returns the folder `name` with the output of `make`. `from` is everything that the output depends on, and is stored
+/// in a stamp file.
 fn made(name: &str, from: &str, make: impl FnOnce(&Path)) -> PathBuf {
     let peers = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().expect("it is inside the target folder").join("peers");
     fs::create_dir_all(&peers).unwrap_or_else(|e| panic!("{} cannot be made: {e}", peers.display()));
@@ -97,7 +98,7 @@ fn made(name: &str, from: &str, make: impl FnOnce(&Path)) -> PathBuf {
         return folder;
     }
     for old in [fs::remove_file(&stamp), fs::remove_dir_all(&folder)] {
-        drop(old); // there was none
+        drop(old); // they may not exist
     }
     make(&folder);
     fs::write(&stamp, from).unwrap_or_else(|e| panic!("{} cannot be written: {e}", stamp.display()));
@@ -135,7 +136,7 @@ fn build(folder: &Path, code: &Path) {
     compiler.args(["-std=c++17", "-O0", "-w"]).arg(code).arg("-o").arg(folder.join("fastdds_peer"));
     if root != Path::new("/") {
         compiler.arg("-isystem").arg(&include).arg("-isystem").arg(include.join(multiarch.trim()));
-        // The older kind of run path also holds for the libraries that the libraries need.
+        // The older kind of run path (RPATH) also applies to the dependencies of the libraries.
         compiler.arg("-L").arg(&lib).arg(format!("-Wl,--disable-new-dtags,-rpath,{}", lib.display()));
     }
     let libraries = ["fastrtps", "fastcdr", "foonathan_memory", "tinyxml2", "ssl", "crypto", "pthread"];
@@ -143,7 +144,8 @@ fn build(folder: &Path, code: &Path) {
     require(run(&mut compiler), "The Fast DDS peer does not build with this system's libfastrtps-dev (2.x is needed)");
 }
 
-/// Debian's Fast DDS and what it needs beyond the installed packages, unpacked into `folder` without being installed.
+/// Unpacks Debian's Fast DDS and the missing packages that it needs into `folder`, without installing them; returns the
+/// library folder.
 fn unpack_library(folder: &Path) -> PathBuf {
     const NEED: &str = "The tests need Fast DDS 2 for C++: install libfastrtps-dev (Debian, Ubuntu), or run `apt-get \
                         update` as root so that the tests can fetch it themselves";
@@ -151,7 +153,7 @@ fn unpack_library(folder: &Path) -> PathBuf {
     for new in [&debs, &root] {
         fs::create_dir_all(new).unwrap_or_else(|e| panic!("{} cannot be made: {e}", new.display()));
     }
-    // Package lists that are missing or too old are renewed where that is allowed.
+    // Missing or outdated package lists are updated if that is permitted.
     let fetched = fetch(&debs).or_else(|_| {
         if rustix::process::geteuid().is_root() {
             drop(run(Command::new("apt-get").args(["update", "-qq"])));
@@ -173,9 +175,9 @@ fn fetch(debs: &Path) -> Result<String, String> {
     run(Command::new("apt-get").arg("download").args(names).current_dir(debs))
 }
 
-/// The standard output of a command that has succeeded, or what went wrong.
+/// Returns the standard output of a successful command, or its error.
 fn run(command: &mut Command) -> Result<String, String> {
-    // Sentences of the tools are parsed and shown in one language.
+    // The output of the tools is parsed and shown in one language.
     match command.env("LC_ALL", "C").output() {
         Ok(Output { status, stdout, .. }) if status.success() => Ok(String::from_utf8_lossy(&stdout).into_owned()),
         Ok(Output { status, stderr, .. }) => {
@@ -189,7 +191,7 @@ fn name(command: &Command) -> String {
     command.get_program().to_string_lossy().into_owned()
 }
 
-/// Panics with the sentence on what to do, then what went wrong.
+/// Panics with the remedy, followed by the error.
 fn require(result: Result<String, String>, sentence: &str) -> String {
     result.unwrap_or_else(|e| panic!("{sentence}. {e}"))
 }

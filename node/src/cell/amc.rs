@@ -1,4 +1,4 @@
-//! Keys `amc` of an axis: what its reference selector is wired to, and whether its parameters fit the axis.
+//! Reads the keys `amc` of an axis: the wiring of its reference selector, and a check of its parameters.
 
 use super::backends::Context;
 use super::loops::{Chains, Follows, Reads};
@@ -11,13 +11,14 @@ use lineshaft_core::object::Object;
 use lineshaft_core::text::sentence;
 use lineshaft_core::vocabulary::{self, amc::Wiring};
 
-/// The axes that may follow commands: follower, what it reads and where that stands.
+/// Axes that may follow a leader's command: follower, source that it reads, and location of that key in the file.
 pub(super) type Masters<'d> = Vec<(usize, Reads, Value<'d>)>;
 
-/// What a selector can follow.
+/// Sections with possible leaders of a selector.
 const LEADERS: [Section; 3] = [Section::Axes, Section::Encoders, Section::Masters];
 
-/// The keys `master`, `freeze` and `cam` of the axis at place `axis`; `io` and `tables` are the entries of these sections.
+/// Reads the keys `master`, `freeze` and `cam` of the axis with index `axis`; `io` and `tables` are the entries of
+/// these sections.
 pub(super) fn wiring<'d>(
     axis: usize,
     map: &mut Map<'d>,
@@ -36,7 +37,7 @@ pub(super) fn wiring<'d>(
     let freeze = sections.value(map, "amc.freeze").map(|value| freeze(&value, cx, io));
     let cam = sections.value(map, "amc.cam").map(|value| {
         let (_, place) = cx.names.find(&value, value.text()?, &[Section::Tables])?;
-        // One that could not be read has its own problem.
+        // A table that could not be read has its own problem.
         let table = &tables.get(place)?.as_ref()?.table;
         if let Err(error) = table.cam() {
             value.refuse(format!("cam is {}: {error}", quote(value.text()?)), None);
@@ -47,12 +48,12 @@ pub(super) fn wiring<'d>(
     Some(vocabulary::Wiring { amc: Wiring { master: lift(master)?, freeze: lift(freeze)?, cam: lift(cam)? } })
 }
 
-/// Nothing where nothing stands; none where what stands has a problem.
+/// Converts an absent key to `Some(None)`, and a key with a problem to `None`.
 fn lift<T>(given: Option<Option<T>>) -> Option<Option<T>> {
     given.map_or(Some(None), |value| value.map(Some))
 }
 
-/// What latches: an input with `latch: true`, an encoder, an axis with a drive.
+/// Returns the latch source: an input with `latch: true`, an encoder, or an axis with a drive.
 fn freeze<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<Object> {
     let text = value.text()?;
     let (section, place) = cx.names.find(value, text, &[Section::Io, Section::Encoders, Section::Axes])?;
@@ -73,7 +74,7 @@ fn freeze<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> O
     }
 }
 
-/// Refuses parameters that do not fit the axis, each at its place.
+/// Refuses parameters that do not fit the axis, each at its location.
 pub(super) fn check(config: &AxisConfig, given: &Given<'_>, cycle_ns: Option<u64>) {
     const TRIGGER: &str = "amc.reference_select_trigger";
     if let Some((_, value)) = given.iter().find(|(key, _)| *key == TRIGGER) {
@@ -89,7 +90,7 @@ pub(super) fn check(config: &AxisConfig, given: &Given<'_>, cycle_ns: Option<u64
     }
 }
 
-/// Refuses every master that closes a loop: a selector may couple its axis at any time.
+/// Refuses every master that closes a loop, because a selector may couple its axis at any time.
 pub(super) fn refuse_loops(masters: &Masters<'_>, chains: &Chains, cx: &Context<'_>) {
     let mut follows = Follows::default();
     for (follower, reads, value) in masters {

@@ -1,7 +1,8 @@
-//! Key `drive` of an axis whose drive is given a voltage: the entries of `io` by which it is driven.
+//! Reads key `drive` of an axis whose drive has a voltage reference: the entries of `io` that drive it.
 //!
-//! Law      10 V are full_velocity, or with interface torque full_effort; where the drive hangs is where its reference does
-//! Refuses  entries of another kind, or that something else switches; an ao that does not reach 10 V; on CAN what is not all at one node
+//! Law      10 V is full_velocity, or full_effort with interface torque; the drive is at the backend of its reference
+//! Refuses  entries of a wrong kind, or with another writer; an ao that does not reach 10 V; on CAN, entries at several
+//!          nodes
 //! Source   MACS-CAN-01 (DRIVETYPE 0); contract section 3
 
 use super::backends::{Backend, Context, Hardware, node_and_channel};
@@ -18,26 +19,26 @@ use lineshaft_core::config::IoKind;
 use lineshaft_core::drive::{AnalogWiring, FULL_VOLTS, Interface, LONGEST_ENABLE_NS};
 use lineshaft_core::regulator::Law;
 
-/// The key that makes a drive one of these.
+/// Key that makes a drive an analog one.
 pub(super) const REFERENCE: &str = "reference";
 
-/// Entries of section `io`, and which of them axes have already.
+/// Entries of section `io`, and those of them that axes already use.
 pub(super) struct Outputs<'a, 'd> {
     pub io: &'a Io<'d>,
     pub taken: &'a mut wiring::Taken,
 }
 
-/// What the keys say.
+/// Values of the keys.
 pub(super) struct Analog {
     pub at: Hardware,
-    /// What that hangs on.
+    /// Backend of the reference.
     pub kind: Backend,
     pub interface: Interface,
     pub law: Law,
     pub wiring: AnalogWiring,
 }
 
-/// Reads the keys, behind those that all drives have.
+/// Reads the keys that follow those of all drives.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     travel: &Travel,
@@ -93,13 +94,13 @@ pub(super) fn read<'d>(
     Some(Analog { at, kind, interface: interface?, law: law?, wiring })
 }
 
-/// Is it lost together with what is there?
+/// Whether it is lost together with `other`, because both are at the same node or backend.
 fn is_beside(at: Hardware, other: Hardware, kind: Backend) -> bool {
     let node = |at: Hardware| (kind == Backend::Can).then(|| node_and_channel(at.number).0);
     at.backend == other.backend && node(at) == node(other)
 }
 
-/// An ao that reaches 10 V, and where it is.
+/// Returns an ao that reaches 10 V, and its location.
 fn reference_of<'d>(value: &Value<'d>, cx: &Context<'d>, outputs: &mut Outputs<'_, 'd>) -> Option<(u16, Hardware)> {
     let Outputs { io, taken } = outputs;
     let place = wiring::place(value, IoKind::AnalogOutput, cx, &io.entries, taken)?;
@@ -144,7 +145,7 @@ fn effort(value: &Value<'_>) -> Option<f64> {
     Some(effort)
 }
 
-/// Does a drive hang on no bus of its backend: is what it is given outputs alone?
+/// Whether a drive is on no bus of its backend, because it is connected only by inputs and outputs.
 pub(super) fn is_off_bus(analog: Option<AnalogWiring>, kind: Option<Backend>) -> bool {
     analog.is_some() && kind == Some(Backend::Can)
 }

@@ -1,4 +1,4 @@
-//! Section `axes`: what an axis is made of. Its parameters are read beside.
+//! Reads section `axes`: drives, encoders and wiring of each axis. Other modules read its parameters.
 
 use super::amc;
 use super::analog::{Outputs, is_off_bus};
@@ -35,29 +35,29 @@ use lineshaft_core::sim::{Mechanics, Model};
 use lineshaft_core::unit::{Dimension, ScaleKind, number_to_text};
 use std::cmp::Ordering;
 
-/// For the ranges of a model while the cycle has a problem.
+/// Substitute for the ranges of a model if key `cycle` has a problem.
 const SOME_CYCLE_NS: u64 = 1_000_000;
 
-/// An axis, its drive and its second one; none for a virtual one, and for one with one drive alone.
+/// An axis, its drive and its second drive; `None` for a virtual axis, and without a second drive.
 pub(super) struct Axis {
     pub config: AxisConfig,
-    /// Its joint name.
+    /// Joint name.
     pub joint: String,
     pub first: Option<Driven>,
     pub second: Option<Driven>,
 }
 
-/// A drive: how it is simulated, where it hangs, what the cell says of it on CAN.
+/// A drive: its simulation, its location, and its keys for CAN.
 pub(super) struct Driven {
     pub simulated: (Model, Mechanics),
     pub at: Hardware,
     pub on_can: Option<CellDrive>,
-    /// No bus of its backend knows it.
+    /// Whether the drive is on no bus of its backend.
     pub is_off_bus: bool,
 }
 
 impl Driven {
-    /// Does its encoder give index pulses: on CAN those that a touch probe catches, of any other those of the simulation?
+    /// Whether its encoder has index pulses: on CAN those of a touch probe, otherwise those of the simulation.
     pub(super) fn has_index(&self) -> bool {
         match &self.on_can {
             Some(drive) => drive.probes.contains(&Some(Probe::Index)),
@@ -65,15 +65,15 @@ impl Driven {
         }
     }
 
-    /// Whether the cell alone says that the digital inputs of the drive (60FDh) are not read: it names no file of the drive, and no entry of `io`
-    /// is at them; or the drive has a fixed mapping.
+    /// Whether the cell shows that the digital inputs of the drive (60FDh) are not read: it names no file of the drive
+    /// and has no entry of `io` at the drive, or the drive has a fixed mapping.
     pub(super) fn has_unread_inputs(&self, terminals: &[CellTerminal]) -> bool {
         let Some(drive) = &self.on_can else { return false };
         drive.drive_type.is_some() || drive.device.eds.is_none() && !terminals::reads_drive(self.at, terminals)
     }
 }
 
-/// What may stand once in all axes.
+/// Objects that may be used only once in all axes.
 struct Onces<'d> {
     taken: drives::Taken,
     outputs: wiring::Taken,
@@ -88,12 +88,12 @@ struct Onces<'d> {
 pub(super) struct Entries<'a, 'd> {
     pub io: &'a Io<'d>,
     pub encoders: &'a [Option<EncoderConfig>],
-    /// Where those are.
+    /// Locations of the encoders.
     pub encoders_at: &'a [Option<Hardware>],
     pub tables: &'a [Option<TableConfig>],
 }
 
-/// The axes, none where one has problems.
+/// Reads the axes; `None` for one with problems.
 pub(super) fn read<'d>(
     cx: &Context<'d>,
     of: Entries<'_, 'd>,
@@ -175,7 +175,7 @@ fn axis<'d>(
         }
         _ => {
             let cycle_ns = cx.cycle_ns.unwrap_or(SOME_CYCLE_NS);
-            // A drive that homes by itself looks for the index of its own encoder, whatever the axis reads.
+            // A drive that homes by itself uses the index of its own encoder, whichever encoder the axis reads.
             let indexed = match wired {
                 Some(Wired::Encoder(place)) if !parameters.homing.in_drive => {
                     cx.names.section(Section::Encoders).get(usize::from(place)).map(Entry::name)
@@ -189,7 +189,7 @@ fn axis<'d>(
                 let mechanics = fixtures::read(&mut map, &travel, cx, io, switches, indexed);
                 let mechanics =
                     mechanics.filter(|mechanics| analog.is_none() || fixtures::are_wired(&value, mechanics));
-                // One with problems of its own is a brake, too.
+                // A key with problems counts as a brake, too.
                 let has_brake = brake != Some(None) || parameters.outputs.brake != 0;
                 let times = fixtures::brake_times(&mut map, has_brake);
                 let load = fixtures::load(&mut map, &travel);
@@ -197,7 +197,7 @@ fn axis<'d>(
                 map.finish();
                 let brake = brake::simulated(brake.flatten(), parameters.outputs.brake, io, times?);
                 let mechanics = Mechanics { load: load?, brake, ..mechanics? };
-                // What nobody says of the second drive stands along its way as along that of the first.
+                // Values that are not given for the second drive are those of the first.
                 let beside = beside?.unwrap_or(Mechanics { wires: [None; 3], ..mechanics });
                 Some((model?, mechanics, Mechanics { load: mechanics.load, brake, ..beside }))
             };
@@ -229,13 +229,13 @@ fn axis<'d>(
         Some(Drive::Real { enable_timeout_ns, .. }) => Some(enable_timeout_ns),
         _ => None,
     };
-    // Two drives are switched on together: the slower one has its time.
+    // Two drives are switched on together, so the longer time applies.
     let enable_timeout_ns = enable_timeout(drive).max(enable_timeout(beside)).unwrap_or(ENABLE_TIMEOUT_NS);
     let driven = |drive: Drive, on_can: Option<CellDrive>, simulated: (Model, Mechanics)| match drive {
         Drive::Virtual => (None, None),
         Drive::Real { at, kind, analog, .. } => {
             let offers = kind.offers(interface, simulated.0, on_can.as_ref());
-            // Outputs and an input are all that there is of it.
+            // The drive has only outputs and an input.
             let bare = Capabilities {
                 delay: offers.delay,
                 velocity: interface == Interface::Velocity,
@@ -250,7 +250,7 @@ fn axis<'d>(
     let (drive, first) = driven(drive?, on_can, (model, mechanics));
     let (second_offers, second) = match second {
         Some((drive, on_can)) => driven(drive, on_can, (model, of_second)),
-        // One of two with problems.
+        // One of two drives has problems.
         None if has_two => return None,
         None => (None, None),
     };
@@ -283,7 +283,7 @@ fn axis<'d>(
     Some(Axis { config, joint: joint.to_owned(), first, second })
 }
 
-/// Refuses what two drives of one axis cannot do.
+/// Refuses parameters that two drives of one axis do not support.
 fn check_carried(axis: &AxisConfig, given: &parameters::Given<'_>) {
     let Some(Err((key, code))) = axis.second.map(|_| may_carry(axis.wired, &axis.parameters)) else { return };
     if let Some((_, value)) = given.iter().find(|(given, _)| *given == key) {
@@ -291,7 +291,7 @@ fn check_carried(axis: &AxisConfig, given: &parameters::Given<'_>) {
     }
 }
 
-/// Refuses a real encoder for an axis whose drive is simulated, and the other way round, where the drive itself tells nothing.
+/// Refuses a real encoder for an axis with a simulated analog drive, and a simulated encoder for a real one.
 fn check_beside(
     axis: &AxisConfig,
     drive: Option<&Driven>,
@@ -308,11 +308,11 @@ fn check_beside(
     }
 }
 
-/// Refuses a source that is not there, or that its drive does not close its loop with.
+/// Refuses a source that does not exist, or that the drive does not use for its position loop.
 fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Given<'_>, cx: &Context<'_>) {
     let encoders = cx.names.section(Section::Encoders).len();
     let interface = axis.drive.map(|_| axis.interface);
-    // Numbers that there are not were refused with the other parameters.
+    // Invalid numbers were refused with the other parameters.
     if axis.parameters.encoder.check().is_err() {
         return;
     }
@@ -328,7 +328,8 @@ fn check_source(axis: &AxisConfig, feedback: &Value<'_>, given: &parameters::Giv
     }
 }
 
-/// Refuses what the loops that are closed here cannot run with; of a key that is not given it is said of the axis.
+/// Refuses values with which the control loops of the axis cannot run; if the key is not given, the problem is reported
+/// at the axis.
 fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &parameters::Given<'_>, cx: &Context<'_>) {
     let Some(cycle_ns) = cx.cycle_ns else { return };
     let encoders = cx.names.section(Section::Encoders).len();
@@ -345,7 +346,7 @@ fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &paramet
     }
 }
 
-/// What is wrong with a value that the loops of an axis cannot run with, behind its name.
+/// Returns the message, without the name, for a value with which the control loops of an axis cannot run.
 fn why_not(axis: &AxisConfig, key: &str, code: Code) -> String {
     let Some(analog) = axis.analog.filter(|_| code == Code::ANALOG_FULL) else {
         return not_built_here(code).to_owned();
@@ -357,7 +358,7 @@ fn why_not(axis: &AxisConfig, key: &str, code: Code) -> String {
     format!("exceeds {full} {most}, which is what its drive does at 10 V")
 }
 
-/// Refuses a `mencodertype` that names what the cell has not, or the axis itself.
+/// Refuses a `mencodertype` that names an object that does not exist, or the axis itself.
 fn check_master(axis: &AxisConfig, place: usize, given: &parameters::Given<'_>, cx: &Context<'_>) {
     let Some((key, value)) = given.iter().find(|(key, _)| *key == "mencodertype") else { return };
     let (axes, encoders) = (cx.names.section(Section::Axes).len(), cx.names.section(Section::Encoders).len());
@@ -381,10 +382,10 @@ fn check_master(axis: &AxisConfig, place: usize, given: &parameters::Given<'_>, 
     value.refuse(format!("{key} {number} {wrong}; {} are allowed", allowed.join(", ")), None);
 }
 
-/// Encoders that MENCODERTYPE has numbers for.
+/// Number of encoders that MENCODERTYPE can select.
 const TERMINALS: usize = 3;
 
-/// Why an axis switches no outputs, if that is known.
+/// Returns the reason why an axis switches no outputs, if known.
 fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
     match drive? {
         Drive::Virtual => Some(format!("axis {} is virtual", quote(axis))),
@@ -393,7 +394,7 @@ fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
     }
 }
 
-/// Denominators of increments beyond this one come from pi alone.
+/// Scales in rad have larger denominators than this, because of pi.
 const MOST_OF_A_SCALE: i128 = 1 << 31;
 
 fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
@@ -417,7 +418,7 @@ fn modulo(value: &Value<'_>, travel: &Travel) -> Option<Modulo> {
         let hint = if quantity.unit() == Dimension::Angle(0).si_unit() {
             Some("write it in deg or rev".to_owned())
         } else {
-            // In rad, which a number without a unit is in, no turn is an exact number of increments.
+            // In rad, the unit of a number without unit, no revolution is an exact number of increments.
             let is_of_rad = *exact.denom() > MOST_OF_A_SCALE;
             is_of_rad.then(|| "write `per` of `scale` in deg or rev, such as `per: 360 deg`".to_owned())
         };

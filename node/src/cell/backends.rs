@@ -1,4 +1,4 @@
-//! Section `backends`, and the keys with which the other sections refer to it.
+//! Reads section `backends`, and the keys with which other sections refer to it.
 
 use super::can::{self, CellBus, CellDrive};
 use super::names::{Entry, Names, Once, Section};
@@ -10,17 +10,17 @@ use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::{Capabilities, Interface, Objects, Terminal};
 use lineshaft_core::sim::Model;
 
-/// A backend as it is described.
+/// Description of a backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Backend {
     Sim { delay: u32 },
     Can,
 }
 
-/// Kinds of backends.
+/// Kind of a backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BackendKind {
-    /// A simulation.
+    /// Simulation.
     Simulation,
     /// Drives and terminals on CAN.
     Can,
@@ -34,7 +34,8 @@ impl Backend {
         }
     }
 
-    /// What it offers for a drive with that interface, which a model simulates, or would simulate; on CAN it is described.
+    /// Returns the capabilities of a drive with that interface. `model` is its simulation; `on_can` are its keys for
+    /// CAN.
     pub(super) fn offers(self, interface: Interface, model: Model, on_can: Option<&CellDrive>) -> Capabilities {
         match self {
             Self::Sim { delay } => model.capabilities(delay),
@@ -46,43 +47,43 @@ impl Backend {
 /// A backend of a cell.
 #[derive(Clone, Debug)]
 pub struct CellBackend {
-    /// Name.
+    /// Name of the backend.
     pub name: String,
-    /// What it is.
+    /// Kind of the backend.
     pub kind: BackendKind,
-    /// What hangs on it.
+    /// Objects at the backend.
     pub objects: Objects,
-    /// Of one on CAN, what its keys say.
+    /// Keys of the bus, for a backend on CAN.
     pub bus: Option<CellBus>,
 }
 
 impl CellBackend {
-    /// Is it a simulation? Another one is needed by `run` without `--sim`.
+    /// Returns true for a simulation. `run` without `--sim` needs at least one other backend.
     pub fn is_simulated(&self) -> bool {
         self.kind == BackendKind::Simulation
     }
 
-    /// The way to its bus, if it is on CAN.
+    /// Returns the transport of its bus, if it is on CAN.
     pub fn transport(&self) -> Option<&Address> {
         self.bus.as_ref().map(|bus| &bus.transport)
     }
 }
 
-/// Highest address of an input or output at a node.
+/// Maximum address of an input or output at a node.
 pub(super) const MOST_CHANNELS: u8 = 63;
-/// Kind of addresses that encoders have.
+/// Kind of address of encoders.
 pub(super) const ENCODER: &str = "encoder";
 
-/// Where an object is.
+/// Location of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hardware {
-    /// Its backend, by its place in the section.
+    /// Index of its backend in the section.
     pub backend: usize,
-    /// Its number there: `address`; on CAN `node` of a drive, 256 `node` + `address` of other things.
+    /// Number at the backend: `address`; on CAN `node` for a drive, 256 `node` + `address` for other objects.
     pub number: u16,
 }
 
-/// The list of the objects of a kind.
+/// Selects the list of objects of a kind.
 type List = fn(&mut Objects) -> &mut Vec<Terminal>;
 
 const IO_LISTS: [(IoKind, List); 4] = [
@@ -92,8 +93,8 @@ const IO_LISTS: [(IoKind, List); 4] = [
     (IoKind::AnalogOutput, |objects| &mut objects.analog_outputs),
 ];
 
-/// The objects of each of `count` backends; `io` with where it is, then encoders and drives in their order. An input that reads an output is
-/// nowhere, and so is a drive on no bus.
+/// Returns the objects of each of `count` backends; `io` are the entries with their locations, `encoders` and `drives`
+/// are in their order. An input that reads an output has no location, nor has a drive on no bus.
 pub(super) fn objects(
     count: usize,
     io: (&[IoConfig], &[Option<Hardware>]),
@@ -121,15 +122,15 @@ pub(super) fn objects(
     all
 }
 
-/// What the readers of all sections need.
+/// Data for the readers of all sections.
 pub(super) struct Context<'d> {
     pub names: Names<'d>,
-    /// By place in the section; none where its description has problems.
+    /// Backends by index in the section; `None` if the description has problems.
     pub backends: Vec<Option<Backend>>,
     pub cycle_ns: Option<u64>,
 }
 
-/// The backends, and what the keys of those on CAN say.
+/// Reads the backends, and the keys of those on CAN.
 pub(super) fn read(entries: &[Entry<'_>]) -> (Vec<Option<Backend>>, Vec<Option<CellBus>>) {
     entries.iter().map(|entry| backend(entry).map_or((None, None), |(backend, bus)| (Some(backend), bus))).unzip()
 }
@@ -150,26 +151,26 @@ fn backend(entry: &Entry<'_>) -> Option<(Backend, Option<CellBus>)> {
 }
 
 fn sim(map: &mut Map<'_>) -> Option<Backend> {
-    // Printed marks have seeds of their own, and nothing else in the plant is random yet; this one is for what will be.
+    // Printed marks have their own seeds, and nothing else in the plant is random yet; this seed is reserved.
     let seed = map.optional("seed").map(|value| value.integer(0..=u64::MAX));
     let delay = map.optional("delay").map_or(Some(0), |value| value.integer(0..=MAX_DELAY));
     (seed != Some(None)).then_some(Backend::Sim { delay: delay? })
 }
 
-/// Key `backend`: its place in the section.
+/// Reads key `backend`; returns its index in the section.
 pub(super) fn backend_of<'d>(map: &mut Map<'d>, names: &Names<'d>) -> Option<usize> {
     let value = map.required("backend")?;
     let (_, place) = names.find(&value, value.text()?, &[Section::Backends])?;
     Some(place)
 }
 
-/// The name of a backend in a sentence.
+/// Returns the name of a backend for a message.
 pub(super) fn name_of(backend: usize, names: &Names<'_>) -> String {
     names.section(Section::Backends).get(backend).map_or_else(String::new, Entry::quoted)
 }
 
-/// Keys `backend` and `address` of what has a `kind` of addresses of its own at a backend; on CAN `node` as well, which is all of an
-/// encoder.
+/// Reads keys `backend` and `address` of an object; `kind` is its kind of address at a backend. On CAN it also reads
+/// `node`, which is sufficient for an encoder.
 pub(super) fn address<'d>(
     map: &mut Map<'d>,
     cx: &Context<'d>,
@@ -190,7 +191,7 @@ pub(super) fn address<'d>(
             let channel = channel.map_or(Some(0), |channel| channel?.integer(0..=MOST_CHANNELS))?;
             (number(node.integer(1..=NodeId::MAX)?, channel), node)
         }
-        // The keys depend on a backend that is not known.
+        // The keys depend on a backend that is unknown.
         None => {
             map.allow(&["address", "node"]);
             return None;
@@ -209,12 +210,12 @@ pub(super) fn address<'d>(
     taken.take((backend, kind, number), &value, what).then_some(Hardware { backend, number })
 }
 
-/// Number of a terminal at its backend on CAN.
+/// Returns the number of a terminal at its backend on CAN.
 pub(super) fn number(node: u8, channel: u8) -> u16 {
     u16::from(node) << 8 | u16::from(channel)
 }
 
-/// Node and channel of such a number.
+/// Returns node and channel of such a number.
 pub(super) fn node_and_channel(number: u16) -> (u16, u16) {
     (number >> 8, number & 0xFF)
 }

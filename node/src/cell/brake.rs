@@ -1,4 +1,4 @@
-//! Key `brake` of an axis, and what the simulation makes of it.
+//! Reads key `brake` of an axis, and derives its simulation.
 
 use super::backends::Context;
 use super::times::time;
@@ -8,7 +8,7 @@ use lineshaft_core::axis::BrakeConfig;
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::sim::SimBrake;
 
-/// Reads the key; none where it has problems.
+/// Reads the key; `None` if it has problems.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     is_virtual: bool,
@@ -32,7 +32,7 @@ pub(super) fn read<'d>(
     Some(Some(BrakeConfig { output: output?, closes_with_one: inverted?, release_ns: release?, engage_ns: engage? }))
 }
 
-/// The brake that the simulation hangs on the axis: its own, or the one that O_BRAKE names (`number`).
+/// Returns the simulated brake of the axis: its own, or the one that O_BRAKE names (`number`).
 pub(super) fn simulated(
     own: Option<BrakeConfig>,
     number: i64,

@@ -1,8 +1,9 @@
-//! Buses as the cell and the files of its devices make them.
+//! Creates bus configurations from the cell and the files of its devices.
 //!
-//! Law      a device is what its file says, then what the cell says; what every cycle carries fits in the cycle
-//! Reads    EDS and DCF files beside the cell; what acts or is a setpoint is left out of them ([`acts`])
-//! Refuses  files with problems, values for objects that the master writes, PDOs that do not fit in the cycle at the bit rate
+//! Law      the cell overrides the values of a device file; the cyclic frames must fit in the cycle
+//! Reads    EDS and DCF files next to the cell; commands and setpoints in them are left out ([`acts`])
+//! Refuses  files with problems, values for objects that the master writes, PDOs that do not fit in the cycle at the
+//!          bit rate
 //! Source   CiA 301, CiA 306-1
 
 mod unread;
@@ -31,15 +32,15 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use unread::Unread;
 
-/// Longest file of a device (bytes).
+/// Maximum size of a device file, in bytes.
 const MAX_BYTES: usize = 8 << 20;
-/// Indices of objects of the manufacturer (CiA 301).
+/// Indices of manufacturer-specific objects (CiA 301).
 const MANUFACTURER: RangeInclusive<u16> = 0x2000..=0x5FFF;
 
-/// What of a cell makes its buses.
+/// Parts of a cell that define its buses.
 pub(super) struct Parts<'a> {
     pub(super) machine: &'a MachineConfig,
-    /// Where the drives are, in their order.
+    /// Locations of the drives, in their order.
     pub(super) hardware: Vec<Hardware>,
     pub(super) on_can: &'a [Option<CellDrive>],
     pub(super) terminals: &'a [CellTerminal],
@@ -47,7 +48,7 @@ pub(super) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// The buses, in the order of the backends, and warnings of the files of their devices.
+    /// Returns the buses in the order of the backends, and warnings about the files of their devices.
     pub(super) fn buses(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
         let warnings: RefCell<Vec<String>> = RefCell::default();
         let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
@@ -112,10 +113,10 @@ impl Parts<'_> {
         if problems.is_empty() { Ok((buses, warnings.into_inner())) } else { Err(problems) }
     }
 
-    /// Returns warnings of what is not read of the drives on these buses, which are those of the cell.
+    /// Returns warnings about inputs of the drives on these buses, which are those of the cell, that are not read.
     ///
     /// # Errors
-    /// What homing needs and is not read.
+    /// Returns an error if homing needs an input that is not read.
     pub(super) fn unread(&self, buses: &[BusConfig], file: Option<&Path>) -> Result<Vec<String>, Problems> {
         let name = file.map_or("the cell".to_owned(), |file| file.display().to_string());
         let (problems, mut warnings) = (Problems::new(&name), Vec::new());
@@ -137,7 +138,7 @@ impl Parts<'_> {
         if problems.is_empty() { Ok(warnings) } else { Err(problems) }
     }
 
-    /// The files of the devices at one of the backends, by their nodes.
+    /// Returns the object dictionaries from the files of the devices at one backend, by node.
     pub(super) fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let is_at = |at: usize| self.backends.get(at).is_some_and(|known| known.name == backend);
@@ -150,21 +151,21 @@ impl Parts<'_> {
     }
 }
 
-/// The axis of a drive, and what the drive offers.
+/// Axis of a drive, and the capabilities of the drive.
 type Driven<'a> = (u16, &'a AxisConfig, Capabilities);
 
-/// Makes devices of what the cell and their files say.
+/// Creates devices from the cell and their files.
 struct Maker<'a> {
     folder: &'a Path,
-    /// (bit/s)
+    /// Bit rate, in bit/s.
     bit_rate: Option<u32>,
     problems: &'a Problems,
-    /// What is no error.
+    /// Messages that are no errors.
     warnings: &'a RefCell<Vec<String>>,
 }
 
 impl Maker<'_> {
-    /// Notes warnings, each once: many devices have one file.
+    /// Adds warnings, each once, because many devices may share a file.
     fn warn(&self, sentences: impl IntoIterator<Item = String>) {
         let mut warnings = self.warnings.borrow_mut();
         for sentence in sentences {
@@ -225,7 +226,7 @@ impl Maker<'_> {
         Some(DeviceConfig { terminals, ..device })
     }
 
-    /// A module, or an encoder.
+    /// Returns the configuration of a module or an encoder.
     fn module(&self, node: &CellNode, terminals: Terminals) -> Option<DeviceConfig> {
         let number = node.node;
         let role = if terminals.encoders.is_empty() { Role::Module } else { Role::Encoder };
@@ -262,7 +263,7 @@ impl Maker<'_> {
         let nothing = (Vec::new(), LeftOut::default());
         let configured = dictionary.as_ref().map_or(Ok(nothing), |dictionary| configured(dictionary, &role));
         let (mut startup, mut left_out) = configured.map_err(refuse).ok()?;
-        // What the cell says goes last, and counts.
+        // Values of the cell are written last and override those of the file.
         let is_of_file = |object: Object| node.startup.iter().all(|given| given.object != object);
         startup.retain(|write| is_of_file(write.object));
         left_out.0.retain(|(object, _)| is_of_file(*object));
@@ -302,10 +303,10 @@ impl Maker<'_> {
     }
 }
 
-/// The dictionary of a device, from its file; `what` says in problems who has named it.
+/// Returns the object dictionary of a device, from its file; `what` is the object that names the file, for messages.
 ///
 /// # Errors
-/// A sentence: the file cannot be read, has errors, or is that of another node.
+/// Returns a message if the file cannot be read, has errors, or belongs to another node.
 pub(crate) fn device_file(what: &str, path: &Path, node: NodeId) -> Result<Dictionary, String> {
     let name = quote(&path.display().to_string());
     let mut bytes = Vec::new();
@@ -322,8 +323,8 @@ pub(crate) fn device_file(what: &str, path: &Path, node: NodeId) -> Result<Dicti
     }
 }
 
-/// Returns the warnings of the file of a device, in sentences; `what` says who has named the file. Values and limits of objects of the
-/// manufacturer that `startup` does not write are counted, a line for each kind.
+/// Returns the warnings about a device file, as messages; `what` is the object that names the file. Values and limits
+/// of manufacturer-specific objects that `startup` does not write are counted, one line for each kind.
 pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary, startup: &[Write]) -> Vec<String> {
     let name = quote(&path.display().to_string());
     let (problems, dropped) = (dictionary.warnings().kept(), dictionary.warnings().dropped());
@@ -347,7 +348,8 @@ pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary, star
     single.chain(counted).chain(more).map(|sentence| format!("{what} {name}: {sentence}")).collect()
 }
 
-/// What the configuration in a file gives objects, apart from those that the master writes; and what is left out of it.
+/// Returns the values that the configuration in a file sets, except those that the master writes, and the values that
+/// are left out.
 fn configured(dictionary: &Dictionary, role: &Role) -> Result<(Vec<Write>, LeftOut), String> {
     let (mut writes, mut left_out) = (Vec::new(), LeftOut::default());
     let first = acts::profile(role.profile().0);
@@ -392,7 +394,7 @@ fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
     );
 }
 
-/// What is left out of the configurations of the devices of a bus, in a line for each of them.
+/// Returns one line per device of a bus with the values that are left out of its configuration.
 pub(crate) fn left_out_of(bus: &BusConfig) -> Vec<String> {
     let devices = bus.devices.iter().filter(|device| !device.left_out.is_empty());
     let line = |device: &DeviceConfig| {
@@ -402,7 +404,7 @@ pub(crate) fn left_out_of(bus: &BusConfig) -> Vec<String> {
     devices.map(line).collect()
 }
 
-/// The drives of a bus whose mode of operation goes by SDO, in a line for each of them.
+/// Returns one line per drive of a bus whose mode of operation is written by SDO.
 pub(crate) fn mode_by_sdo_of(bus: &BusConfig) -> Vec<String> {
     let line = |device: &DeviceConfig| {
         let sentence = device.layout.mode_by_sdo.sentence()?;
@@ -411,7 +413,7 @@ pub(crate) fn mode_by_sdo_of(bus: &BusConfig) -> Vec<String> {
     bus.devices.iter().filter_map(line).collect()
 }
 
-/// What a bus carries, in words; none where it has no bit rate.
+/// Returns the bus load as text; `None` without a bit rate.
 pub(crate) fn load_of(bus: &BusConfig) -> Option<String> {
     let load = Load::of(bus)?;
     let (name, percent) = (&bus.name, load.share() * 100.0);

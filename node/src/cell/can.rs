@@ -1,4 +1,4 @@
-//! Backends of type can and their devices: what their keys say. Files of devices are read where the bus is made (`buses.rs`).
+//! Reads the keys of CAN backends and their devices. `buses.rs` reads the files of devices when it creates the bus.
 
 use super::names::{Once, quote};
 use super::scale::Travel;
@@ -15,24 +15,24 @@ use lineshaft_core::drive::Capabilities;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::unit::{Dimension, ScaleKind};
 
-/// Cycles from a setpoint to the answer of a CANopen drive (contract section 1).
+/// Number of cycles from a setpoint to the response of a CANopen drive (contract section 1).
 pub(super) const DELAY: u32 = 1;
-/// How long an SDO server may take where the cell does not say it (ns).
+/// Default timeout of an SDO server, in ns.
 const SDO_TIMEOUT_NS: u64 = 500_000_000;
-/// From one heartbeat to the next where the cell does not say it (ns).
+/// Default heartbeat period, in ns.
 const HEARTBEAT_NS: u64 = 100_000_000;
-/// Between two questions of guarding, and how many may be without an answer, of a drive by number where the cell does not say it.
+/// Default guard time, in ns, and default life time factor of a drive with a drive type.
 const GUARD_NS: u64 = 100_000_000;
 const LIFE_FACTOR: u8 = 3;
-/// Node of the master where the cell does not say it.
+/// Default node ID of the master.
 const MASTER: NodeId = match NodeId::new(NodeId::MAX) {
     Some(node) => node,
     None => unreachable!(),
 };
-/// Times of heartbeats and guarding are whole milliseconds in 16 bits, three of them as well (ms).
+/// Maximum time of heartbeats and guarding, in ms: three times it must fit in 16 bits.
 const LONGEST_MS: u64 = 21_000;
 
-/// Types of values by their names, and their bytes.
+/// Types of values by name, with their size in bytes.
 const TYPES: [(&str, Type); 10] = [
     ("u8", Type::Unsigned(1)),
     ("u16", Type::Unsigned(2)),
@@ -54,20 +54,20 @@ enum Type {
     Bool,
 }
 
-/// A bus as its cell describes it.
+/// Keys of a bus.
 #[derive(Clone, Debug)]
 pub struct CellBus {
     pub(super) place: Place,
     pub(super) transport: Address,
-    /// (bit/s)
+    /// Bit rate, in bit/s.
     pub(super) bit_rate: Option<u32>,
-    /// (bit/s)
+    /// Baud rate of the serial line, in bit/s.
     pub(super) serial_baudrate: Option<u32>,
     pub(super) sync_overflow: Option<u8>,
     pub(super) sdo_timeout_ns: u64,
     pub(super) time_ns: Option<u64>,
     pub(super) master: Option<Master>,
-    /// What it says of modules and encoders.
+    /// Keys of modules and encoders.
     pub(super) nodes: Vec<CellNode>,
 }
 
@@ -76,7 +76,7 @@ pub struct CellBus {
 pub(super) struct CellNode {
     pub(super) place: Place,
     pub(super) node: NodeId,
-    /// A file beside the cell.
+    /// File name relative to the cell, and location of the key.
     pub(super) eds: Option<(String, Place)>,
     pub(super) watching: Watching,
     pub(super) identity: Identity,
@@ -84,7 +84,7 @@ pub(super) struct CellNode {
 }
 
 impl CellNode {
-    /// One of which the cell says nothing more.
+    /// Returns the default description of a device without keys in the cell.
     pub(super) fn unsaid(node: NodeId, place: Place) -> Self {
         let watching = Watching::Heartbeat { time_ns: HEARTBEAT_NS * HEARTBEATS_MISSED };
         Self { place, node, eds: None, watching, identity: Identity::default(), startup: Vec::new() }
@@ -98,28 +98,28 @@ pub struct CellDrive {
     pub(super) mode: DriveMode,
     pub(super) drive_type: Option<DriveType>,
     pub(super) probes: Probes,
-    /// Increments per revolution of its shaft, as a fraction.
+    /// Increments per revolution of the shaft, as a fraction.
     pub(super) per_revolution: Option<(u64, u64)>,
     pub(super) velocity: VelocityFactor,
-    /// Its position goes on while its words are missing.
+    /// Whether the position is extrapolated while process data is missing.
     pub(super) extrapolates: bool,
-    /// (N or Nm)
+    /// Effort of the axis at the rated torque, in N or Nm.
     pub(super) rated_effort: Option<f64>,
 }
 
 impl CellDrive {
-    /// How it is commanded.
+    /// Returns the mode of operation.
     pub(super) fn mode(&self) -> DriveMode {
         self.mode
     }
 
-    /// Has it touch probes?
+    /// Whether it has touch probes.
     pub(super) fn probes(&self) -> bool {
         self.probes.iter().any(Option::is_some)
     }
 }
 
-/// What such a drive offers, by the cell alone; the drive itself is asked when it is there.
+/// Returns the capabilities of such a drive according to the cell; those of the real drive are read when it is online.
 pub(super) fn offers(interface: Interface, drive: Option<&CellDrive>) -> Capabilities {
     let catches = |probe: &Option<Probe>| probe.is_some_and(|probe| probe != Probe::Index);
     let by_type = drive.is_some_and(|drive| drive.drive_type.is_some());
@@ -130,13 +130,13 @@ pub(super) fn offers(interface: Interface, drive: Option<&CellDrive>) -> Capabil
         velocity: interface == Interface::Velocity,
         torque: interface == Interface::Torque,
         open_loop: interface == Interface::OpenLoop,
-        // Those by number stay in their mode.
+        // A drive with a drive type does not change its mode.
         homes: !by_type,
         ..Capabilities::default()
     }
 }
 
-/// The keys of a backend beside `type`.
+/// Reads the keys of a backend except `type`.
 pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
     let place = map.place();
     let transport = map.required("transport").and_then(|value| transport(&value));
@@ -175,7 +175,7 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
     })
 }
 
-/// What is said of modules and encoders, each once.
+/// Reads the descriptions of modules and encoders; each may occur once.
 fn nodes(value: &Value<'_>) -> Option<Vec<CellNode>> {
     let mut taken = Once::new();
     let read = |value: &Value<'_>| {
@@ -200,7 +200,7 @@ fn transport(value: &Value<'_>) -> Option<Address> {
     }
 }
 
-/// The bit rate of a bus (bit/s); an slcan adapter is told it by a digit.
+/// Reads the bit rate of a bus, in bit/s; an slcan adapter is set by a digit.
 fn bit_rate(value: &Value<'_>, transport: Option<&Address>) -> Option<u32> {
     let rate = value.integer(10_000..=1_000_000_u32)?;
     let is_slcan = matches!(transport, Some(Address::Slcan(_) | Address::SlcanTcp(_)));
@@ -213,7 +213,7 @@ fn bit_rate(value: &Value<'_>, transport: Option<&Address>) -> Option<u32> {
     Some(rate)
 }
 
-/// The baud rate of the serial line of an adapter (bit/s).
+/// Reads the baud rate of the serial line of an adapter, in bit/s.
 fn baudrate(value: &Value<'_>, transport: Option<&Address>) -> Option<u32> {
     if !matches!(transport?, Address::Slcan(_)) {
         let sentence = "serial_baudrate is for a serial line, transport slcan:PATH";
@@ -229,12 +229,12 @@ fn baudrate(value: &Value<'_>, transport: Option<&Address>) -> Option<u32> {
     Some(rate)
 }
 
-/// Numbers one after the other.
+/// Lists numbers, separated by commas.
 fn listed(numbers: impl Iterator<Item = u32>) -> String {
     numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// A time of whole milliseconds (ns).
+/// Reads a time in whole milliseconds; returns it in ns.
 fn ms(value: &Value<'_>, range: std::ops::RangeInclusive<u64>) -> Option<u64> {
     let (low, high) = (range.start(), range.end());
     let allowed = format!("{low} ms to {high} ms in whole milliseconds");
@@ -247,7 +247,7 @@ fn ms(value: &Value<'_>, range: std::ops::RangeInclusive<u64>) -> Option<u64> {
     is_whole.then_some(time)
 }
 
-/// `none`, which says that there is none.
+/// Whether the value is `none`.
 fn is_none(value: &Value<'_>) -> bool {
     value.peek() == Some("none")
 }
@@ -263,7 +263,7 @@ fn master(value: &Value<'_>) -> Option<Option<Master>> {
     Some(Some(Master { node: node?, heartbeat_ns: heartbeat_ns? }))
 }
 
-/// The keys of a device beside `node`, which is known.
+/// Reads the keys of a device except `node`, which is known.
 fn device(map: &mut Map<'_>, node: Option<NodeId>) -> Option<CellNode> {
     let place = map.place();
     let eds = map.optional("eds").map_or(Some(None), |value| Some(Some((value.text()?.to_owned(), value.place()))));
@@ -273,7 +273,7 @@ fn device(map: &mut Map<'_>, node: Option<NodeId>) -> Option<CellNode> {
     Some(CellNode { place, node: node?, eds: eds?, watching: watching?, identity: identity?, startup: startup? })
 }
 
-/// The keys of a drive beside `backend`, `node` and `interface`, which are known.
+/// Reads the keys of a drive except `backend`, `node` and `interface`, which are known.
 pub(super) fn drive(
     map: &mut Map<'_>,
     node: Option<u16>,
@@ -309,7 +309,7 @@ pub(super) fn drive(
     })
 }
 
-/// What the axis has at the rated torque of its drive (N or Nm).
+/// Reads the effort of the axis at the rated torque of its drive, in N or Nm.
 fn rated_effort(value: &Value<'_>, travel: &Travel, interface: Option<Interface>) -> Option<f64> {
     if interface == Some(Interface::Torque) {
         let sentence = "rated_effort is not for interface torque, whose efforts are per mille of the rated torque";
@@ -323,7 +323,7 @@ fn rated_effort(value: &Value<'_>, travel: &Travel, interface: Option<Interface>
     Some(value.quantity(&[dimension], &Allowed::Positive)?.si())
 }
 
-/// How it is commanded.
+/// Reads the mode of operation.
 fn mode(map: &mut Map<'_>, interface: Option<Interface>) -> Option<DriveMode> {
     let Some(value) = map.optional("mode") else { return DriveMode::usual(interface?) };
     let mode = value.choice(&DriveMode::NAMES)?;
@@ -356,7 +356,8 @@ fn drive_type(value: &Value<'_>, interface: Option<Interface>) -> Option<DriveTy
     Some(known)
 }
 
-/// A type is guarded by its sign; the times are those of key `guarding`.
+/// Returns the supervision of a drive with a drive type: its sign enables guarding; the times are those of key
+/// `guarding`.
 fn watching_of(of: DriveType, said: Watching, [heartbeat, guarding]: [bool; 2], at: &Value<'_>) -> Option<Watching> {
     let number = at.peek().unwrap_or_default();
     if heartbeat {
@@ -374,7 +375,7 @@ fn watching_of(of: DriveType, said: Watching, [heartbeat, guarding]: [bool; 2], 
     }
 }
 
-/// Units of velocity; those of a type where it has some.
+/// Returns the units of velocity; those of the drive type if it has some.
 fn factor_of(
     given: Option<VelocityFactor>,
     of: Option<DriveType>,
@@ -432,13 +433,13 @@ fn watching(map: &mut Map<'_>) -> Option<Watching> {
     Some(Watching::Guarding { guard_ns: guard_ns?, life_factor: life_factor? })
 }
 
-/// What each touch probe catches.
+/// Reads the event that each touch probe latches.
 fn probes(map: &mut Map<'_>) -> Option<Probes> {
     let all = [("rising", Probe::Rising), ("falling", Probe::Falling), ("both", Probe::Both), ("index", Probe::Index)];
     let [first, second] = ["probe_1", "probe_2"].map(|key| map.optional(key));
     let read = |value: &Option<Value<'_>>| value.as_ref().map_or(Some(None), |value| value.choice(&all).map(Some));
     let (one, two) = (read(&first)?, read(&second)?);
-    // Both would be the same source: the axis.
+    // Both would be the same latch source: the axis.
     if let (Some(one), Some(two), Some(value)) = (one, two, second)
         && (one == Probe::Index) == (two == Probe::Index)
     {
@@ -457,7 +458,7 @@ fn identity(value: &Value<'_>) -> Option<Identity> {
     Some(Identity { vendor: vendor?, product: product?, revision: revision?, serial: serial? })
 }
 
-/// The way of the axis per revolution of the driving shaft, in increments.
+/// Reads the travel of the axis per revolution of the driving shaft, in increments.
 fn feed(value: &Value<'_>, travel: &Travel) -> Option<(u64, u64)> {
     let kind = travel.kind?;
     let way = value.quantity(&[kind.dimension(0), Dimension::Increments(0)], &Allowed::Positive)?;
@@ -490,7 +491,7 @@ fn startup(value: &Value<'_>) -> Option<Vec<Write>> {
     values.into_iter().collect()
 }
 
-/// Objects that the master itself writes: first and last index, and who says what they hold.
+/// Objects that the master itself writes: first and last index, and the source of their values.
 const OWN: [(u16, u16, &str); 10] = [
     (0x1005, 0x1006, "the cycle of the cell"),
     (0x100C, 0x100D, "key guarding"),
@@ -504,7 +505,7 @@ const OWN: [(u16, u16, &str); 10] = [
     (0x60C2, 0x60C2, "the cycle of the cell"),
 ];
 
-/// Who writes an object, where that is the master.
+/// Returns the source of the values of an object that the master writes.
 pub(crate) fn owner(index: u16) -> Option<&'static str> {
     OWN.iter().find(|(first, last, _)| (*first..=*last).contains(&index)).map(|(.., owner)| *owner)
 }

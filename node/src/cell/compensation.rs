@@ -1,4 +1,5 @@
-//! Key `compensation.pitch_error` of an axis: the table of what its motor is beyond its load; the other keys are parameters.
+//! Reads key `compensation.pitch_error` of an axis: the table of motor position minus load position. The other keys are
+//! parameters.
 
 use super::backends::Context;
 use super::names::{Section, quote};
@@ -7,7 +8,7 @@ use crate::document::{Map, Value};
 use lineshaft_core::config::{AxisConfig, TableConfig};
 use lineshaft_core::parameter::Applies;
 
-/// A table by its place, where the key stands; none where that has a problem.
+/// Index of a table and location of the key; `None` if it has a problem.
 pub(super) type Named<'d> = Option<(u16, Value<'d>)>;
 
 /// Reads the key.
@@ -17,7 +18,7 @@ pub(super) fn pitch_error<'d>(map: &mut Map<'d>, sections: &mut Sections<'d>, cx
     Some(Some((u16::try_from(place).ok()?, value)))
 }
 
-/// Refuses a table that is no pitch error of that axis.
+/// Refuses a table that is not valid as pitch error of that axis.
 pub(super) fn check(axis: &AxisConfig, named: &Named<'_>, tables: &[Option<TableConfig>]) {
     let Some((place, value)) = named else { return };
     if !Applies::Positioned.to(axis) {
@@ -25,7 +26,7 @@ pub(super) fn check(axis: &AxisConfig, named: &Named<'_>, tables: &[Option<Table
         value.refuse(sentence, Some("leave it out".to_owned()));
         return;
     }
-    // One that could not be read has its own problem.
+    // A table that could not be read has its own problem.
     let Some(table) = tables.get(usize::from(*place)).and_then(Option::as_ref) else { return };
     if let Err(error) = axis.check_pitch_error(&table.table) {
         value.refuse(format!("pitch_error is {}: {error}", quote(&table.name)), None);

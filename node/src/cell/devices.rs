@@ -1,4 +1,4 @@
-//! Sections `io`, `memory` and `encoders`.
+//! Reads sections `io`, `memory` and `encoders`.
 
 use super::backends::{Backend, Context, ENCODER, Hardware, address};
 use super::encoders;
@@ -15,12 +15,12 @@ use lineshaft_core::config::{
 use lineshaft_core::encoder::Form;
 use lineshaft_core::unit::Dimension;
 
-/// How many entries a section of these may have.
+/// Maximum number of entries of these sections.
 const MOST: usize = u16::MAX as usize;
-/// Integers up to here are exact in an f64.
+/// Integers up to this one are exact in an f64.
 const EXACT: i64 = 1 << 53;
 
-/// Kinds of inputs and outputs by their names.
+/// Kinds of inputs and outputs by name.
 const IO_KINDS: [(&str, IoKind); 4] = [
     ("di", IoKind::DigitalInput),
     ("do", IoKind::DigitalOutput),
@@ -36,39 +36,39 @@ const MEMORY_KINDS: [(&str, MemoryKind); 5] = [
     ("bit", MemoryKind::Bit),
 ];
 
-/// What a kind of memory is called.
+/// Returns the name of a kind of memory.
 pub(super) fn memory_name(kind: MemoryKind) -> &'static str {
     MEMORY_KINDS.iter().find(|(_, known)| *known == kind).map_or("", |(name, _)| name)
 }
 
 /// Section `io`.
 pub(super) struct Io<'d> {
-    /// None where one has problems.
+    /// Entries; `None` for one with problems.
     pub entries: Vec<Option<IoConfig>>,
-    /// Where each entry is; none that is nowhere, or has problems.
+    /// Location of each entry; `None` if it has none or has problems.
     pub terminals: Vec<Option<Hardware>>,
     pub on_can: Vec<CellTerminal>,
     pub filters: Vec<FilterConfig>,
     pub virtual_inputs: Vec<VirtualInput>,
-    /// Of the analog ones on CAN.
+    /// Full scales of analog entries on CAN.
     pub full_scales: Vec<FullScale>,
-    /// What digital inputs see in the simulation.
+    /// Printed marks that digital inputs detect in the simulation.
     pub marks: Vec<marks::Given<'d>>,
 }
 
-/// One entry of it.
+/// One entry of the section.
 struct Terminal<'d> {
     io: IoConfig,
-    /// (ns)
+    /// Filter time, in ns.
     filter: Option<u64>,
-    /// What it reads, by its place in the section.
+    /// Output that it reads, by its index in the section.
     output: Option<(u16, Value<'d>)>,
     at: Option<Hardware>,
     full_scale: f64,
     sim: Option<Value<'d>>,
 }
 
-/// The entries of `io`, the filters of digital inputs, and those that read an output.
+/// Reads the entries of `io`, the filters of digital inputs, and the inputs that read an output.
 pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
     let entries = cx.names.section(Section::Io);
     limit(entries, MOST);
@@ -116,7 +116,7 @@ fn is_on_can(at: Hardware, cx: &Context<'_>) -> bool {
     cx.backends.get(at.backend).copied().flatten() == Some(Backend::Can)
 }
 
-/// Does an entry without problems read an output?
+/// Whether an entry without problems reads an output.
 pub(super) fn reads_output(place: usize, cx: &Context<'_>) -> bool {
     let map = cx.names.section(Section::Io).get(place).and_then(|entry| entry.value.map("io"));
     map.is_some_and(|map| map.has("output"))
@@ -150,7 +150,7 @@ fn one_io<'d>(
     Some(Terminal { io, filter: filter?, output, at, full_scale: full_scale?, sim: sim? })
 }
 
-/// What 7FFFh of an analog channel on CAN is (V).
+/// Reads the voltage of an analog channel on CAN at 7FFFh, in V.
 fn full_scale(value: &Value<'_>, kind: Option<IoKind>, is_on_can: bool) -> Option<f64> {
     if !is_on_can || matches!(kind, Some(IoKind::DigitalInput | IoKind::DigitalOutput)) {
         value.refuse("full_scale is for an ai or ao on CAN", Some("leave it out".to_owned()));
@@ -159,7 +159,7 @@ fn full_scale(value: &Value<'_>, kind: Option<IoKind>, is_on_can: bool) -> Optio
     Some(value.quantity(&[Dimension::Voltage], &Allowed::Positive)?.si())
 }
 
-/// The output that an input without a terminal reads, by its place in the section.
+/// Returns the output that an input without a terminal reads, by its index in the section.
 fn output<'d>(map: &mut Map<'d>, kind: Option<(&str, IoKind)>, cx: &Context<'d>) -> Option<(u16, Value<'d>)> {
     let value = map.optional("output")?;
     let wires = ["backend", "address"].map(|key| (key, map.optional(key)));
@@ -200,7 +200,7 @@ fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>, reads_output: bool, is
     }
 }
 
-/// How long a level must stand before it counts (ns).
+/// Reads the minimum duration of a level before it is accepted, in ns.
 fn filter(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<u64> {
     let time = time(value)?;
     match kind {
@@ -212,7 +212,7 @@ fn filter(value: &Value<'_>, kind: Option<(&str, IoKind)>) -> Option<u64> {
     }
 }
 
-/// What an input sees in the simulation; read once axes and encoders are known.
+/// Returns the simulation of an input; it is read after axes and encoders are known.
 fn sim<'d>(value: Value<'d>, kind: Option<(&str, IoKind)>) -> Option<Value<'d>> {
     match kind {
         Some((name, kind)) if kind != IoKind::DigitalInput => {
@@ -223,7 +223,7 @@ fn sim<'d>(value: Value<'d>, kind: Option<(&str, IoKind)>) -> Option<Value<'d>> 
     }
 }
 
-/// The entries of `memory`, none where one has problems.
+/// Reads the entries of `memory`; `None` for one with problems.
 pub(super) fn memory(cx: &Context<'_>) -> Vec<Option<MemoryConfig>> {
     let entries = cx.names.section(Section::Memory);
     limit(entries, MOST);
@@ -242,14 +242,14 @@ fn initial(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
     match kind {
         MemoryKind::I16 => value.integer(i16::MIN..=i16::MAX).map(f64::from),
         MemoryKind::I32 => value.integer(i32::MIN..=i32::MAX).map(f64::from),
-        // The core keeps it as f64, so beyond 2^53 it would not be what was written.
+        // The core stores it as f64, which is not exact beyond 2^53.
         MemoryKind::I64 => value.integer(-EXACT..=EXACT).map(|whole| whole as f64),
         MemoryKind::F64 => value.number(f64::NEG_INFINITY..=f64::INFINITY),
         MemoryKind::Bit => value.integer(0..=1_u8).map(f64::from),
     }
 }
 
-/// The entries of `encoders` and where they are, none where one has problems; those that are on CAN.
+/// Reads the entries of `encoders` and their locations, `None` for one with problems; and those that are on CAN.
 pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<Hardware>>, Vec<CellTerminal>) {
     let entries = cx.names.section(Section::Encoders);
     limit(entries, MOST);

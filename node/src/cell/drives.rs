@@ -1,7 +1,7 @@
-//! Keys `drive` and `drives` of an axis: what moves it, and where that hangs.
+//! Reads keys `drive` and `drives` of an axis: its drives and their locations.
 //!
-//! Law      an axis has a drive, or two that carry it between them, or none: then it is virtual
-//! Refuses  two that differ in what they are asked for, or in how or when they do it
+//! Law      an axis has one drive, or two that share its load, or none: then it is virtual
+//! Refuses  two drives that differ in their interface, control loop or timing
 
 use super::analog::{self, Analog, Outputs};
 use super::backends::{Backend, Context, Hardware, backend_of, name_of};
@@ -17,10 +17,10 @@ use lineshaft_core::drive::{AnalogWiring, Interface};
 use lineshaft_core::regulator::Law;
 use lineshaft_core::sim::Model;
 
-/// Address of a drive and what it is called, by backend.
+/// Addresses of drives, with the name of the address key, by backend.
 pub(super) type Taken = Once<(usize, &'static str, u16)>;
 
-/// Key `drive`, and what it says of a drive on CAN.
+/// Key `drive`, and its description of a drive on CAN.
 pub(super) type Described = (Drive, Option<CellDrive>);
 
 /// Key `drive`.
@@ -29,23 +29,23 @@ pub(super) enum Drive {
     Virtual,
     Real {
         at: Hardware,
-        /// What it hangs on.
+        /// Backend of the drive.
         kind: Backend,
         interface: Interface,
-        /// How its position loop is closed, where it is closed here.
+        /// Control law of its position loop, if this program closes it.
         law: Law,
-        /// Cycles without new data that are waited for.
+        /// Number of cycles without new data that are tolerated.
         missed_cycles: u32,
-        /// How long it may take to switch on (ns).
+        /// Maximum time to switch on, in ns.
         enable_timeout_ns: u64,
-        /// How it is wired, where it is given a voltage.
+        /// Wiring of a drive with voltage reference.
         analog: Option<AnalogWiring>,
     },
 }
 
-/// Most cycles without new data from a drive that may be waited for.
+/// Maximum of the number of cycles without new data that are tolerated.
 const MOST_MISSED: u32 = 1000;
-/// How long a drive may have to switch on (ns).
+/// Range of the maximum time to switch on, in ns.
 const ENABLE_TIMES_NS: std::ops::RangeInclusive<u64> = 100_000_000..=600_000_000_000;
 
 pub(super) fn interface_of(drive: Option<Drive>) -> Option<Interface> {
@@ -55,7 +55,7 @@ pub(super) fn interface_of(drive: Option<Drive>) -> Option<Interface> {
     }
 }
 
-/// The law of the position loop, of a drive that has one here.
+/// Returns the control law of the position loop of a drive, if this program closes it.
 pub(super) fn law_of(drive: Option<Drive>) -> Law {
     match drive {
         Some(Drive::Real { law, .. }) => law,
@@ -63,10 +63,10 @@ pub(super) fn law_of(drive: Option<Drive>) -> Law {
     }
 }
 
-/// The drive of an axis by either key, and the second one where there are two; none where they have problems.
+/// Drive of an axis, and the second one if there are two; `None` if they have problems.
 pub(super) type Read = (Option<Described>, Option<Described>);
 
-/// Reads the keys, and says whether the axis has two drives.
+/// Reads the keys, and returns whether the axis has two drives.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     axis: &str,
@@ -75,7 +75,7 @@ pub(super) fn read<'d>(
     taken: &mut Taken,
     outputs: &mut Outputs<'_, 'd>,
 ) -> (Read, bool) {
-    // Who has one is not told of the other.
+    // A user of one key gets no message about the other.
     let both = if map.has("drives") || !map.has("drive") { map.optional("drives") } else { None };
     let Some(both) = both else {
         let one = map.required("drive").and_then(|value| drive(&value, axis, travel, cx, taken, Some(outputs)));
@@ -88,7 +88,7 @@ pub(super) fn read<'d>(
     (two(&both, axis, travel, cx, taken).unwrap_or_default(), true)
 }
 
-/// Key `drives`.
+/// Reads key `drives`.
 fn two<'d>(both: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, taken: &mut Taken) -> Option<Read> {
     let items = both.list()?;
     let [first, second] = items.as_slice() else {
@@ -201,7 +201,7 @@ pub(super) fn drive<'d>(
             let node = take(&mut map, place, "node", 1..=127, cx, taken);
             (node, can::drive(&mut map, node, interface, travel).map(Some))
         }
-        // The keys depend on a backend that is not known.
+        // The keys depend on a backend that is unknown.
         (None, _) | (_, None) => {
             map.allow(&["address", "node"]);
             map.allow(&can::DRIVE_KEYS);
@@ -223,7 +223,7 @@ pub(super) fn drive<'d>(
     Some((drive, on_can?))
 }
 
-/// Key `key`, which numbers the drives of a backend.
+/// Reads key `key`, the number of a drive at a backend.
 fn take(
     map: &mut Map<'_>,
     backend: usize,
@@ -238,7 +238,7 @@ fn take(
     taken.take((backend, key, number), &value, what).then_some(number)
 }
 
-/// Key `interface`; `backend` is what the drive hangs on, if it is known.
+/// Reads key `interface`; `backend` is that of the drive, if known.
 fn interface(value: &Value<'_>, backend: Option<Backend>) -> Option<Interface> {
     let interface = value.choice(&Interface::ALL.map(|interface| (interface.name(), interface)))?;
     if interface == Interface::Voltage && matches!(backend, Some(Backend::Can)) {

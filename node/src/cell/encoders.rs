@@ -1,4 +1,4 @@
-//! Keys that say what the words of an encoder are: in section `encoders`, and in `feedback` of an axis.
+//! Reads the keys for the format of an encoder: in section `encoders`, and in `feedback` of an axis.
 
 use super::backends::Context;
 use super::names::Section;
@@ -8,20 +8,20 @@ use lineshaft_core::axis::Wired;
 use lineshaft_core::encoder::{Absolute, Form, Parity, PulseCheck, WordCode};
 use lineshaft_core::unit::Dimension;
 
-/// Keys of an absolute encoder beside `steps`.
+/// Keys of an absolute encoder, in addition to `steps`.
 const ABSOLUTE: [&str; 7] = ["turns", "code", "parity", "omitted", "overflow", "error_correction", "max_step"];
-/// More words than any encoder has.
+/// Limit that no number of encoder words reaches.
 const MOST_WORDS: u64 = 1 << 62;
 
-/// Has the axis something that it could read?
+/// Whether the axis can have a feedback.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Reads<'a> {
-    /// A virtual axis of that name.
+    /// Virtual axis of that name.
     Nothing(&'a str),
     Something,
 }
 
-/// Reads `bits`, or `steps` and what belongs to it; `usual` bits where nothing is given.
+/// Reads `bits`, or `steps` and its related keys; the default is `usual` bits.
 pub(super) fn form(map: &mut Map<'_>, travel: &Travel, usual: u32) -> Option<Form> {
     let bits = map.optional("bits");
     let Some(steps) = map.optional("steps") else {
@@ -82,7 +82,7 @@ fn absolute(map: &mut Map<'_>, given: &Value<'_>, travel: &Travel) -> Option<Abs
     Some(encoder)
 }
 
-/// Key `index`: supervision of the pulses.
+/// Reads key `index`: supervision of the index pulses.
 pub(super) fn check(map: &mut Map<'_>, travel: &Travel) -> Option<Option<PulseCheck>> {
     let Some(value) = map.optional("index") else { return Some(None) };
     let is_absolute = map.has("steps");
@@ -97,7 +97,7 @@ pub(super) fn check(map: &mut Map<'_>, travel: &Travel) -> Option<Option<PulseCh
     Some(Some(PulseCheck { every: every?, tolerance: tolerance? }))
 }
 
-/// A way above 0 as whole increments.
+/// Reads a positive length as an integer number of increments.
 fn increments(value: &Value<'_>, travel: &Travel) -> Option<i64> {
     let kind = travel.any_scale()?.kind().dimension(0);
     let quantity = value.quantity(&[kind, Dimension::Increments(0)], &Allowed::Positive)?;
@@ -116,7 +116,7 @@ fn increments(value: &Value<'_>, travel: &Travel) -> Option<i64> {
     }
 }
 
-/// Key `feedback` of an axis: an entry of section `encoders`, or what its drive tells.
+/// Reads key `feedback` of an axis: an entry of section `encoders`, or the position of its drive.
 pub(super) fn feedback<'d>(
     value: Option<&Value<'d>>,
     reads: Reads<'_>,

@@ -1,7 +1,8 @@
-//! What stands along the way of a simulated axis, in key `sim`: where it starts, the index of its encoder, its switches and
-//! where they are wired to.
+//! Reads the fixtures along a simulated axis, in key `sim`: start position, index of the encoder, switches, and inputs
+//! to which they are wired.
 //!
-//! Places are positions on the machine as its drive counts them, so that at the start the drive reads 0 at `start`.
+//! Positions are those of the machine in the count direction of its drive, so that the drive reads 0 at `start`
+//! initially.
 
 use super::backends::Context;
 use super::devices;
@@ -15,10 +16,10 @@ use lineshaft_core::parameter::{AxisParameters, Polarity};
 use lineshaft_core::sim::{Fixtures, Index, Mechanics, Sign, Wire};
 use lineshaft_core::unit::Dimension;
 
-/// Inputs that switches are wired to, by their places in section `io`.
+/// Inputs that switches are wired to, by their index in section `io`.
 pub(super) type Taken = Once<usize>;
 
-/// What the keys are read with.
+/// Data for reading the keys.
 struct Reader<'r, 'd> {
     travel: &'r Travel,
     cx: &'r Context<'d>,
@@ -26,7 +27,8 @@ struct Reader<'r, 'd> {
     taken: &'r mut Taken,
 }
 
-/// Reads the keys that are not of the model. `encoder` is the entry of section `encoders` that the axis reads in place of its drive.
+/// Reads the keys that do not belong to the model. `encoder` is the entry of section `encoders` that the axis reads
+/// instead of its drive.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     travel: &Travel,
@@ -61,7 +63,7 @@ pub(super) fn read<'d>(
     Some(Mechanics { fixtures, wires, ..Mechanics::default() })
 }
 
-/// Have the switches inputs of the machine? A drive that is given a voltage has none.
+/// Whether the switches have inputs of the machine. A drive with voltage reference has none.
 pub(super) fn are_wired(sim: &Value<'_>, mechanics: &Mechanics) -> bool {
     let Fixtures { home, negative, positive, .. } = mechanics.fixtures;
     let switches = [
@@ -77,7 +79,7 @@ pub(super) fn are_wired(sim: &Value<'_>, mechanics: &Mechanics) -> bool {
     bare.is_none()
 }
 
-/// Key `second`: what stands along the way of the second of two drives.
+/// Reads key `second`: the fixtures of the second of two drives.
 pub(super) fn second<'d>(
     map: &mut Map<'d>,
     has_two: bool,
@@ -97,7 +99,7 @@ pub(super) fn second<'d>(
     mechanics.map(Some)
 }
 
-/// How long the brake takes to open and to close (ns), of an axis that has one.
+/// Reads the times in which the brake opens and closes, in ns, of an axis that has one.
 pub(super) fn brake_times(map: &mut Map<'_>, has_brake: bool) -> Option<[u64; 2]> {
     let [opens, closes] = ["brake_opens", "brake_closes"].map(|key| match map.optional(key) {
         None => Some(0),
@@ -111,7 +113,7 @@ pub(super) fn brake_times(map: &mut Map<'_>, has_brake: bool) -> Option<[u64; 2]
     Some([opens?, closes?])
 }
 
-/// What a hanging load does when nothing holds it (inc/s^2).
+/// Reads the acceleration of a hanging load that nothing holds, in inc/s^2.
 pub(super) fn load(map: &mut Map<'_>, travel: &Travel) -> Option<f64> {
     let Some(value) = map.optional("hanging_load") else { return Some(0.0) };
     let scale = travel.any_scale()?;
@@ -121,7 +123,7 @@ pub(super) fn load(map: &mut Map<'_>, travel: &Travel) -> Option<f64> {
     rate.map_err(|error| value.refuse(format!("hanging_load: {error}"), error.hint())).ok()
 }
 
-/// The outputs that tell the drive the sign of its reference, as REVERS says.
+/// Returns the outputs that give the drive the sign of its reference, according to REVERS.
 pub(super) fn sign(parameters: &AxisParameters) -> Option<Sign> {
     match parameters.reversing().polarity {
         Polarity::Bipolar => None,
@@ -133,13 +135,13 @@ pub(super) fn sign(parameters: &AxisParameters) -> Option<Sign> {
     }
 }
 
-/// What may be left out: none where it is wrong.
+/// Reads an optional value; returns `None` if it is wrong.
 fn optional<'d, T>(value: Option<Value<'d>>, read: impl FnOnce(Value<'d>) -> Option<T>) -> Option<Option<T>> {
     value.map_or(Some(None), |value| read(value).map(Some))
 }
 
 impl<'d> Reader<'_, 'd> {
-    /// A place (inc).
+    /// Reads a position, in inc.
     fn place(&self, value: &Value<'_>) -> Option<i64> {
         self.length(value, &Allowed::Any)
     }
@@ -148,7 +150,7 @@ impl<'d> Reader<'_, 'd> {
         let scale = self.travel.any_scale()?;
         let dimensions = match self.travel.kind {
             Some(_) => scale.dimensions(0).to_vec(),
-            // What it measures is not known; that is reported at `type`.
+            // The quantity is unknown, which is reported at `type`.
             None => vec![Dimension::Length(0), Dimension::Angle(0), Dimension::Increments(0)],
         };
         let unit = self.travel.scale.map(|scale| scale.unit().unit());
@@ -175,7 +177,7 @@ impl<'d> Reader<'_, 'd> {
         Some(Index { every: every?, at: at? })
     }
 
-    /// The reference switch: where it is actuated, and its wire.
+    /// Reads the reference switch: the range in which it is actuated, and its wire.
     fn home(&mut self, value: &Value<'d>) -> Option<((i64, i64), Option<Wire>)> {
         let mut map = value.map("home_switch")?;
         let lower = map.required("from");
@@ -193,7 +195,7 @@ impl<'d> Reader<'_, 'd> {
         Some(((from, to), wire?))
     }
 
-    /// A limit switch: from where on it is actuated, and its wire.
+    /// Reads a limit switch: the position from which it is actuated, and its wire.
     fn end(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<Wire>)> {
         let mut map = value.map(key)?;
         let at = map.required("at").and_then(|value| self.place(&value));
@@ -202,7 +204,7 @@ impl<'d> Reader<'_, 'd> {
         Some((at?, wire?))
     }
 
-    /// Keys `input` and `normally_closed`.
+    /// Reads keys `input` and `normally_closed`.
     fn wire(&mut self, map: &mut Map<'d>, switch: u32) -> Option<Option<Wire>> {
         let closed = map.optional("normally_closed");
         let normally_closed = closed.as_ref().map_or(Some(false), Value::boolean);
@@ -218,7 +220,7 @@ impl<'d> Reader<'_, 'd> {
         let name = value.text()?;
         let (_, place) = self.cx.names.find(&value, name, &[Section::Io])?;
         let kind = |place: usize| self.io.get(place).and_then(Option::as_ref).map(|entry| entry.kind);
-        // One with problems of its own may be of any kind.
+        // An entry with its own problems may be of any kind.
         if kind(place).is_some_and(|kind| kind != IoKind::DigitalInput) {
             value.refuse(format!("input is {}, which is no di; a di is allowed", quote(name)), None);
             return None;

@@ -1,7 +1,7 @@
-//! Section `functions`: slots, what each reads and writes, and the set of its type.
+//! Reads section `functions`: slots, their sources and sinks, and the values of their type.
 //!
-//! Refuses  types that do not exist, slots that stand twice, names that are none of what the type can use, two writers of one object
-//!          (with both places), values beyond their fields, axes that follow each other's commands in a loop
+//! Refuses  unknown types, slots that occur twice, names that the type cannot use, two writers of one object (with both
+//!          locations), values outside of their fields, axes that follow each other's commands in a loop
 
 use super::backends::Context;
 use super::loops::{Chains, Link, Reads, refuse_loops};
@@ -18,20 +18,20 @@ use lineshaft_core::object::{Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};
 
-/// What has signals.
+/// Sections whose entries have signals.
 const READABLE: [Section; 6] =
     [Section::Axes, Section::Encoders, Section::Io, Section::Memory, Section::Functions, Section::Masters];
 
-/// Readings of an axis that follow from its command.
+/// Signals of an axis that follow from its command.
 const OF_COMMAND: [&str; 5] = ["command", "target", "modulo", "turns", "output"];
 
-/// A source that is any signal: whether there is one shows once the signals are known.
+/// A source that may be any signal; it is checked once all signals are known.
 pub(super) struct Open<'d> {
     value: Value<'d>,
     name: String,
 }
 
-/// The slots as far as they could be read.
+/// The slots that could be read.
 #[derive(Default)]
 pub(super) struct Read<'d> {
     pub slots: Vec<Option<SlotConfig>>,
@@ -39,7 +39,7 @@ pub(super) struct Read<'d> {
     pub chains: Chains,
 }
 
-/// What functions may name beside names.
+/// Objects that functions may use, in addition to names.
 #[derive(Clone, Copy)]
 pub(super) struct Objects<'a> {
     pub io: &'a [Option<IoConfig>],
@@ -47,22 +47,22 @@ pub(super) struct Objects<'a> {
     pub tables: &'a [Option<TableConfig>],
 }
 
-/// What functions have taken so far: slots, and objects that they write.
+/// Slots and written objects that functions have used so far.
 struct Claims<'t> {
     slots: Once<u16>,
     written: Written<'t>,
 }
 
-/// What functions write.
+/// Objects that functions write.
 struct Written<'t> {
-    /// Entries of section `io`; nothing else may switch one.
+    /// Entries of section `io` with a writer; there may be only one.
     outputs: &'t mut Taken,
     axes: Once<u16>,
     memory: Once<u16>,
 }
 
 impl Written<'_> {
-    /// Takes an object, which stands in `value`.
+    /// Registers an object as written; its name is in `value`.
     fn take(&mut self, object: Object, value: &Value<'_>) -> bool {
         let name = || quote(value.peek().unwrap_or_default());
         let writer = || format!("what writes {}", name());
@@ -75,7 +75,7 @@ impl Written<'_> {
     }
 }
 
-/// The width of keys `source_bits` and `sink_bits`.
+/// Reads the width in keys `source_bits` and `sink_bits`.
 fn bits(value: &Value<'_>) -> Option<Width> {
     let text = value.text()?;
     let bits = if value.is_integer() { value.integer(i128::MIN..=i128::MAX) } else { None };
@@ -86,8 +86,8 @@ fn bits(value: &Value<'_>) -> Option<Width> {
     width
 }
 
-/// Reads all functions; the slots stand by their numbers. `outputs` are the entries of `io` that have one who switches them, `masters` what
-/// each master reads.
+/// Reads all functions; the slots are sorted by number. `outputs` are the entries of `io` that have a writer, `masters`
+/// the sources of each master.
 pub(super) fn read<'d>(
     cx: &Context<'d>,
     objects: Objects<'_>,
@@ -110,7 +110,7 @@ pub(super) fn read<'d>(
     read
 }
 
-/// Puts the slots in the order of their numbers, and sinks that they read with them.
+/// Sorts the slots by number, and updates the sinks that they read.
 fn sort(slots: &mut Vec<Option<SlotConfig>>, numbers: &[u16]) {
     let mut order: Vec<usize> = (0..slots.len()).collect();
     order.sort_by_key(|place| numbers.get(*place).copied());
@@ -124,7 +124,7 @@ fn sort(slots: &mut Vec<Option<SlotConfig>>, numbers: &[u16]) {
     *slots = sorted;
 }
 
-/// Refuses sources that no signal has, once all else is good.
+/// Refuses sources that are no signal, once everything else is valid.
 pub(super) fn check_signals(open: &[Open<'_>], directory: &Directory) {
     for Open { value, name } in open {
         if directory.find(name).is_none() {
@@ -154,8 +154,8 @@ pub(super) fn check_axes(cx: &Context<'_>, machine: &MachineConfig) {
     }
 }
 
-/// Refuses copies that would move an axis by a speed as if it were a position, or the other way round, itself or through copies of its sink.
-/// A memory cell, an output or another function may get a value of either kind.
+/// Refuses copies that would move an axis by a speed as if it were a position, or vice versa, directly or through
+/// copies of its sink. A memory cell, an output or another function may get a value of either kind.
 pub(super) fn check_quantities(cx: &Context<'_>, machine: &MachineConfig) {
     for (place, slot) in machine.slots.iter().enumerate().filter(|(_, slot)| copies_source(slot)) {
         let SourceConfig::Lead(leader) = slot.source else { continue };
@@ -171,7 +171,7 @@ pub(super) fn check_quantities(cx: &Context<'_>, machine: &MachineConfig) {
     }
 }
 
-/// Returns true for a copy that reads its source; an ecopy with the bits of both values does not.
+/// Returns true for a copy that reads its source; an ecopy with the bits of both values does not read it.
 fn copies_source(slot: &SlotConfig) -> bool {
     const BOTH_VALUES: i64 = 3;
     let mode = slot.kind.description().find("mode").and_then(|(_, place)| slot.values.get(place));
@@ -182,10 +182,10 @@ fn copies_source(slot: &SlotConfig) -> bool {
     }
 }
 
-/// Returns true if a slot moves an axis, itself or through copies of its sink.
+/// Returns true if a slot moves an axis, directly or through copies of its sink.
 fn reaches_axis(machine: &MachineConfig, place: usize) -> bool {
     let (mut reached, mut next) = (vec![place], 0);
-    // Copies that read each other in a circle are visited once.
+    // In a loop of copies, each copy is visited once.
     while let Some(place) = reached.get(next).copied() {
         next += 1;
         if machine.slots.get(place).is_some_and(|slot| matches!(slot.sink, SinkConfig::Axis(_))) {
@@ -201,7 +201,7 @@ fn reaches_axis(machine: &MachineConfig, place: usize) -> bool {
     false
 }
 
-/// The slot, its part of a loop, and its number.
+/// Reads a function: its slot, its part of a loop, and its number.
 #[allow(clippy::type_complexity, reason = "three things that are read in one go")]
 fn function<'d>(
     place: usize,
@@ -250,10 +250,10 @@ fn kind(value: &Value<'_>) -> Option<Kind> {
     None
 }
 
-/// A key that was given, with what it means where that could be read.
+/// A given key, with its value if it could be read.
 type Given<'d, T> = Option<(Option<T>, Value<'d>)>;
 
-/// The rest of a slot, by its type.
+/// Reads the rest of a slot, by its type.
 fn slot<'d>(
     map: &mut Map<'d>,
     entry: &Entry<'d>,
@@ -268,7 +268,7 @@ fn slot<'d>(
     let mut note = |good: bool| is_good &= good;
     match source {
         Some((read, value)) => {
-            // One problem is enough for what could not be read.
+            // A source that could not be read has one problem already.
             note(read.as_ref().is_some_and(|source| fits_source(&value, source, row)));
             slot.source = read.unwrap_or_default();
         }
@@ -341,7 +341,7 @@ fn slot<'d>(
     is_good.then_some(slot)
 }
 
-/// Reads the fields of the type into a set; true where all of them are good.
+/// Reads the fields of the type into a set; returns true if all of them are valid.
 fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
     let (mut is_good, mut first) = (true, 0);
     for field in row.fields {
@@ -361,7 +361,7 @@ fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
     is_good
 }
 
-/// At most so many items.
+/// Reads a list of at most `most` items.
 fn list<'d>(value: &Value<'d>, most: usize, key: &str) -> Option<Vec<Value<'d>>> {
     let items = value.list()?;
     if items.len() > most {
@@ -385,7 +385,7 @@ fn fits_source(value: &Value<'_>, source: &SourceConfig, row: &Description) -> b
     false
 }
 
-/// What names are looked up in.
+/// Data for looking up names.
 struct Reader<'a, 'd> {
     cx: &'a Context<'d>,
     objects: Objects<'a>,
@@ -427,21 +427,21 @@ impl<'d> Reader<'_, 'd> {
         }
     }
 
-    /// What a source reads, as far as loops are concerned.
+    /// Returns the source that a value reads, for the search of loops.
     fn reads(&self, value: &Value<'d>) -> Option<Reads> {
         let text = value.peek()?;
         let (object, part) = text.split_once('.').unwrap_or((text, "command"));
         let find = |section| self.cx.names.section(section).iter().position(|entry| entry.name() == object);
         match (find(Section::Axes), find(Section::Functions).map(Reads::Function)) {
             (Some(axis), _) => OF_COMMAND.contains(&part.split('.').next()?).then_some(Reads::Command(axis)),
-            // Whether a member is lost is no motion.
+            // The validity of a master is no motion.
             (None, function) => {
                 function.or_else(|| find(Section::Masters).filter(|_| part != "valid").map(Reads::Master))
             }
         }
     }
 
-    /// The signal of a word: a memory cell by its bare name, or any other.
+    /// Returns the signal of a word: a memory cell by its name alone, or any other signal.
     fn word(&self, value: &Value<'d>, open: &mut Vec<Open<'d>>) -> Option<String> {
         let text = value.text()?;
         let object = text.split_once('.').map_or(text, |(object, _)| object);
@@ -492,7 +492,7 @@ impl<'d> Reader<'_, 'd> {
         false
     }
 
-    /// Takes what a sink writes; nobody else may.
+    /// Registers the object that a sink writes; only one function may write it.
     fn take_sink(value: &Value<'d>, sink: SinkConfig, written: &mut Written<'_>) -> bool {
         match sink {
             SinkConfig::None => true,
@@ -502,7 +502,7 @@ impl<'d> Reader<'_, 'd> {
         }
     }
 
-    /// Inputs or outputs in their order; `written`: they are outputs.
+    /// Reads inputs or outputs in their order; they are outputs if `written` is given.
     fn lines(
         &self,
         value: Option<&Value<'d>>,
@@ -532,7 +532,7 @@ impl<'d> Reader<'_, 'd> {
         (lines, is_good)
     }
 
-    /// A name, `none`, or `{name, inverted}`.
+    /// Reads a name, `none`, or `{name, inverted}`.
     fn line(&self, item: &Value<'d>, written: Option<&mut Written<'_>>) -> Option<Option<Line>> {
         let (name, inverted) = if item.is_map() {
             let mut map = item.map("a line")?;
@@ -571,7 +571,7 @@ impl<'d> Reader<'_, 'd> {
         Some(Some(Line { object, inverted }))
     }
 
-    /// Room for what the cell asks for, or for what most need.
+    /// Returns the memory that the cell requires, and at least the usual one.
     fn room(&self, slot: &SlotConfig) -> Room {
         const MEAN: usize = 256;
         const HEAD: usize = 32;
@@ -588,7 +588,7 @@ impl<'d> Reader<'_, 'd> {
         }
     }
 
-    /// What a program has: its module, what it reads and writes, its bounds.
+    /// Reads the keys of a program: its module, its inputs and outputs, its limits.
     fn program(
         &self,
         map: &mut Map<'d>,

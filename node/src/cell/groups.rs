@@ -1,4 +1,4 @@
-//! Section `groups`.
+//! Reads section `groups`.
 
 use super::backends::Context;
 use super::names::{Entry, Once, Section, is_virtual, quote};
@@ -39,7 +39,7 @@ fn group<'d>(entry: &Entry<'d>, cx: &Context<'d>) -> Group {
     named(axes, trajectories, gripper)
 }
 
-/// Reads what makes a group of one axis a gripper.
+/// Reads the keys that make a group of one axis a gripper.
 fn gripper(value: &Value<'_>, entry: &Entry<'_>, axes: usize) -> Option<GripperSettings> {
     let mut map = value.map("gripper")?;
     let allow_stalling = map.optional("allow_stalling").map_or(Some(false), |value| value.boolean());
@@ -71,7 +71,7 @@ fn axis<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut Once<usize>) -> Opti
     u16::try_from(place).ok()
 }
 
-/// Reads `trajectory_limits`, of a group or of a trajectory in a scenario. Returns none if a value is not allowed.
+/// Reads `trajectory_limits`, of a group or of a trajectory in a scenario. Returns `None` if a value is not allowed.
 pub(crate) fn trajectory_limits(value: &Value<'_>) -> Option<TrajectoryLimits> {
     let mut map = value.map("trajectory_limits")?;
     let usual = TrajectoryLimits::default();

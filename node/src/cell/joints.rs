@@ -1,4 +1,4 @@
-//! Key `joint` of an axis: its joint name in ROS 2.
+//! Reads key `joint` of an axis: its joint name in ROS 2.
 //!
 //! Rule     1 to 64 characters; no control characters, no line separators, no white space at the ends
 //! Refuses  the joint name or the object name of another axis
@@ -8,13 +8,13 @@ use super::names::{Entry, Section, quote};
 use crate::document::{Map, Place, Value};
 use std::collections::BTreeMap;
 
-/// Longest joint name (characters).
+/// Maximum length of a joint name, in characters.
 const LONGEST: usize = 64;
 
-/// The joint names that were given so far, with their axes and places.
+/// Joint names that were given so far, with their axes and locations.
 pub(super) type Taken<'d> = BTreeMap<&'d str, (&'d str, Place)>;
 
-/// The joint name of an axis: that of the key `joint`, else its own name.
+/// Returns the joint name of an axis: that of the key `joint`, otherwise the name of the axis.
 pub(super) fn read<'d>(map: &mut Map<'d>, entry: &Entry<'d>, cx: &Context<'d>, taken: &mut Taken<'d>) -> &'d str {
     let own = entry.name();
     let Some(value) = map.optional("joint") else { return own };

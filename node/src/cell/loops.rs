@@ -1,31 +1,32 @@
-//! Axes that would follow each other's commands, through functions and masters, too.
+//! Finds axes that would follow each other's commands in a loop, also through functions and masters.
 //!
-//! Refuses  each function that closes such a loop, with the axes of it; a reading that is no command makes none
+//! Refuses  each function that closes such a loop, with the axes of the loop; reading a value other than a command
+//!          makes no loop
 
 use super::backends::Context;
 use super::names::{Entry, Section};
 use lineshaft_core::object::Leader;
 use lineshaft_core::unit::excerpt;
 
-/// What is read, as far as loops are concerned.
+/// Source that is read, for the search of loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reads {
-    /// The command of an axis.
+    /// Command of an axis.
     Command(usize),
-    /// Another function, by its place in the file.
+    /// Another function, by its index in the file.
     Function(usize),
-    /// A master of several.
+    /// A master that is a sum.
     Master(usize),
 }
 
 impl Reads {
-    /// Of a leader; sinks by the places of their functions in the file.
+    /// Returns the source of a leader; sinks have the indices of their functions in the file.
     pub(super) fn of(leader: Leader) -> Option<Self> {
         match leader {
             Leader::AxisCommand(axis) => Some(Self::Command(axis.into())),
             Leader::Sink(function) => Some(Self::Function(function.into())),
             Leader::Sum(master) => Some(Self::Master(master.into())),
-            // Whom the virtual master follows is told while the machine runs.
+            // The leader of the virtual master is selected at run time.
             Leader::AxisActual(_) | Leader::Encoder(_) | Leader::Simulated(_) | Leader::Virtual => None,
         }
     }
@@ -34,26 +35,26 @@ impl Reads {
 /// A function between its source and its sink.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
-    /// Place in the section.
+    /// Index in the section.
     pub function: usize,
     pub source: Option<Reads>,
-    /// The axis that it moves.
+    /// Axis that it moves.
     pub sink: Option<usize>,
 }
 
-/// What functions and masters read.
+/// Sources of functions and masters.
 #[derive(Debug, Default)]
 pub(super) struct Chains {
     pub links: Vec<Link>,
-    /// By master.
+    /// Sources by master.
     pub masters: Vec<Vec<Reads>>,
 }
 
 impl Chains {
-    /// The axes whose commands reach whoever reads that, itself or through functions and masters.
+    /// Returns the axes whose commands reach a reader of `reads`, directly or through functions and masters.
     pub(super) fn leaders(&self, reads: Reads) -> Vec<usize> {
         let (mut axes, mut reached, mut next) = (Vec::new(), vec![reads], 0);
-        // What reads itself in a circle is looked at once.
+        // In a loop, each source is visited once.
         while let Some(reads) = reached.get(next).copied() {
             next += 1;
             let found: Vec<Reads> = match reads {
@@ -87,12 +88,13 @@ pub(super) fn refuse_loops(chains: &Chains, cx: &Context<'_>) {
     }
 }
 
-/// Leader and follower, of those so far that close no loop.
+/// Pairs of leader and follower that close no loop so far.
 #[derive(Debug, Default)]
 pub(super) struct Follows(Vec<(usize, usize)>);
 
 impl Follows {
-    /// Takes the leaders of an axis; else the loop that the first one closes, and what could be followed instead.
+    /// Adds the leaders of an axis. If one of them closes a loop, returns the first such loop and a hint which source
+    /// to use instead.
     pub(super) fn take(&mut self, follower: usize, leaders: &[usize], cx: &Context<'_>) -> Option<(String, String)> {
         let axes = cx.names.section(Section::Axes);
         let name = |axis: usize| excerpt(axes.get(axis).map_or("", Entry::name));
@@ -106,7 +108,7 @@ impl Follows {
     }
 }
 
-/// A way from one to another along the followers, both included.
+/// Returns the path from one axis to another along the followers, both included.
 pub(super) fn path(follows: &[(usize, usize)], from: usize, to: usize) -> Option<Vec<usize>> {
     let mut reached = vec![(from, None)];
     let mut next = 0;

@@ -1,5 +1,5 @@
-//! Section `machine`: the parameters of the machine; and whether the inputs and outputs are there that parameters name by number,
-//! and have one function each.
+//! Reads section `machine`, the parameters of the machine. Checks that the inputs and outputs that parameters name by
+//! number exist and have one function each.
 
 use super::names::quote;
 use super::parameters::Given;
@@ -13,10 +13,10 @@ use lineshaft_core::parameter::{
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::Scale;
 
-/// Functions that parameters give to digital outputs, in file order.
+/// Functions that parameters give to digital outputs, in the order of the file.
 pub(super) type Functions<'d> = Vec<(Function, Value<'d>)>;
 
-/// Reads the section; where a value has a problem, its default stands.
+/// Reads the section; a value with a problem is replaced by its default.
 pub(super) fn read<'d>(
     cell: &mut Map<'d>,
     io: &[Option<IoConfig>],
@@ -44,7 +44,7 @@ pub(super) fn read<'d>(
     parameters
 }
 
-/// Notes the outputs that keys of the file name.
+/// Adds the outputs that keys of the file name.
 pub(super) fn note_functions<'d>(functions: &mut Functions<'d>, named: &[Function], given: &Given<'d>) {
     for function in named.iter().filter(|(_, number)| *number != 0) {
         let value = given.iter().find(|(key, _)| *key == function.0);
@@ -52,7 +52,8 @@ pub(super) fn note_functions<'d>(functions: &mut Functions<'d>, named: &[Functio
     }
 }
 
-/// Refuses a second function of an output (as [`lineshaft_core::config::MachineConfig::check_functions`] has it), where both stand.
+/// Refuses a second function of an output (like [`lineshaft_core::config::MachineConfig::check_functions`]), at the
+/// locations of both.
 pub(super) fn refuse_shared(functions: &Functions<'_>, io: &[Option<IoConfig>], taken: &wiring::Taken) {
     let outputs: Vec<_> = (io.iter().enumerate())
         .filter(|(_, entry)| entry.as_ref().is_none_or(|entry| entry.kind == IoKind::DigitalOutput))
@@ -73,21 +74,21 @@ pub(super) fn refuse_shared(functions: &Functions<'_>, io: &[Option<IoConfig>], 
     }
 }
 
-/// How many inputs and outputs there are, where all of them could be read.
+/// Returns the numbers of inputs and outputs if all of them could be read.
 fn counts(io: &[Option<IoConfig>]) -> Option<IoCounts> {
     let count = |kind| io.iter().flatten().filter(|entry| entry.kind == kind).count();
     let all_read = io.iter().all(Option::is_some);
     all_read.then(|| IoCounts::new(count(IoKind::DigitalInput), count(IoKind::DigitalOutput)))
 }
 
-/// Refuses what an axis names and the cell has not.
+/// Refuses inputs and outputs that an axis names and the cell lacks.
 pub(super) fn check_axis(parameters: &AxisParameters, given: &Given<'_>, io: &[Option<IoConfig>], may_tell_sign: bool) {
     let missing = counts(io).and_then(|counts| counts.check_axis(parameters).err());
-    // Outputs that the axis has no use for are refused as such.
+    // Outputs that the axis cannot use are refused separately.
     refuse_missing(missing.filter(|missing| missing.key != "revers" || may_tell_sign), given);
 }
 
-/// Refuses what the virtual master cannot be where a key names it.
+/// Refuses a configuration of the virtual master at the key that names it.
 pub(crate) fn refuse_virtual_master(checked: Result<(), VirtualMasterProblem>, given: &[(&'static str, Value<'_>)]) {
     let Err(problem) = checked else { return };
     if let Some((_, value)) = given.iter().find(|(known, _)| *known == problem.key) {
@@ -95,7 +96,7 @@ pub(crate) fn refuse_virtual_master(checked: Result<(), VirtualMasterProblem>, g
     }
 }
 
-/// Refuses an input or output that the cell has not where a key names it.
+/// Refuses an input or output that the cell lacks, at the key that names it.
 pub(crate) fn refuse_missing(missing: Option<NoSuchIo>, given: &[(&'static str, Value<'_>)]) {
     let Some(NoSuchIo { key, number, is_output, count }) = missing else { return };
     if let Some((_, value)) = given.iter().find(|(known, _)| *known == key) {

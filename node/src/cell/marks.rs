@@ -1,7 +1,7 @@
-//! Key `sim` of an input: the way whose printed marks it sees in the simulation.
+//! Reads key `sim` of an input: the printed marks that it detects in the simulation.
 //!
-//! Law      a mark lies on what `of` names, an encoder or the drive of an axis; amounts are in its units
-//! Refuses  an input that latches nothing or hangs on no simulation, a way that is on another backend, marks that could overlap
+//! Law      marks are on the web of an encoder or of the drive of an axis, named by `of`; amounts are in its units
+//! Refuses  an input that latches nothing or is at no simulation, a web at another backend, marks that could overlap
 
 use super::backends::{Backend, Context, Hardware, name_of};
 use super::names::{Section, quote};
@@ -12,15 +12,15 @@ use lineshaft_core::position::Position;
 use lineshaft_core::sim::{Carrier, Marks, Mechanics, Stretch};
 use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit, fraction_to_f64};
 
-/// Most marks until a web is the same again.
+/// Maximum number of marks in a period of the stretch.
 const LONGEST_PERIOD: u32 = 1_000_000;
 
-/// An input of the cell that sees marks.
+/// An input of the cell that detects marks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellMarks {
-    /// The input, by its place among the digital ones.
+    /// Index of the input among the digital ones.
     pub input: usize,
-    /// What carries them.
+    /// Encoder or drive with the marks.
     pub carrier: Carrier,
     /// The marks.
     pub marks: Marks,
@@ -29,23 +29,23 @@ pub struct CellMarks {
 /// Key `sim` of a digital input.
 pub(super) struct Given<'d> {
     pub value: Value<'d>,
-    /// The input, by its place among the digital ones.
+    /// Index of the input among the digital ones.
     pub input: usize,
     pub latch: bool,
-    /// Where it is; none that reads an output.
+    /// Location; `None` for an input that reads an output.
     pub at: Option<Hardware>,
 }
 
-/// Where axes and encoders are.
+/// Locations of axes and encoders.
 pub(super) struct Hung<'a> {
-    /// One for each axis; none for a virtual one.
+    /// Locations of the axes; `None` for a virtual one.
     pub axes: &'a [Option<Hardware>],
     pub encoders: &'a [Option<Hardware>],
-    /// What hangs on each drive.
+    /// Mechanics of each drive.
     pub mechanics: &'a [Mechanics],
 }
 
-/// The marks that inputs see; problems are noted.
+/// Reads the marks that inputs detect; problems are recorded.
 pub(super) fn read<'d>(
     given: &[Given<'d>],
     cx: &Context<'d>,
@@ -89,7 +89,7 @@ fn one<'d>(given: &Given<'d>, cx: &Context<'d>, machine: &MachineConfig, hung: &
     Some(CellMarks { input: *input, carrier: way?.0, marks: marks? })
 }
 
-/// Key `of`: what carries the marks, and its scale.
+/// Reads key `of`: the encoder or drive with the marks, and its scale.
 fn way<'d>(
     value: &Value<'d>,
     backend: usize,
@@ -120,7 +120,7 @@ fn way<'d>(
     }
 }
 
-/// The keys that are in units of the way, and what happens to marks.
+/// Reads the keys in units of the web, and those for errors of the marks.
 fn of_way(map: &mut Map<'_>, whole: &Value<'_>, travel: &Travel) -> Option<Marks> {
     let given_every = map.required("every");
     let every = given_every.as_ref().and_then(|value| every(value, travel));
@@ -161,7 +161,7 @@ fn of_way(map: &mut Map<'_>, whole: &Value<'_>, travel: &Travel) -> Option<Marks
     Some(marks)
 }
 
-/// Key `every`: an increment and above.
+/// Reads key `every`; at least one increment.
 fn every(value: &Value<'_>, travel: &Travel) -> Option<Position> {
     let every = exact(value, travel, &Allowed::Positive)?;
     if every < Position::whole(1) {
@@ -172,22 +172,22 @@ fn every(value: &Value<'_>, travel: &Travel) -> Option<Position> {
     Some(every)
 }
 
-/// An amount that may be left out.
+/// Reads an optional amount.
 fn amount(value: Option<Value<'_>>, travel: &Travel, allowed: &Allowed) -> Option<Position> {
     value.map_or(Some(Position::ZERO), |value| exact(&value, travel, allowed))
 }
 
-/// An amount with its fraction of an increment.
+/// Reads an amount with its fraction of an increment.
 fn exact(value: &Value<'_>, travel: &Travel, allowed: &Allowed) -> Option<Position> {
     let scale = travel.any_scale()?;
     let quantity = value.quantity(&scale.dimensions(0), allowed)?;
-    // What is beyond all positions is refused as one.
+    // An amount beyond the range of positions is refused like a position.
     let exact = scale.position(&quantity).and_then(|_| scale.exact(&quantity));
     let exact = exact.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()?;
     Some(Position::from_f64(fraction_to_f64(&exact)))
 }
 
-/// Keys `stretch` and `stretch_period`, which stand together.
+/// Reads keys `stretch` and `stretch_period`, which must be given together.
 fn stretch(map: &mut Map<'_>) -> Option<Option<Stretch>> {
     let (most, period) = (map.optional("stretch"), map.optional("stretch_period"));
     match (most, period) {
@@ -207,7 +207,7 @@ fn stretch(map: &mut Map<'_>) -> Option<Option<Stretch>> {
     }
 }
 
-/// A part of all, 0 % to 100 %.
+/// Reads a fraction, 0 % to 100 %.
 fn share(value: &Value<'_>) -> Option<f64> {
     let percent = Unit::parse("%")?;
     let [none, all] = [0, 100].map(|number| Quantity::new(Fraction::from(number), percent));

@@ -1,7 +1,7 @@
-//! Section `masters`: what leads as the sum of others.
+//! Reads section `masters`: leaders that are sums of other leaders.
 //!
-//! Refuses  a master of nothing, members that cannot lead or stand twice, more of them than there is room for, masters that read each other in a
-//!          loop
+//! Refuses  a master without members, members that cannot lead or occur twice, too many of them, masters that are
+//!          members of each other in a loop
 
 use super::backends::Context;
 use super::loops::{Reads, path};
@@ -12,17 +12,17 @@ use lineshaft_core::object::{Leader, VIRTUAL_MASTER};
 use lineshaft_core::sync::{MOST_TERMS, Sum};
 use lineshaft_core::unit::excerpt;
 
-/// What may be a member.
+/// Sections of possible members.
 const MEMBERS: [Section; 4] = [Section::Axes, Section::Encoders, Section::Functions, Section::Masters];
 
-/// The masters as far as they could be read; sinks by the places of their functions in the file.
+/// The masters that could be read; sinks have the indices of their functions in the file.
 pub(super) struct Read {
     pub sums: Vec<Option<SumConfig>>,
-    /// What each of them reads, as far as loops are concerned.
+    /// Sources of each master, for the search of loops.
     pub reads: Vec<Vec<Reads>>,
 }
 
-/// A member and where it stands.
+/// A member and its location.
 type Member<'d> = (Leader, Value<'d>);
 
 /// Reads all masters.
@@ -39,7 +39,7 @@ pub(super) fn read(cx: &Context<'_>) -> Read {
     refuse_loops(&members, entries);
     let all: Vec<SumConfig> = read.sums.iter().map(|sum| sum.clone().unwrap_or_default()).collect();
     let is_large = |sum: &Option<Sum>| sum.as_ref().is_some_and(|sum| !sum.is_small());
-    // What is built upon it has too many as well: one problem is enough.
+    // Masters that contain it are too large as well; one problem is enough.
     if let Some(entry) = sums(&all).iter().position(is_large).and_then(|place| entries.get(place)) {
         let sentence = format!("has more than {MOST_TERMS} leaders, itself and through other masters");
         entry.key.refuse(format!("master {} {sentence}", entry.quoted()), None);
@@ -47,7 +47,7 @@ pub(super) fn read(cx: &Context<'_>) -> Read {
     read
 }
 
-/// Puts the slots, which stand by their numbers now, in the place of the functions of the file.
+/// Replaces indices of functions in the file by those of slots, which are sorted by number now.
 pub(super) fn settle(masters: &mut [Option<SumConfig>], slots: &[Option<SlotConfig>], cx: &Context<'_>) {
     let functions = cx.names.section(Section::Functions);
     for member in masters.iter_mut().flatten().flat_map(|sum| sum.add.iter_mut().chain(&mut sum.subtract)) {
@@ -97,8 +97,8 @@ fn member<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut Once<Leader>) -> O
     once.take(leader, value, String::new).then_some(leader)
 }
 
-/// What leads, out of these sections: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink` by its place in the
-/// file, a master, the virtual master.
+/// Finds a leader in these sections: an axis (its command), `axis.command`, `axis.actual`, an encoder, `function.sink`
+/// by its index in the file, a master, or the virtual master.
 pub(super) fn leader<'d>(value: &Value<'d>, cx: &Context<'d>, sections: &[Section]) -> Option<Leader> {
     let text = value.text()?;
     if text == VIRTUAL_MASTER {
@@ -129,7 +129,7 @@ pub(super) fn leader<'d>(value: &Value<'d>, cx: &Context<'d>, sections: &[Sectio
 /// Refuses every member that closes a loop of masters.
 fn refuse_loops(members: &[Vec<Member<'_>>], entries: &[Entry<'_>]) {
     let name = |master: usize| excerpt(entries.get(master).map_or("", Entry::name));
-    // Member and master, of those so far that close no loop.
+    // Pairs of member and master that close no loop so far.
     let mut follows: Vec<(usize, usize)> = Vec::new();
     for (master, members) in members.iter().enumerate() {
         for (leader, value) in members {

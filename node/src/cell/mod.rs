@@ -1,7 +1,7 @@
-//! Cells: what a machine is made of, read from YAML (contract section 3).
+//! Reads a cell, the description of a machine, from YAML (contract section 3).
 //!
-//! A cell is read whole and all its errors are reported at once. What it names is resolved to the core's units and handles
-//! here; the core never sees a unit or a name.
+//! A cell is read completely and all its errors are reported at once. Names are resolved to units and handles of the
+//! core here; the core uses neither units nor names.
 //!
 //! ```
 //! use lineshaft::cell::Cell;
@@ -85,61 +85,61 @@ use std::sync::Arc;
 pub(crate) use tables::{Files, listed, table};
 pub use terminals::CellTerminal;
 
-/// The format that this program reads.
+/// Format version that this program reads.
 const FORMAT: &str = "1";
-/// The cell that runs without a file.
+/// Cell that is used without a file.
 const DEMO: &str = include_str!("../../../launch-configs/demo.yaml");
-/// Its description.
+/// Robot description of that cell.
 const DEMO_ROBOT: &str = include_str!("../../../launch-configs/demo.urdf");
 
-/// A cell that has no errors.
+/// A cell without errors.
 #[derive(Clone, Debug)]
 pub struct Cell {
-    /// What the core needs.
+    /// Configuration of the core.
     pub machine: MachineConfig,
-    /// One for each drive, in their order: how it is simulated.
+    /// Simulation models of the drives, in their order.
     pub models: Vec<Model>,
-    /// One for each drive, in their order: what hangs on it in the simulation.
+    /// Simulated mechanics of the drives, in their order.
     pub mechanics: Vec<Mechanics>,
-    /// Marks that digital inputs see in the simulation.
+    /// Printed marks that digital inputs detect in the simulation.
     pub marks: Vec<CellMarks>,
     /// Joint names of the axes.
     pub joint_names: JointNames,
-    /// One for each axis, in file order: where its drive is; none for a virtual one.
+    /// Location of the drive of each axis, in the order of the file; `None` for a virtual axis.
     pub hardware: Vec<Option<Hardware>>,
-    /// One for each axis, in file order: where its second drive is; none where it has one alone.
+    /// Location of the second drive of each axis, in the order of the file; `None` for an axis with one drive.
     pub second_hardware: Vec<Option<Hardware>>,
-    /// One for each drive, in their order: what the cell says of it where it is on CAN.
+    /// Keys of the drives on CAN, in the order of the drives; `None` for a drive that is not on CAN.
     pub on_can: Vec<Option<CellDrive>>,
     /// Inputs, outputs and encoders on CAN.
     pub terminals_on_can: Vec<CellTerminal>,
-    /// How it appears in ROS 2.
+    /// Options of the ROS 2 node.
     pub ros: RosOptions,
-    /// Groups of axes, in file order.
+    /// Groups of axes, in the order of the file.
     pub groups: Vec<Group>,
-    /// In file order.
+    /// Backends, in the order of the file.
     pub backends: Vec<CellBackend>,
-    /// The file as it was read.
+    /// Text of the file.
     pub text: String,
-    /// CSV files of its tables and modules of its programs, by their names in it; a module as a text.
+    /// CSV files of the tables and modules of the programs, by their names in the cell; a module as text.
     pub files: BTreeMap<String, String>,
-    /// The description that `ros` names; none from a text, which has no files beside it.
+    /// Robot description that `ros` names; `None` if the cell was read from a text, which has no files next to it.
     pub robot: Option<Robot>,
 }
 
 impl Cell {
-    /// Reads a file, and the description that it names.
+    /// Reads a file, and the robot description that it names.
     ///
     /// # Errors
-    /// Everything that is wrong with it, at least one problem.
+    /// Returns all errors of the file, at least one problem.
     pub fn load(path: &Path) -> Result<Self, Problems> {
         Self::load_within(path, None)
     }
 
-    /// As [`Cell::load`], within the bounds of a preset where one is given.
+    /// Does the same as [`Cell::load`], within the limits of a preset if one is given.
     ///
     /// # Errors
-    /// Everything that is wrong with it, at least one problem; what lies beyond the preset once nothing else is.
+    /// Returns all errors of the file, at least one problem; those of the preset only if there are no others.
     pub fn load_within(path: &Path, preset: Option<Preset>) -> Result<Self, Problems> {
         let files = Files::beside(path);
         let mut cell = Self::of(Document::read(path), &files, preset)?;
@@ -150,26 +150,27 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Reads a text; `name` stands for the file in problems.
+    /// Reads a text; `name` is the file name in problems.
     ///
     /// # Errors
-    /// Everything that is wrong with it, at least one problem.
+    /// Returns all errors of the text, at least one problem.
     pub fn parse(name: &str, text: impl Into<String>) -> Result<Self, Problems> {
         Self::of(Document::parse(name, text), &Files::None, None)
     }
 
-    /// Reads a text as if it stood in that file, with its tables and programs beside it and without its description.
+    /// Reads a text as if it were that file, with the tables and programs next to it, and without its robot
+    /// description.
     ///
     /// # Errors
-    /// Everything that is wrong with it, at least one problem.
+    /// Returns all errors of the text, at least one problem.
     pub(crate) fn parse_beside(path: &Path, text: &str) -> Result<Self, Problems> {
         Self::of(Document::parse(&path.display().to_string(), text), &Files::beside(path), None)
     }
 
-    /// Reads the text of a recording, with the files of its tables as they were attached.
+    /// Reads the text of a recording, with the attached files of its tables.
     ///
     /// # Errors
-    /// Everything that is wrong with it, at least one problem.
+    /// Returns all errors of the text, at least one problem.
     pub fn parse_recorded(name: &str, text: impl Into<String>, files: Option<&str>) -> Result<Self, Problems> {
         let files = files.map_or(Ok(Files::None), tables::files_of)?;
         let mut cell = Self::of(Document::parse(name, text), &files, None)?;
@@ -177,35 +178,35 @@ impl Cell {
         Ok(cell)
     }
 
-    /// Names of its programs, with the SHA-256 of each module.
+    /// Returns the names of its programs, with the SHA-256 of each module.
     pub fn programs(&self) -> Vec<(String, String)> {
         let hash = |program: &ProgramConfig| (program.name.clone(), crate::recording::sha256(program.module.bytes()));
         self.machine.programs.iter().map(hash).collect()
     }
 
-    /// The files of its tables and programs as one text, to be attached to a recording; none where it has none.
+    /// Returns the files of its tables and programs as one text, for attachment to a recording; `None` without files.
     pub fn files_text(&self) -> Option<String> {
         (!self.files.is_empty()).then(|| tables::files_text(&self.files))
     }
 
-    /// The built-in cell: launch-configs/demo.yaml, described by demo.urdf beside it.
+    /// Returns the built-in cell: launch-configs/demo.yaml, with demo.urdf next to it.
     pub fn demo() -> Self {
         let cell = Self::parse("demo.yaml", DEMO).expect("the text is fixed, and a test reads it");
         let robot = Robot::parse("demo.urdf", DEMO_ROBOT.to_owned()).expect("the text is fixed, and a test reads it");
         Self { robot: Some(robot), ..cell }
     }
 
-    /// A simulation of all that it is made of, whatever its backends are.
+    /// Returns a simulation of the whole machine, whatever its backends are.
     pub fn plant(&self) -> Plant {
         self.plant_of(|_| true)
     }
 
-    /// A simulation of what hangs on some of its backends.
+    /// Returns a simulation of the objects at some of its backends.
     pub fn plant_of(&self, is_simulated: impl Fn(&CellBackend) -> bool) -> Plant {
         let is_at_simulated = |at: Hardware| self.backends.get(at.backend).is_some_and(&is_simulated);
         let models = self.drives().zip(&self.models);
         let models: Vec<_> = models.map(|(at, model)| is_at_simulated(at).then_some(*model)).collect();
-        // No bus of CAN knows them: they are given voltages by its modules.
+        // Drives that are on no CAN bus: modules of the bus give them their voltage reference.
         let analog = || {
             self.drives().zip(self.machine.drives()).enumerate().filter(|(_, (_, (_, axis, _)))| axis.analog.is_some())
         };
@@ -229,13 +230,13 @@ impl Cell {
         plant
     }
 
-    /// Where the drives are, in their order: the second ones behind those of all axes.
+    /// Returns the locations of the drives in their order: first the first drives of all axes, then the second ones.
     pub fn drives(&self) -> impl Iterator<Item = Hardware> {
         self.hardware.iter().chain(&self.second_hardware).flatten().copied()
     }
 
-    /// What the drive of each axis is called, `backend:address`, of two `backend:address, backend:address`, of one that is given a voltage the ao; none for
-    /// a virtual one.
+    /// Returns the name of the drive of each axis: `backend:address`; `backend:address, backend:address` for two
+    /// drives; the ao for a drive with voltage reference; `None` for a virtual axis.
     pub fn hardware_names(&self) -> Vec<Option<String>> {
         let name =
             |at: Hardware| format!("{}:{}", self.backends.get(at.backend).map_or("", |found| &found.name), at.number);
@@ -250,43 +251,43 @@ impl Cell {
         self.hardware.iter().zip(&self.second_hardware).zip(&self.machine.axes).map(names).collect()
     }
 
-    /// The axes with a drive that is not simulated, in file order.
+    /// Returns for each axis, in the order of the file, whether it has a drive that is not simulated.
     pub fn real_axes(&self) -> Vec<bool> {
         let is_real = |at: &Hardware| self.backends.get(at.backend).is_some_and(|backend| !backend.is_simulated());
         let of = |(first, second): (&Option<Hardware>, &Option<Hardware>)| first.iter().chain(second).any(is_real);
         self.hardware.iter().zip(&self.second_hardware).map(of).collect()
     }
 
-    /// The buses of its backends on CAN, in the order of the section. `file` is the cell as it was named, beside which the files of devices
-    /// are.
+    /// Returns the buses of its backends on CAN, in the order of the section. `file` is the path of the cell; the files
+    /// of devices are relative to it.
     ///
     /// # Errors
-    /// All that is wrong with the files, and with what they make of the buses.
+    /// Returns all errors of the files and of the bus configurations.
     pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
         self.buses_and_warnings(file).map(|(buses, _)| buses)
     }
 
-    /// The same, and what was passed over in the files.
+    /// Returns the same, and the warnings about the files.
     ///
     /// # Errors
-    /// Those of [`Self::buses`].
+    /// Same errors as [`Self::buses`].
     pub fn buses_and_warnings(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
         self.parts().buses(file)
     }
 
-    /// Returns warnings of what the master does not read of the drives on these buses, which are those of the cell: limit switches that do not
-    /// stop the axis.
+    /// Returns warnings about limit switches that do not stop the axis because the master does not read them. The buses
+    /// must be those of the cell.
     ///
     /// # Errors
-    /// Switches and index pulses that homing needs and that are not read.
+    /// Returns an error if homing needs switches or index pulses that are not read.
     pub fn unread(&self, buses: &[BusConfig], file: Option<&Path>) -> Result<Vec<String>, Problems> {
         self.parts().unread(buses, file)
     }
 
-    /// The files of the devices at one of its backends on CAN, by their nodes.
+    /// Returns the object dictionaries of the devices at one of its backends on CAN, by node.
     ///
     /// # Errors
-    /// The first file with a problem.
+    /// Returns an error for the first file with a problem.
     pub fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
         self.parts().dictionaries(backend, file)
     }
@@ -297,7 +298,7 @@ impl Cell {
         buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
     }
 
-    /// As [`Cell::parse_beside`], and what its readers asked for.
+    /// Does the same as [`Cell::parse_beside`]; also returns the values that were read.
     #[cfg(test)]
     pub(crate) fn parse_observed(path: &Path, text: &str) -> (Result<Self, Problems>, Arc<Observer>) {
         let mut document = Document::parse(&path.display().to_string(), text);
@@ -314,7 +315,7 @@ impl Cell {
     }
 }
 
-/// The cell as far as it could be read; good only when no problem was noted.
+/// Returns the cell as far as it could be read; it is valid only if no problem was recorded.
 fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> Option<Cell> {
     let mut map = root.map("the cell")?;
     if ["scenario", "steps", "expect"].iter().any(|key| map.has(key))

@@ -1,4 +1,4 @@
-//! Key `sim` of an axis: how its drive is simulated, and whether that fits the way in which it is commanded.
+//! Reads key `sim` of an axis: the model of its drive, and a check that it fits the interface of the drive.
 
 mod motor;
 
@@ -7,20 +7,20 @@ use lineshaft_core::drive::Interface;
 use lineshaft_core::sim::{Model, ModelError, SecondOrder, TwoSpeed, Valve, VelocityLag};
 use lineshaft_core::unit::Dimension;
 
-/// Bandwidth of the second-order model when none is given (Hz).
+/// Default bandwidth of the second-order model, in Hz.
 const BANDWIDTH: f64 = 60.0;
-/// Its damping when none is given.
+/// Default damping of that model.
 const DAMPING: f64 = 0.8;
-/// Time constant of a drive with a velocity loop (ns).
+/// Default time constant of a drive with a velocity loop, in ns.
 const SERVO_NS: i64 = 5_000_000;
-/// Time constant of motors and hydraulics without one (ns).
+/// Default time constant of motors and hydraulics without a velocity loop, in ns.
 const MOTOR_NS: i64 = 50_000_000;
-/// How long a motor coasts (ns).
+/// Default coasting time of a motor, in ns.
 const COAST_NS: i64 = 100_000_000;
-/// Dead time of a valve (ns).
+/// Default dead time of a valve, in ns.
 const DEAD_NS: i64 = 20_000_000;
 
-/// The models by their names.
+/// Models by name.
 const KINDS: [(&str, Kind); 6] = [
     ("ideal", Kind::Ideal),
     ("second_order", Kind::SecondOrder),
@@ -30,7 +30,7 @@ const KINDS: [(&str, Kind); 6] = [
     ("motor", Kind::Motor),
 ];
 
-/// The keys of models, and whose they are.
+/// Keys of models, with the models that have them.
 const KEYS: [(&str, &[Kind]); 6] = [
     ("bandwidth", &[Kind::SecondOrder]),
     ("damping", &[Kind::SecondOrder]),
@@ -56,7 +56,8 @@ impl Kind {
     }
 }
 
-/// The model; `interface` is that of the drive, where it is known, `reads_encoder` says that the axis reads an entry of section `encoders`.
+/// Reads the model; `interface` is that of the drive, if known; `reads_encoder`: the axis reads an entry of section
+/// `encoders`.
 pub(super) fn model(
     map: &mut Map<'_>,
     interface: Option<Interface>,
@@ -108,7 +109,7 @@ pub(super) fn model(
     }
 }
 
-/// Does the entry of section `encoders` that the axis reads sit on the load of its motor?
+/// Whether the entry of section `encoders` that the axis reads measures the load instead of the motor.
 fn at_load(value: &Value<'_>, reads_encoder: bool) -> Option<bool> {
     let at_load = value.choice(&[("motor", false), ("load", true)])?;
     if at_load && !reads_encoder {
@@ -120,7 +121,7 @@ fn at_load(value: &Value<'_>, reads_encoder: bool) -> Option<bool> {
     Some(at_load)
 }
 
-/// The values of [`KEYS`], each read by itself so that every problem is reported.
+/// Reads the values of [`KEYS`], each separately so that every problem is reported.
 fn read(
     kind: Kind,
     [bandwidth, damping, constant, coast, dead, inverted]: &[Option<Value<'_>>; 6],
@@ -163,12 +164,12 @@ fn read(
             let law = Valve::new(constant?, dead?, cycle_ns).ok()?;
             Some(Model::Valve(law).wired(inverted?))
         }
-        // Its keys are read beside.
+        // The keys of this model are read by `motor.rs`.
         Kind::Motor => None,
     }
 }
 
-/// A time in nanoseconds that a model takes.
+/// Reads a time of a model, in ns.
 fn time(value: &Option<Value<'_>>, usual: i64, check: impl Fn(i64) -> Result<(), ModelError>) -> Option<i64> {
     let Some(value) = value else { return Some(usual) };
     let time = value.quantity(&[Dimension::Time], &Allowed::Any)?;

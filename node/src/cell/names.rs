@@ -1,10 +1,10 @@
-//! The sections of a cell and the names in them.
+//! Sections of a cell, and the names in them.
 
 use crate::document::{Map, Place, Value};
 use lineshaft_core::unit::excerpt;
 use std::collections::BTreeMap;
 
-/// A section whose keys are names of objects.
+/// Section whose keys are names of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Section {
     Backends,
@@ -48,7 +48,7 @@ impl Section {
         }
     }
 
-    /// What one of its objects is.
+    /// Returns the noun for an object of the section.
     fn noun(self) -> &'static str {
         match self {
             Self::Backends => "backend",
@@ -69,7 +69,7 @@ impl Section {
     }
 }
 
-/// A name and what stands behind it.
+/// A name and its value.
 #[derive(Debug)]
 pub(super) struct Entry<'d> {
     pub key: Value<'d>,
@@ -77,27 +77,27 @@ pub(super) struct Entry<'d> {
 }
 
 impl<'d> Entry<'d> {
-    /// The name as written, which may be none.
+    /// Returns the name as written, which may be empty.
     pub(super) fn name(&self) -> &'d str {
         self.key.peek().unwrap_or_default()
     }
 
-    /// The name in a sentence.
+    /// Returns the name in quotes for a message.
     pub(super) fn quoted(&self) -> String {
         quote(self.name())
     }
 }
 
-/// The entries of all sections, in file order.
+/// Entries of all sections, in the order of the file.
 #[derive(Debug, Default)]
 pub(super) struct Names<'d> {
     sections: [Vec<Entry<'d>>; Section::ALL.len()],
-    /// Every place in the sections where a name stands.
+    /// Section and index of each occurrence of a name.
     places: BTreeMap<&'d str, Vec<(Section, usize)>>,
 }
 
 impl<'d> Names<'d> {
-    /// Reads the keys of all sections: each must be a name and stand once in the cell.
+    /// Reads the keys of all sections: each must be a valid name and occur once in the cell.
     pub(super) fn read(cell: &mut Map<'d>) -> Self {
         let mut names = Self::default();
         for section in Section::ALL {
@@ -116,7 +116,7 @@ impl<'d> Names<'d> {
         all.sort_by_key(|(_, _, entry)| entry.key.place());
         let mut first: BTreeMap<&str, (Section, Place)> = BTreeMap::new();
         for (section, index, entry) in all {
-            // What has no proper name can still be meant: one problem is enough.
+            // An invalid name can still be referred to, so that it causes only one problem.
             self.places.entry(entry.name()).or_default().push((section, index));
             let Some(name) = entry.key.name() else { continue };
             if let Some((other, Place { line, col })) = first.get(name) {
@@ -129,12 +129,13 @@ impl<'d> Names<'d> {
         }
     }
 
-    /// The entries of a section.
+    /// Returns the entries of a section.
     pub(super) fn section(&self, section: Section) -> &[Entry<'d>] {
         &self.sections[section as usize]
     }
 
-    /// The object that `name`, which stands in `value`, means: its section and its place there. Else that is a problem.
+    /// Finds the object `name`, which is part of `value`, in these sections: returns its section and index. Reports a
+    /// problem if there is none.
     pub(super) fn find(&self, value: &Value<'d>, name: &str, sections: &[Section]) -> Option<(Section, usize)> {
         let places = self.places.get(name).map_or(&[][..], Vec::as_slice);
         if let Some(found) = places.iter().find(|(section, _)| sections.contains(section)) {
@@ -157,7 +158,7 @@ impl<'d> Names<'d> {
     }
 }
 
-/// What was probably meant, or what there is.
+/// Returns a hint: the most similar name, or a list of the known names.
 pub(super) fn hint(name: &str, known: Vec<&str>) -> Option<String> {
     const MOST_LISTED: usize = 8;
     const MOST_COMPARED: usize = 1000;
@@ -179,12 +180,12 @@ pub(super) fn hint(name: &str, known: Vec<&str>) -> Option<String> {
     }
 }
 
-/// A piece of the file in a sentence.
+/// Quotes a part of the file for a message.
 pub(super) fn quote(text: &str) -> String {
     format!("`{}`", excerpt(text))
 }
 
-/// What may be taken once, and where it was taken.
+/// Objects that may be used only once, with the location of their use.
 pub(super) struct Once<K>(BTreeMap<K, Place>);
 
 impl<K: Ord> Once<K> {
@@ -192,7 +193,7 @@ impl<K: Ord> Once<K> {
         Self(BTreeMap::new())
     }
 
-    /// Takes it; `what` names it in the problem when it was taken before.
+    /// Registers a use; reports a problem with the name `what` if there was one before.
     pub(super) fn take(&mut self, key: K, value: &Value<'_>, what: impl FnOnce() -> String) -> bool {
         let first = self.0.get(&key).copied();
         match first {
@@ -204,13 +205,13 @@ impl<K: Ord> Once<K> {
         first.is_none()
     }
 
-    /// Where it was taken.
+    /// Returns the location of the use.
     pub(super) fn place(&self, key: &K) -> Option<Place> {
         self.0.get(key).copied()
     }
 }
 
-/// Refuses what is too much of something.
+/// Refuses entries beyond the maximum number.
 pub(super) fn limit(entries: &[Entry<'_>], most: usize) {
     if let Some(beyond) = entries.get(most) {
         let sentence = format!("{} entries exceed the maximum of this section, {most}", entries.len());
@@ -218,7 +219,7 @@ pub(super) fn limit(entries: &[Entry<'_>], most: usize) {
     }
 }
 
-/// Is the axis without a drive, as far as can be seen?
+/// Whether the axis has no drive, judging by its key `drive`.
 pub(super) fn is_virtual(entry: &Entry<'_>) -> bool {
     let entries = if entry.value.is_map() { entry.value.entries() } else { None };
     entries.into_iter().flatten().any(|(key, value)| key.peek() == Some("drive") && value.peek() == Some("virtual"))

@@ -1,4 +1,4 @@
-//! The keys of an axis that the catalogue of parameters knows.
+//! Reads the keys of an axis that are in the catalogue of parameters.
 
 mod agree;
 
@@ -19,21 +19,21 @@ use lineshaft_core::regulator::Law;
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, UnitError, parse_decimal};
 
-/// Largest velocity and acceleration that a row takes.
+/// Maximum velocity and acceleration of a parameter.
 const MOST: f64 = 1e15;
 
-/// What has keys in a map of its own: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
+/// Prefixes of keys that may be in a map: `amc: {stop_mode: 1}` is `amc.stop_mode: 1`.
 const PREFIXES: [&str; 7] = ["amc", "saia", "wf", "homing", "position_loop", "velocity_loop", "compensation"];
 
-/// The keys that stand in the file, with their values.
+/// Given keys, with their values.
 pub(super) type Given<'d> = Vec<(&'static str, Value<'d>)>;
 
-/// Where a key lives that is a word of another controller.
+/// Returns the corresponding key for a word of another controller.
 pub(super) fn word_of_source(key: &str) -> Option<String> {
     Word::find(key).map(|word| word.text(None))
 }
 
-/// The maps of the vocabularies, where they stand.
+/// Maps of the prefixes, if given.
 pub(super) struct Sections<'d>([Option<Map<'d>>; PREFIXES.len()]);
 
 impl<'d> Sections<'d> {
@@ -45,7 +45,7 @@ impl<'d> Sections<'d> {
         }))
     }
 
-    /// The map of a vocabulary.
+    /// Returns the map of a prefix.
     pub(super) fn of(&mut self, prefix: &str) -> Option<&mut Map<'d>> {
         let place = PREFIXES.iter().position(|known| *known == prefix)?;
         self.0[place].as_mut()
@@ -55,13 +55,13 @@ impl<'d> Sections<'d> {
         self.0.into_iter().flatten().for_each(Map::finish);
     }
 
-    /// The value of a key, from its section or by its whole name.
+    /// Returns the value of a key, from its map or by its full name.
     pub(super) fn value(&mut self, map: &mut Map<'d>, whole_key: &str) -> Option<Value<'d>> {
         let whole = map.optional(whole_key);
         let is_homing = |row: &&Row| row.key == whole_key && row.group == Group::Homing;
         let (prefix, key) = match whole_key.split_once('.') {
             Some(parts) => parts,
-            // The words of MACS may stand in section homing, too.
+            // Words of MACS may also be in section homing.
             None if ROWS.iter().any(|row| is_homing(&row)) => ("homing", whole_key),
             None => return whole,
         };
@@ -73,27 +73,27 @@ impl<'d> Sections<'d> {
     }
 }
 
-/// What is known of an axis before its parameters are read.
+/// Properties of an axis that are known before its parameters are read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Axis {
-    /// Its interface, none of a virtual one, where that is known.
+    /// Interface; `Some(None)` for a virtual axis, `None` if unknown.
     pub who: Option<Option<Interface>>,
-    /// How its position loop is closed, where it is closed here.
+    /// Control law of its position loop, if this program closes it.
     pub law: Law,
-    /// It has two drives.
+    /// Whether it has two drives.
     pub has_two: bool,
     pub absolute: AbsoluteSources,
     pub cycle_ns: Option<u64>,
 }
 
-/// Reads all parameters of an axis; where one has a problem, its default stands.
+/// Reads all parameters of an axis; a parameter with a problem has its default.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     sections: &mut Sections<'d>,
     travel: &Travel,
     Axis { who, law, has_two, absolute, cycle_ns }: Axis,
 ) -> (AxisParameters, Given<'d>) {
-    // With no limit given, nothing else must seem to lie above it.
+    // Without a given limit, no other value must seem to exceed it.
     let mut parameters = AxisParameters::new(MOST, MOST).reading(absolute);
     let mut given = Given::new();
     let mut set = Vec::new();
@@ -125,7 +125,8 @@ pub(super) fn read<'d>(
     (parameters, given)
 }
 
-/// Refuses a sense of rotation, and outputs that tell the sign of a reference, that an axis of that interface cannot have.
+/// Refuses a direction of rotation, and outputs for the sign of a reference, that the interface of the axis does not
+/// support.
 pub(crate) fn refuse_senses(
     interface: Option<Interface>,
     parameters: &AxisParameters,
@@ -144,7 +145,7 @@ pub(crate) fn refuse_senses(
     }
 }
 
-/// A value of the file for one parameter.
+/// Value of one parameter in the file.
 struct Reader<'r, 'd> {
     row: &'static Row,
     value: &'r Value<'d>,
@@ -155,7 +156,7 @@ struct Reader<'r, 'd> {
 impl Reader<'_, '_> {
     fn assign(&self, parameters: &mut AxisParameters) -> Option<()> {
         let input = self.input()?;
-        // Without a scale the unit has been checked, and there is no more to say about a length.
+        // Without a scale, only the unit of a length can be checked, which has been done.
         let scale = if self.is_scaled() { &self.travel.scale? } else { &self.travel.any_scale()? };
         let value = parameter::convert(self.row, scale, &input).map_err(|error| self.refuse_type(error, scale)).ok()?;
         if self.is_too_fast(value) {
@@ -174,7 +175,7 @@ impl Reader<'_, '_> {
         None
     }
 
-    /// Does the value depend on the scale?
+    /// Whether the value depends on the scale.
     fn is_scaled(&self) -> bool {
         !matches!(self.row.measure, Measure::Time | Measure::Integer | Measure::Number | Measure::Choice(_))
     }
@@ -183,14 +184,14 @@ impl Reader<'_, '_> {
         self.value.peek().unwrap_or_default()
     }
 
-    /// Does it read as a number with more behind it?
+    /// Whether the text is a number followed by more text.
     fn is_quantity(&self) -> bool {
         let text = self.written();
         let is_number = self.value.is_integer() || text.parse::<f64>().is_ok();
         !is_number && text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
     }
 
-    /// The value as the catalogue takes it; the dimension of a quantity is right then.
+    /// Returns the input for the catalogue, with a quantity of the right dimension.
     fn input(&self) -> Option<ParameterInput> {
         if let Some(unit) = self.row.own_unit().filter(|_| self.is_quantity()) {
             return self.value.quantity(&[unit.dimension()], &Allowed::Any).map(ParameterInput::Quantity);
@@ -206,7 +207,7 @@ impl Reader<'_, '_> {
                 self.value.choice(&names).map(|name| ParameterInput::Text(name.to_owned()))
             }
             measure => {
-                // A length fits only an axis that is known to be linear.
+                // A length is valid only if the axis is known to be linear.
                 if self.is_scaled() && self.travel.kind.is_none() {
                     return None;
                 }
@@ -222,7 +223,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Highest velocity (inc/s) that the row may have, where the cycle sets one.
+    /// Returns the maximum velocity of the row, in inc/s, if the cycle limits it.
     fn highest_velocity(&self) -> Option<f64> {
         self.cycle_ns.and_then(|cycle_ns| highest_of(self.row, cycle_ns))
     }

@@ -1,7 +1,9 @@
-//! Presets: bounds of a source that are narrower than those of a cell, for whoever brings functions from there or takes them there.
+//! Presets: limits of another controller that are narrower than those of a cell, for users who migrate functions from
+//! or to it.
 //!
-//! Refuses  in preset amkasyn: a cycle off its grid, calls too far apart, slots above 15, axes behind the eighth, more encoders, analog
-//!          outputs and words than it addresses, sinks and lines that its types do not have, tables longer than a data block, more cams
+//! Refuses  in preset amkasyn: a cycle off its grid, calls with too large intervals, slots above 15, axes after the
+//!          eighth, more encoders, analog outputs and words than it addresses, sinks and lines that its types do not
+//!          have, tables longer than a data block, too many cams
 //! Source   AMK-GEN-01, -04, -08, -11; AMK-SRC-02 to -07; AMK-SNK-01 to -05; AMK-INIT-03, -07 to -09; AMK-BCOM-17 to -27; AMK-CTX-12 to -21;
 //!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07; AMK-FGEN-09, -12; AMK-REGL-08, -19; AMK-EPOS-44, -50, -57, -58
 
@@ -15,59 +17,59 @@ use lineshaft_core::object::{Leader, Object};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 
-/// Grid of cycles, and unit of the cycle in a parameter set (ns).
+/// Grid of cycle times, and unit of the cycle in a parameter set, in ns.
 const GRID_NS: u64 = 500_000;
-/// The longest cycle that a parameter set tells.
+/// Maximum cycle time of a parameter set, in ns.
 const LONGEST_NS: u64 = 131 * GRID_NS;
-/// Time between two calls of an epos that searches its reference (ns).
+/// Time between two calls of an epos that searches its reference, in ns.
 const SEARCH_NS: RangeInclusive<u64> = 2 * GRID_NS..=18 * GRID_NS;
 const LAST_SLOT: u16 = 15;
-/// AW1 to AW8.
+/// Number of axes: AW1 to AW8.
 const AXES: u16 = 8;
-/// AZ messages, which carry pulse inputs.
+/// Number of AZ messages, which have pulse inputs.
 const ENCODERS: usize = 4;
-/// AA1 to AA4.
+/// Number of analog outputs: AA1 to AA4.
 const ANALOG_OUTPUTS: usize = 4;
-/// Of flags, as words and double words.
+/// Number of bytes of flags, as words and double words.
 const BYTES: usize = 128;
-/// Of a data block.
+/// Number of words of a data block.
 const WORDS: usize = 256;
-/// Of the data block of a sidiff.
+/// Number of words of the data block of a sidiff.
 const THRESHOLD_WORDS: usize = 48;
-/// Of all tracks.
+/// Number of cams of all tracks.
 const CAMS: i64 = 56;
-/// Lines of a byte.
+/// Number of lines of a byte.
 const BITS: u16 = 8;
 
-/// A source to whose bounds a cell can be held.
+/// Controller whose limits a cell must not exceed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Preset {
     /// Fast functions of AMKASYN.
     Amkasyn,
 }
 
-/// What is beyond the preset, where it stands.
+/// Refuses a value that exceeds the preset.
 fn refuse(value: &Value<'_>, is: &str, allowed: &str) {
     value.refuse(format!("{is}; preset amkasyn allows {allowed}"), None);
 }
 
-/// The value of a key that stands in an entry.
+/// Returns the value of a key in an entry.
 fn at<'d>(entry: &Entry<'d>, key: &str) -> Option<Value<'d>> {
     let mut entries = entry.value.entries()?.into_iter();
     entries.find(|(known, _)| known.peek() == Some(key)).map(|(_, value)| value)
 }
 
-/// The values of a list that stands in an entry.
+/// Returns the values of a list in an entry.
 fn items<'d>(entry: &Entry<'d>, key: &str) -> Vec<Value<'d>> {
     at(entry, key).and_then(|value| value.list()).unwrap_or_default()
 }
 
-/// What a value is called and what stands there.
+/// Returns the label and the text of a value.
 fn named(value: &Value<'_>) -> String {
     format!("{} is {}", value.label(), quote(value.peek().unwrap_or_default()))
 }
 
-/// Refuses what a cell without other problems has beyond its preset. `terminals` are those of section `io`.
+/// Refuses values beyond the preset in a cell without other problems. `terminals` are the locations of section `io`.
 pub(super) fn hold(
     preset: Preset,
     cx: &Context<'_>,
@@ -87,16 +89,16 @@ pub(super) fn hold(
     }
 }
 
-/// What functions have used so far, by places in the sections.
+/// Objects that functions have used so far, by index in their section.
 #[derive(Default)]
 struct Used {
     encoders: BTreeSet<usize>,
     outputs: BTreeSet<usize>,
-    /// With the bytes of each.
+    /// Memory cells, with their sizes in bytes.
     memory: BTreeMap<usize, usize>,
 }
 
-/// One more of what there are few of.
+/// Counts a use of a limited resource.
 fn count(value: &Value<'_>, used: &mut BTreeSet<usize>, place: usize, most: usize, what: &str) {
     if used.insert(place) && used.len() > most {
         refuse(
@@ -156,7 +158,8 @@ impl Holder<'_, '_> {
         }
     }
 
-    /// The time between two calls: of the types whose set tells at most 131 units of it, and of a search for a reference.
+    /// Checks the time between two calls: for types whose parameter set has at most 131 units of it, and for the search
+    /// of a reference.
     fn calls(&self, entry: &Entry<'_>, slot: &SlotConfig) {
         let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam | Kind::Fgen | Kind::Regl | Kind::Epos);
         let cycle_ns = self.machine.cycle_ns;
@@ -237,7 +240,7 @@ impl Holder<'_, '_> {
         }
     }
 
-    /// A flag word or double word.
+    /// Checks a flag word or double word.
     fn memory(&mut self, value: &Value<'_>, place: usize, kinds: &[MemoryKind]) {
         let Some(kind) = self.machine.memory.get(place).map(|memory| memory.kind) else { return };
         if !kinds.contains(&kind) {
@@ -253,7 +256,7 @@ impl Holder<'_, '_> {
         }
     }
 
-    /// E1.. or A1..: bits side by side in one byte, the first one at any of them.
+    /// Checks the lines E1.. or A1..: they must be consecutive bits of one byte, the first one at any bit.
     fn lines(&self, items: &[Value<'_>], lines: &[Option<Line>], what: &str) {
         let mut first: Option<(&Value<'_>, Object, u16)> = None;
         for ((item, line), n) in items.iter().zip(lines).zip(0_u16..) {
@@ -290,13 +293,13 @@ impl Holder<'_, '_> {
         }
     }
 
-    /// Where a line is; none in memory and where an input reads an output.
+    /// Returns the location of a line; `None` for memory, and for an input that reads an output.
     fn terminal(&self, object: Object) -> Option<Hardware> {
         let Object::Io(place) = object else { return None };
         self.terminals.get(usize::from(place)).copied().flatten()
     }
 
-    /// An address as the cell has it, with its backend.
+    /// Returns an address in the format of the cell, with its backend.
     fn address(&self, at: Hardware) -> String {
         let name = self.cx.names.section(Section::Backends).get(at.backend).map_or("", Entry::name);
         match self.cx.backends.get(at.backend).copied().flatten() {
@@ -326,7 +329,7 @@ fn is_search(slot: &SlotConfig) -> bool {
     slot.kind == Kind::Epos && ba.is_some_and(|ba| ba >> 1 & 1 == 1)
 }
 
-/// Cams of each track, and of all of them.
+/// Checks the number of cams of each track, and of all tracks.
 fn cams(entry: &Entry<'_>, slot: &SlotConfig) {
     let Some((field, place)) = slot.kind.description().find("cams") else { return };
     let tracks = slot.values.get(place..place + field.count).unwrap_or_default();

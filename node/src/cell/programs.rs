@@ -1,4 +1,4 @@
-//! Section `programs`: modules of the user, in files beside the cell.
+//! Reads section `programs`: modules of the user, in files next to the cell.
 //!
 //! Refuses  files that cannot be read, modules that no slot can run
 
@@ -10,7 +10,7 @@ use lineshaft_core::config::ProgramConfig;
 use lineshaft_program::Module;
 use std::sync::Arc;
 
-/// All programs, in file order.
+/// Reads all programs, in the order of the file.
 pub(super) fn read(cx: &Context<'_>, files: &Files) -> Vec<Option<ProgramConfig>> {
     let entries = cx.names.section(Section::Programs);
     entries.iter().map(|entry| program(&entry.value, entry.name(), files)).collect()

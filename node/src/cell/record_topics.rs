@@ -1,25 +1,25 @@
-//! Key `ros.record_topics`: which topics of the node a bag of `run` holds, apart from those of its cycles.
+//! Reads key `ros.record_topics`: topics of the node that a bag of `run` records, apart from those of its cycles.
 
 use super::names::quote;
 use crate::document::Value;
 use lineshaft_ros::surface::table::{Kind, ROWS};
 
-/// Topics that a bag holds as the node publishes them.
+/// Topics that a bag records as the node publishes them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum RecordTopics {
-    /// All that the node publishes.
+    /// All topics that the node publishes.
     #[default]
     All,
-    /// Those of these names, as the node uses them: `~/errors`.
+    /// Topics with these names, relative to the node: `~/errors`.
     Only(Vec<String>),
 }
 
 impl RecordTopics {
-    /// Topics that every bag holds, by its cycles.
+    /// Topics that every bag records in each cycle.
     pub const ALWAYS: [&'static str; 6] =
         ["~/commands", "~/inputs", "~/events", "~/signals", "~/axis_states", "joint_states"];
 
-    /// Whether the topic of that name is recorded. Those of groups are chosen together: `~/arm/controller_state` by
+    /// Whether the topic of that name is recorded. Topics of groups are selected together: `~/arm/controller_state` by
     /// `~/controller_state`.
     pub fn holds(&self, name: &str) -> bool {
         let Self::Only(names) = self else { return true };
@@ -27,18 +27,18 @@ impl RecordTopics {
     }
 }
 
-/// No two topics of the node end alike.
+/// Returns the last part of a topic name; it differs between all topics of the node.
 fn last_part(name: &str) -> &str {
     name.rsplit('/').next().unwrap_or(name)
 }
 
-/// The topics that can be chosen.
+/// Returns the topics that can be selected.
 fn chosen() -> impl Iterator<Item = &'static str> {
     let published = ROWS.iter().filter(|row| row.kind == Kind::Publisher).map(|row| row.name);
     published.filter(|name| !RecordTopics::ALWAYS.contains(name))
 }
 
-/// `all`, `none`, or a list of names.
+/// Reads `all`, `none`, or a list of names.
 pub(super) fn read(value: &Value<'_>) -> Option<RecordTopics> {
     match value.peek() {
         Some("all") => return Some(RecordTopics::All),
@@ -53,7 +53,7 @@ pub(super) fn read(value: &Value<'_>) -> Option<RecordTopics> {
             names.push(text.to_owned());
             continue;
         }
-        // A name without an effect looks like a choice: leaving it out would change nothing.
+        // A name without an effect is refused, because leaving it out would make no difference.
         let why = if RecordTopics::ALWAYS.contains(&text) { ", which is always recorded" } else { "" };
         let allowed = chosen().collect::<Vec<_>>().join(", ");
         value.refuse(format!("{} is {}{why}; one of {allowed} is allowed", value.label(), quote(text)), None);
@@ -74,7 +74,7 @@ mod tests {
         assert!(!RecordTopics::Only(Vec::new()).holds("/rosout"));
     }
 
-    /// What `ros2 bag record -a` records of a node, parameter events included, is in `all`.
+    /// `all` includes everything that `ros2 bag record -a` records of a node, including parameter events.
     #[test]
     fn all_published_topics_are_chosen_or_always_recorded() {
         let chosen: Vec<_> = chosen().collect();

@@ -1,10 +1,10 @@
-//! Key `regulator` of a drive: the law of a position loop that is closed here.
+//! Reads key `regulator` of a drive: the control law of a position loop that this program closes.
 
 use crate::document::Value;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::regulator::Law;
 
-/// Key `regulator`; `interface` is that of the drive, if it is known.
+/// Reads the key; `interface` is that of the drive, if known.
 pub(super) fn law(value: &Value<'_>, interface: Option<Interface>) -> Option<Law> {
     let law = value.choice(&Law::ALL.map(|law| (law.name(), law)))?;
     match interface {

@@ -1,7 +1,7 @@
-//! The robot description: a URDF file that `ros: {robot_description: FILE}` names.
+//! Reads the robot description: a URDF file that `ros: {robot_description: FILE}` names.
 //!
-//! Tools read it as it is. Here it is checked for what would make them fail later: it must be XML, a URDF, and expanded; and its
-//! joints are compared with the axes, which move them by name through joint_states.
+//! ROS tools get the file unchanged. It is checked for errors that would make them fail later: it must be XML, a URDF,
+//! and expanded. Its joints are compared with the axes, which move them by name through joint_states.
 
 use crate::document::{Place, Problems};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
@@ -13,11 +13,11 @@ use std::collections::BTreeSet;
 use std::io::Read;
 use std::path::Path;
 
-/// Longest file (bytes): descriptions are texts, meshes stand beside them.
+/// Maximum size of a file, in bytes: a description is text, and meshes are separate files.
 const MAX_BYTES: usize = 1 << 20;
-/// Two limits that are equal on paper may differ by their rounding.
+/// Relative difference of two limits that counts as rounding.
 const ROUNDING: f64 = 1e-6;
-/// The types of the format, and what each needs of a limit.
+/// Joint types of URDF, with their use of limits.
 const TYPES: [(&str, Kind); 6] = [
     ("revolute", Kind::Revolute),
     ("continuous", Kind::Continuous),
@@ -27,10 +27,10 @@ const TYPES: [(&str, Kind); 6] = [
     ("planar", Kind::Unmoved),
 ];
 
-/// A description that tools can read.
+/// A valid robot description.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Robot {
-    /// The file as it is.
+    /// Text of the file.
     pub text: String,
     joints: Vec<Joint>,
 }
@@ -40,9 +40,9 @@ pub struct Robot {
 struct Joint {
     name: String,
     kind: Kind,
-    /// Least and greatest position (m or rad).
+    /// Minimum and maximum position, in m or rad.
     range: Option<[f64; 2]>,
-    /// Greatest velocity (m/s or rad/s).
+    /// Maximum velocity, in m/s or rad/s.
     velocity: Option<f64>,
 }
 
@@ -51,7 +51,7 @@ enum Kind {
     Revolute,
     Continuous,
     Prismatic,
-    /// Not by one number.
+    /// Not movable by one number.
     Unmoved,
 }
 
@@ -59,7 +59,7 @@ impl Robot {
     /// Reads a file.
     ///
     /// # Errors
-    /// What is wrong with it, by line and column.
+    /// Returns the errors with line and column.
     pub(super) fn load(path: &Path) -> Result<Self, Problems> {
         let name = path.display().to_string();
         let failed = |sentence: String| {
@@ -78,10 +78,10 @@ impl Robot {
         }
     }
 
-    /// Reads a text; `name` stands for the file in problems.
+    /// Reads a text; `name` is the file name in problems.
     ///
     /// # Errors
-    /// What is wrong with it, by line and column.
+    /// Returns the errors with line and column.
     pub(super) fn parse(name: &str, text: String) -> Result<Self, Problems> {
         let problems = Problems::new(name);
         let joints = match Document::parse(&text) {
@@ -100,7 +100,8 @@ impl Robot {
         if problems.is_empty() { Ok(Self { text, joints }) } else { Err(problems) }
     }
 
-    /// Where the description and the axes do not fit together, a sentence each. Nothing of it stops a machine.
+    /// Returns a message for each mismatch of the description and the axes. None of them prevents the machine from
+    /// running.
     pub fn warnings(&self, config: &MachineConfig, names: &JointNames) -> Vec<String> {
         self.joints.iter().flat_map(|joint| joint.warnings(config, names)).collect()
     }
@@ -116,7 +117,7 @@ fn place(at: TextPos) -> Place {
     Place { line: at.row as usize, col: at.col as usize }
 }
 
-/// Reads the tree of a file.
+/// Reads the XML tree of a file.
 struct Reader<'a> {
     document: &'a Document<'a>,
     problems: &'a Problems,
@@ -145,7 +146,7 @@ impl Reader<'_> {
         joints.filter_map(|node| self.joint(node, &mut names)).collect()
     }
 
-    /// A joint, if it moves by itself and by one number.
+    /// Returns a joint if it moves independently and by one number.
     fn joint(&self, node: Node<'_, '_>, names: &mut BTreeSet<String>) -> Option<Joint> {
         let start = node.range().start;
         let Some(name) = node.attribute("name").filter(|name| !name.is_empty()) else {
@@ -247,7 +248,7 @@ impl Joint {
     }
 }
 
-/// Software limits (m or rad).
+/// Returns the software limits, in m or rad.
 fn positions(axis: &AxisConfig) -> [Option<f64>; 2] {
     let parameters = &axis.parameters;
     [parameters.min_position, parameters.max_position].map(|limit| Some(axis.scale.position_to_si(limit?, 0.0)))
@@ -274,7 +275,7 @@ mod tests {
         let robot = cell.robot.unwrap();
         assert_eq!(robot.joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>(), ["x", "y", "turret"]);
         assert_eq!(robot.warnings(&cell.machine, &cell.joint_names), Vec::<String>::new());
-        // The limits are those of the cell, not only within them.
+        // The limits are equal to those of the cell, not just within them.
         let x = &cell.machine.axes[1];
         let [Some(least), Some(most)] = positions(x) else { panic!("x has limits") };
         let [lower, upper] = robot.joints[0].range.unwrap();
@@ -382,7 +383,7 @@ mod tests {
         for (told, start) in told.iter().zip(starts) {
             assert!(told.starts_with(&format!("robot_description: joint x: {start}")), "{told}");
         }
-        // The axis may go further: within less of the joint, or where the axis has no limit.
+        // The axis may have a larger range: the joint is narrower, or the axis has no limit.
         assert_eq!(
             warnings(&joint("x", "prismatic", &limit(-0.05, 0.8, 1.2))),
             [
@@ -397,7 +398,7 @@ mod tests {
                  than the joint"
             ))
         );
-        // Nothing by itself moves these.
+        // None of these moves independently.
         let others =
             joint("a", "fixed", "") + &joint("b", "floating", "") + &joint("c", "revolute", "<mimic joint='x'/>");
         assert_eq!(warnings(&others), Vec::<String>::new());

@@ -1,4 +1,4 @@
-//! Section `ros`.
+//! Reads section `ros`.
 
 use super::names::quote;
 use super::record_topics::{self, RecordTopics};
@@ -8,10 +8,10 @@ use lineshaft_ros::layer::NodeName;
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Longest node name, and longest namespace.
+/// Maximum length of the node name and of the namespace.
 const LONGEST: usize = 245;
 
-/// Longest name of a controller manager: the longest of its services has 247, as many as ROS allows.
+/// Maximum length of the name of a controller manager: its longest service name has 247 characters, the maximum of ROS.
 const LONGEST_MANAGER: usize = 247 - "/list_hardware_components".len();
 
 /// Section `ros`.
@@ -19,38 +19,38 @@ const LONGEST_MANAGER: usize = 247 - "/list_hardware_components".len();
 pub struct RosOptions {
     /// Node name.
     pub name: String,
-    /// Namespace, starting with `/`.
+    /// Namespace, which begins with `/`.
     pub namespace: String,
-    /// joint_states per second, 1 to 1000.
+    /// Rate of joint_states, 1 Hz to 1000 Hz.
     pub joint_states_rate: f64,
-    /// ~/axis_states per second, 1 to 1000.
+    /// Rate of ~/axis_states, 1 Hz to 1000 Hz.
     pub axis_states_rate: f64,
-    /// ~/shaft per second, 1 to 1000; none: there is no such topic.
+    /// Rate of ~/shaft, 1 Hz to 1000 Hz; `None`: the topic does not exist.
     pub shaft_rate: Option<f64>,
-    /// Go to active by itself.
+    /// Whether the node activates itself.
     pub autostart: bool,
-    /// The URDF file, from the folder of the cell; none: nothing is described.
+    /// URDF file, relative to the folder of the cell; `None`: there is no robot description.
     pub robot_description: Option<String>,
-    /// Absolute name of the controller manager whose services are offered; none: they do not exist.
+    /// Absolute name of the controller manager whose services are offered; `None`: they are not offered.
     pub controller_manager: Option<String>,
-    /// Network interfaces by name or address; empty: as the environment says.
+    /// Network interfaces by name or address; empty: those of the environment.
     pub interfaces: Vec<String>,
-    /// What the machine does when its ROS side is lost.
+    /// Reaction of the machine to a loss of its ROS side.
     pub on_loss: OnLoss,
-    /// How long the ROS side or the surface may give no answer before it counts as lost, 0.5 s to 5 s.
+    /// Time without an answer after which the ROS side or the surface counts as lost, 0.5 s to 5 s.
     pub loss_timeout: Duration,
-    /// How old a request may be that is carried out, 0.1 s to 1 h.
+    /// Maximum age of a request that is executed, 0.1 s to 1 h.
     pub request_timeout: Duration,
-    /// Topics that bags of `run` hold, apart from those of their cycles.
+    /// Topics that bags of `run` record, apart from those of their cycles.
     pub record_topics: RecordTopics,
 }
 
-/// What the machine does when nobody can reach it through ROS any more.
+/// Reaction of the machine when it can no longer be reached through ROS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnLoss {
     /// The machine halts all axes.
     Halt,
-    /// The machine goes on.
+    /// The machine continues.
     None,
 }
 
@@ -75,7 +75,7 @@ impl Default for RosOptions {
 }
 
 impl RosOptions {
-    /// The whole name of the node.
+    /// Returns the full name of the node.
     pub fn node_name(&self) -> NodeName {
         NodeName::new(&self.namespace, &self.name).expect("both were checked by the same rules when the cell was read")
     }
@@ -126,7 +126,7 @@ fn on_loss(value: &Value<'_>) -> Option<OnLoss> {
     }
 }
 
-/// A time within a range (s).
+/// Reads a time within a range, in s.
 fn time(value: &Value<'_>, allowed: RangeInclusive<f64>) -> Option<Duration> {
     let time = value.quantity(&[Dimension::Time], &crate::document::Allowed::Any)?;
     if allowed.contains(&time.si()) {
@@ -159,7 +159,7 @@ fn namespace(value: &Value<'_>) -> Option<String> {
     None
 }
 
-/// The absolute name of a controller manager.
+/// Reads the absolute name of a controller manager.
 fn controller_manager(value: &Value<'_>) -> Option<String> {
     let text = value.text()?;
     if is_absolute(text) && text.len() <= LONGEST_MANAGER {
@@ -174,18 +174,18 @@ fn controller_manager(value: &Value<'_>) -> Option<String> {
     None
 }
 
-/// Whether a text is names that each follow a /.
+/// Whether a text is a sequence of names, each after a `/`.
 fn is_absolute(text: &str) -> bool {
     text.strip_prefix('/').is_some_and(|tokens| tokens.split('/').all(is_token))
 }
 
-/// The same with a / before it and none after it, where that is an absolute name.
+/// Returns a hint with a leading and no trailing `/`, if that is an absolute name.
 fn absolute_hint(text: &str) -> Option<String> {
     let with_slash = format!("/{}", text.trim_matches('/'));
     (with_slash != text && is_absolute(&with_slash)).then(|| format!("write {}", quote(&with_slash)))
 }
 
-/// A file from the folder of the cell.
+/// Reads a file name relative to the folder of the cell.
 fn file_name(value: &Value<'_>) -> Option<String> {
     let text = value.text()?;
     if !text.is_empty() && !text.contains(|c: char| c.is_control()) {
@@ -200,13 +200,13 @@ fn is_token(text: &str) -> bool {
         && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
 }
 
-/// Messages per second.
+/// Reads a rate.
 fn rate(value: &Value<'_>) -> Option<f64> {
     let rate = value.quantity(&[Dimension::Frequency], &crate::document::Allowed::Any)?.si();
     if is_rate(rate) { Some(rate) } else { refuse_rate(value, "1 Hz..1000 Hz") }
 }
 
-/// The same of a topic that need not be there: 0 is none.
+/// Reads the rate of an optional topic: 0 means that it does not exist.
 fn rate_or_off(value: &Value<'_>) -> Option<Option<f64>> {
     let rate = value.quantity(&[Dimension::Frequency], &crate::document::Allowed::Any)?.si();
     match rate {

@@ -1,4 +1,4 @@
-//! What the row of a parameter says of a number in the file.
+//! Checks numbers of the file with the row of a parameter.
 
 use super::names::quote;
 use crate::document::{Value, unit_of_bare};
@@ -6,11 +6,11 @@ use lineshaft_core::parameter::{Bare, Row};
 use lineshaft_core::text::{allowed_text, expected_text};
 use lineshaft_core::unit::Scale;
 
-/// The value of a row for whole numbers, if it is one; its range is checked by the row.
+/// Reads a value for a row of integers; the row checks its range.
 pub(super) fn whole(row: &Row, value: &Value<'_>, scale: &Scale) -> Option<i64> {
     match value.peek() {
         Some(text) if !value.is_integer() => {
-            // Only quotes keep it from being one.
+            // It is an integer in quotes.
             let hint = text.parse::<i64>().is_ok().then(|| "write it without quotes".to_owned());
             refuse_type(row, value, text, scale, hint);
             None
@@ -27,7 +27,7 @@ pub(super) fn refuse_type(row: &Row, value: &Value<'_>, written: &str, scale: &S
     value.refuse(format!("{} is {}; {} is expected", row.key, quote(written), expected_text(row, scale)), hint);
 }
 
-/// Tells the range of a row, of which a velocity may use up to `highest` (inc/s).
+/// Refuses a value outside of the range of a row; `highest` is the maximum of a velocity, in inc/s.
 pub(super) fn refuse_range(row: &Row, value: &Value<'_>, scale: &Scale, highest: Option<f64>) {
     let range = allowed_text(row, scale, highest);
     let written = value.peek().unwrap_or_default();

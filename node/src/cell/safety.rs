@@ -1,4 +1,4 @@
-//! Section `safety`: inputs that must read 1, or axes stop.
+//! Reads section `safety`: inputs that must be 1, otherwise axes stop.
 
 use super::backends::Context;
 use super::devices;
@@ -7,7 +7,7 @@ use crate::document::{Map, Value};
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{IoConfig, IoKind};
 
-/// The contacts; `io` are the entries of that section.
+/// Reads the contacts; `io` are the entries of that section.
 pub(super) fn read<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<Safety> {
     let mut map = value.map("safety")?;
     let estop = input(&mut map, "estop", cx, io);
@@ -21,7 +21,7 @@ pub(super) fn read<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfi
     Some(Safety { estop, interlock })
 }
 
-/// The place of an input among the digital ones; nothing where none is named, none where that has a problem.
+/// Returns the index of an input among the digital ones; `Some(None)` if none is named, `None` if it has a problem.
 fn input<'d>(map: &mut Map<'d>, key: &'static str, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<Option<u32>> {
     let Some(value) = map.optional(key) else { return Some(None) };
     let place = contact(&value, cx, io)?;
@@ -29,11 +29,11 @@ fn input<'d>(map: &mut Map<'d>, key: &'static str, cx: &Context<'d>, io: &[Optio
     u32::try_from(io.iter().take(place).filter(is_input).count()).ok().map(Some)
 }
 
-/// The place in section `io` of a contact that reads 1 while all is well.
+/// Returns the index in section `io` of a contact that is 1 in the safe state.
 pub(super) fn contact<'d>(value: &Value<'d>, cx: &Context<'d>, io: &[Option<IoConfig>]) -> Option<usize> {
     let (name, key) = (value.text()?, value.label());
     let (_, place) = cx.names.find(value, name, &[Section::Io])?;
-    // One with problems of its own may be of any kind.
+    // An entry with its own problems may be of any kind.
     let Some(entry) = io.get(place).and_then(Option::as_ref) else { return Some(place) };
     if entry.kind != IoKind::DigitalInput {
         value.refuse(

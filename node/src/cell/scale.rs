@@ -1,4 +1,4 @@
-//! Keys `type`, `unit` and `scale` of axes and encoders.
+//! Reads keys `type`, `unit` and `scale` of axes and encoders.
 
 use super::names::quote;
 use super::row::{refuse_range, whole};
@@ -9,10 +9,10 @@ use lineshaft_core::unit::{
     parse_decimal,
 };
 
-/// The unit factors of MACS (MACS-UNIT-01).
+/// Unit factors of MACS (MACS-UNIT-01).
 const FACTORS: [&str; 6] = ["posfact_z", "posfact_n", "feedrev", "feeddist", "posencqc", "posencrev"];
 
-/// How something moves, as far as it could be read.
+/// Type, scale and unit, as far as they could be read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Travel {
     pub kind: Option<ScaleKind>,
@@ -20,7 +20,7 @@ pub(super) struct Travel {
 }
 
 impl Travel {
-    /// Keys `type` and `scale`.
+    /// Reads keys `type` and `scale`.
     pub(super) fn read(map: &mut Map<'_>) -> Self {
         let kinds = [("linear", ScaleKind::Linear), ("rotary", ScaleKind::Rotary)];
         let kind = map.required("type").and_then(|value| value.choice(&kinds));
@@ -28,14 +28,14 @@ impl Travel {
         Self { kind: kind.or(scale.map(|scale| scale.kind())), scale }
     }
 
-    /// Key `unit`: a unit, or so many of one.
+    /// Reads key `unit`: a unit, or a number with a unit.
     pub(super) fn read_unit(&mut self, map: &mut Map<'_>) {
         let Some(unit) = map.optional("unit").and_then(|value| unit(&value, self.kind)) else { return };
-        // A unit that does not fit the scale does not fit the type, and that is reported there.
+        // A unit that does not fit the scale does not fit the type either, and is reported at the type.
         self.scale = self.scale.and_then(|scale| scale.with_unit(unit).ok());
     }
 
-    /// Keys `type`, `unit` and `scale` of an axis; the unit factors of MACS may stand in the place of `scale`.
+    /// Reads keys `type`, `unit` and `scale` of an axis; unit factors of MACS may replace `scale`.
     pub(super) fn read_axis(map: &mut Map<'_>) -> (Self, Option<MacsFactors>) {
         if !FACTORS.iter().any(|key| map.has(key)) {
             let mut travel = Self::read(map);
@@ -88,14 +88,14 @@ impl Travel {
         (Self { kind, scale }, Some(factors))
     }
 
-    /// Its scale, or one that stands in for it where only the kind of quantities matters.
+    /// Returns the scale, or a substitute if only the dimension of quantities matters.
     pub(super) fn any_scale(&self) -> Option<Scale> {
         let unit = self.kind.unwrap_or(ScaleKind::Linear).dimension(0).si_unit();
         self.scale.or_else(|| Scale::new(Fraction::from(1), Quantity::new(Fraction::from(1), unit)).ok())
     }
 }
 
-/// Refuses a scale that no machine has: what follows from it would be told in numbers without a meaning.
+/// Refuses a scale outside of the range of real machines: values derived from it would have no meaning.
 fn plausible(scale: Scale, value: &Value<'_>, what: &str) -> Option<Scale> {
     let (increment, is_plausible) = scale.increment();
     let unit = match scale.kind() {
@@ -109,7 +109,7 @@ fn plausible(scale: Scale, value: &Value<'_>, what: &str) -> Option<Scale> {
     is_plausible.then_some(scale)
 }
 
-/// One of the unit factors, in its range.
+/// Reads one of the unit factors, with its range.
 fn factor(key: &str, value: &Value<'_>) -> Option<i64> {
     let (_, row) = Row::find(key)?;
     let number = whole(row, value, &Scale::increments())?;
@@ -120,10 +120,10 @@ fn factor(key: &str, value: &Value<'_>) -> Option<i64> {
     Some(number)
 }
 
-/// How people write inches.
+/// Spellings of inch.
 const INCH: [&str; 3] = ["in", "inch", "inches"];
 
-/// A unit by its name, or a positive number of one: `mm`, `0.1 mm`.
+/// Reads a unit by name, or a positive number with a unit: `mm`, `0.1 mm`.
 fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
     if value.peek().is_some_and(|text| text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))) {
         return share(value, kind);
@@ -134,13 +134,13 @@ fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
         None => [of(ScaleKind::Linear), of(ScaleKind::Rotary)].join(", "),
     };
     let units: Vec<_> = names.split(", ").chain(["inc"]).filter_map(|name| Some((name, Unit::parse(name)?))).collect();
-    // What is nearest by its letters is an increment, which nobody means by that.
+    // The most similar name is `inc`, which is never meant by these.
     if let Some(text) = value.peek().filter(|text| INCH.contains(&text.to_lowercase().as_str())) {
         let sentence = format!("unit is {}; one of {names}, inc is allowed", quote(text));
         value.refuse(sentence, (kind != Some(ScaleKind::Rotary)).then(|| "an inch is `25.4 mm`".to_owned()));
         return None;
     }
-    // `grad` is no `rad`, and `degrees` are `deg`.
+    // `grad` is not `rad`, and `degrees` means `deg`.
     if let Some(text) = value.peek().filter(|text| Unit::parse(text).is_none())
         && let Some(meant) = Unit::meant(text, kind.unwrap_or(ScaleKind::Linear).dimension(0))
         && units.iter().any(|(name, _)| *name == meant)
@@ -152,7 +152,7 @@ fn unit(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
     value.choice(&units).map(AxisUnit::from)
 }
 
-/// `0.1 mm`: not of increments, of which nothing is a part.
+/// Reads a fraction of a unit, such as `0.1 mm`; increments cannot be divided.
 fn share(value: &Value<'_>, kind: Option<ScaleKind>) -> Option<AxisUnit> {
     let kinds = kind.map_or(vec![ScaleKind::Linear, ScaleKind::Rotary], |kind| vec![kind]);
     let dimensions: Vec<_> = kinds.into_iter().map(|kind| kind.dimension(0)).collect();

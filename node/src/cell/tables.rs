@@ -1,4 +1,4 @@
-//! Section `tables`: numbers that functions read, written in the cell or in a CSV file beside it.
+//! Reads section `tables`: numbers for functions, in the cell or in a CSV file next to it.
 
 use super::backends::Context;
 use super::names::{Section, quote};
@@ -13,14 +13,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where the CSV files of tables and the modules of programs are.
+/// Source of the CSV files of tables and the modules of programs.
 #[derive(Debug)]
 pub(crate) enum Files {
-    /// Nowhere: the cell is a text.
+    /// No files: the cell is a text.
     None,
-    /// In that folder; what was read is kept.
+    /// Files in that folder; the content of files that were read is stored.
     Beside(PathBuf, RefCell<BTreeMap<String, String>>),
-    /// Read before, by their names in the cell.
+    /// Known files, by their names in the cell.
     Known(BTreeMap<String, String>),
 }
 
@@ -29,7 +29,7 @@ impl Files {
         Self::Beside(cell.parent().unwrap_or(Path::new("")).to_owned(), RefCell::default())
     }
 
-    /// What was read, by the names in the cell.
+    /// Returns the files that were read, by their names in the cell.
     pub(crate) fn into_read(self) -> BTreeMap<String, String> {
         match self {
             Self::None => BTreeMap::new(),
@@ -38,7 +38,7 @@ impl Files {
         }
     }
 
-    /// A module.
+    /// Reads a module.
     pub(super) fn module(&self, name: &str) -> Result<Vec<u8>, String> {
         match self {
             Self::None => Err("a cell without a file has no files beside it".to_owned()),
@@ -68,13 +68,13 @@ impl Files {
     }
 }
 
-/// All tables, in file order.
+/// Reads all tables, in the order of the file.
 pub(super) fn read(cx: &Context<'_>, files: &Files) -> Vec<Option<TableConfig>> {
     let entries = cx.names.section(Section::Tables);
     entries.iter().map(|entry| table(&entry.value, entry.name(), files)).collect()
 }
 
-/// The places of the tables that the cell says to be cams.
+/// Returns the indices of the tables that are cams according to the cell.
 pub(super) fn cams(cx: &Context<'_>) -> Vec<u16> {
     let is_cam =
         |value: &Value<'_>| value.entries().unwrap_or_default().iter().any(|(key, _)| key.peek() == Some("cam"));
@@ -82,7 +82,7 @@ pub(super) fn cams(cx: &Context<'_>) -> Vec<u16> {
     entries.filter(|(_, entry)| is_cam(&entry.value)).map(|(place, _)| place).collect()
 }
 
-/// One table.
+/// Reads one table.
 pub(crate) fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<TableConfig> {
     let mut map = value.map(format!("table {}", quote(name)))?;
     let form = map.required("form").and_then(|form| form.choice(&Form::ALL.map(|(form, name)| (name, form))));
@@ -123,7 +123,7 @@ pub(crate) fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<Tabl
     Some(TableConfig { name: name.to_owned(), table: Arc::new(table) })
 }
 
-/// What is said of a table as a cam.
+/// Reads the keys of a table that is a cam.
 fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
     let mut map = value.map("cam")?;
     let length = map.optional("length");
@@ -142,7 +142,7 @@ fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
     Some(CamSetting { length: given?, is_cyclic: is_cyclic?, interpolation: interpolation? })
 }
 
-/// Do places rise? The first that does not is refused.
+/// Checks that positions increase; refuses the first one that does not.
 fn rise(given: &Value<'_>, x: &[i64]) -> bool {
     let Some((number, sentence)) = falling_place(x) else { return true };
     let point = given.list().and_then(|items| items.into_iter().nth(number));
@@ -150,7 +150,7 @@ fn rise(given: &Value<'_>, x: &[i64]) -> bool {
     false
 }
 
-/// The numbers of a list.
+/// Reads the numbers of a list.
 pub(crate) fn listed(given: &Value<'_>, form: Form) -> Option<Numbers> {
     let items = given.list()?;
     let whole = |value: &Value<'_>| value.integer(i64::from(i32::MIN)..=i64::from(i32::MAX));
@@ -186,12 +186,12 @@ fn of_file(entry: &Value<'_>, file: &str, form: Form, files: &Files) -> Option<N
     None
 }
 
-/// The files of a recording as one text, and back: a mapping of names to texts.
+/// Returns the files of a recording as one text: JSON with names and contents.
 pub(crate) fn files_text(files: &BTreeMap<String, String>) -> String {
     serde_json::to_string(files).unwrap_or_default()
 }
 
-/// Reads what [`files_text`] wrote.
+/// Reads a text that [`files_text`] wrote.
 pub(crate) fn files_of(text: &str) -> Result<Files, Problems> {
     serde_json::from_str(text).map(Files::Known).map_err(|error| {
         let problems = Problems::new("tables");

@@ -1,7 +1,7 @@
-//! Inputs, outputs and encoders of a cell at nodes of CAN: which ones a node has, and which ones it can have.
+//! Inputs, outputs and encoders of a cell at CAN nodes: those that a node has, and those that it can have.
 //!
-//! Law      a node is a drive of the cell, else a module of inputs and outputs, or an encoder
-//! Refuses  addresses that such a device does not have; a node that would be a module and an encoder
+//! Law      a node is a drive of the cell, otherwise a module of inputs and outputs, or an encoder
+//! Refuses  addresses that such a device does not have; a node that would be both a module and an encoder
 //! Source   CiA 401-1 (8 words of 8 digital, 12 analog channels in PDOs), CiA 402-2 (60FDh, 60FEh), CiA 406
 
 use super::backends::{Hardware, MOST_CHANNELS, node_and_channel};
@@ -14,10 +14,10 @@ use lineshaft_core::config::IoKind;
 use lineshaft_core::drive::Terminal;
 use std::collections::BTreeMap;
 
-/// Full scale of an analog channel where the cell does not say it (V).
+/// Default full scale of an analog channel, in V.
 pub(super) const FULL_SCALE: f64 = 10.0;
 
-/// What is at a terminal.
+/// Kind of a terminal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
     Io { kind: IoKind, full_scale: f64 },
@@ -31,11 +31,11 @@ pub struct CellTerminal {
     pub(super) place: Place,
     pub(super) kind: Kind,
     pub(super) at: Hardware,
-    /// Its place among its kind in the machine.
+    /// Its index among its kind in the machine.
     pub(super) index: usize,
 }
 
-/// Whether an entry of `io` is a digital input of the drive there.
+/// Whether an entry of `io` is a digital input of that drive.
 pub(super) fn reads_drive(drive: Hardware, terminals: &[CellTerminal]) -> bool {
     terminals.iter().any(|terminal| {
         let is_input = matches!(terminal.kind, Kind::Io { kind: IoKind::DigitalInput, .. });
@@ -44,7 +44,7 @@ pub(super) fn reads_drive(drive: Hardware, terminals: &[CellTerminal]) -> bool {
     })
 }
 
-/// What the nodes of a backend have; `is_drive`: they are drives of the cell.
+/// Returns the terminals of the nodes of a backend; `is_drive`: whether a node is a drive of the cell.
 pub(super) fn by_node(
     terminals: &[CellTerminal],
     backend: usize,

@@ -1,4 +1,4 @@
-//! Cells that are good, and the exact text of every problem of those that are not.
+//! Tests valid cells, and the exact text of every problem of invalid ones.
 
 mod amc;
 mod analog;
@@ -26,18 +26,18 @@ use lineshaft_core::sim::SecondOrder;
 use lineshaft_ros::surface::TrajectorySettings;
 use proptest::prelude::*;
 
-/// Five lines that nothing is wrong with.
+/// First five lines of a valid cell.
 const HEAD: &str =
     "lineshaft: 1\ncycle: 1 ms\nbackends:\n  plant: {type: sim}\n  bus0: {type: can, transport: 'socketcan:can0'}\n";
 
-/// The problems of a text, one per line, without the file's name.
+/// Returns the problems of a text, one per line, without the file name.
 fn said(text: &str) -> String {
     let problems = Cell::parse("c", text).expect_err(text);
     assert!(!problems.is_empty(), "refused for no reason: {text}");
     problems.to_string().lines().map(|line| line.strip_prefix("c:").unwrap_or(line)).collect::<Vec<_>>().join("\n")
 }
 
-/// The problems of a text that stands behind [`HEAD`], so that it starts in line 6.
+/// Returns the problems of a text after [`HEAD`], which begins in line 6.
 fn said_of(sections: &str) -> String {
     said(&format!("{HEAD}{sections}"))
 }
@@ -46,7 +46,7 @@ fn good(text: &str) -> Cell {
     Cell::parse("c", text).unwrap_or_else(|problems| panic!("{problems}in\n{text}"))
 }
 
-/// Takes the `^` out of a text, and says where it stood, as problems do.
+/// Removes the `^` from a text; returns the text and the location of the mark in the format of problems.
 fn unmark(text: &str) -> (String, String) {
     let (before, behind) = text.split_once('^').unwrap();
     let last = before.rsplit('\n').next().unwrap();
@@ -54,13 +54,13 @@ fn unmark(text: &str) -> (String, String) {
     (format!("{before}{behind}"), place)
 }
 
-/// Refuses the text that has a `^` where the problem is.
+/// Checks that the text is refused with this message at the `^`.
 fn assert_said(marked: &str, sentence: &str) {
     let (text, place) = unmark(marked);
     assert_eq!(said(&text), format!("{place}{sentence}"));
 }
 
-/// The example of the contract, as it stands there.
+/// Returns the example in docs/contract.md.
 fn contract_example() -> String {
     let contract = include_str!("../../../docs/contract.md");
     let (_, behind) = contract.split_once("```yaml\n").unwrap();
@@ -96,7 +96,7 @@ fn the_example_of_the_contract_is_good() {
     assert!(cell.backends.iter().all(|backend| backend.is_simulated()));
     assert_eq!(cell.models, [Model::SecondOrder(SecondOrder::new(60.0, 0.8, 1_000_000).unwrap()), Model::Ideal]);
     assert_eq!(cell.text, text);
-    // The default of 1000 inc stands where nothing is written; what is written is in increments.
+    // The default is 1000 inc; a given value is converted to increments.
     let x = &axes[1].parameters;
     assert_eq!((x.max_following_error, axes[2].parameters.max_following_error), (1_048_576, 1000));
     assert_eq!((x.min_position, x.max_position), (Some(-5_242_880), Some(89_128_960)));
@@ -112,7 +112,7 @@ fn the_demo_is_a_machine() {
     assert_eq!((cell.machine.count_drives(), cell.models.len()), (3, 3));
     assert_eq!(cell.ros, RosOptions::default());
     assert_eq!(cell.machine.check(), Ok(()));
-    // Where the end-to-end tests drive x lies within its limits.
+    // The positions of x in the end-to-end tests are within its limits.
     let x = &cell.machine.axes[1].parameters;
     assert!(x.max_position > Some(12_345_679) && x.min_position < Some(-1_234_567));
     assert!(Machine::new(cell.machine).is_ok());
@@ -188,7 +188,7 @@ fn what_is_no_cell_says_what_is_missing() {
     assert!(said("a: [").contains("this is not YAML"));
 }
 
-/// Whatever the text, it is a machine that the core takes, or there is a problem that says where.
+/// Any text gives either a machine that the core accepts, or a problem with a location.
 fn is_a_machine_or_has_problems(text: &str) {
     match Cell::parse("c", text) {
         Ok(cell) => {
@@ -211,7 +211,7 @@ fn is_a_machine_or_has_problems(text: &str) {
     }
 }
 
-/// Words that a cell may be made of.
+/// Words from which random cells are made.
 const WORDS: [&str; 40] = [
     "1",
     "0",

@@ -1,4 +1,5 @@
-//! Keys of section `wf` of an axis that name outputs: what an open-loop axis switches beside its drive.
+//! Reads the keys of section `wf` of an axis that name outputs: those that an open-loop axis switches in addition to
+//! its drive.
 
 use super::backends::Context;
 use super::names::{Once, Section, quote};
@@ -6,10 +7,10 @@ use crate::document::{Map, Value};
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::SpeedOutputs;
 
-/// Outputs that axes have, by their places in section `io`.
+/// Outputs that axes use, by their index in section `io`.
 pub(super) type Taken = Once<u16>;
 
-/// Reads the keys. `refusal` says why the axis switches nothing, if it does not.
+/// Reads the keys. `refusal` is the reason if the axis switches no outputs.
 pub(super) fn read<'d>(
     map: &mut Map<'d>,
     refusal: Option<&str>,
@@ -31,7 +32,7 @@ pub(super) fn read<'d>(
     Some(SpeedOutputs { forward: forward?, backward: backward?, output: switch?, dac: dac? })
 }
 
-/// The output that a key names.
+/// Returns the output that a key names.
 pub(super) fn place<'d>(
     value: &Value<'d>,
     kind: IoKind,
@@ -41,7 +42,7 @@ pub(super) fn place<'d>(
 ) -> Option<u16> {
     let name = value.text()?;
     let (_, place) = cx.names.find(value, name, &[Section::Io])?;
-    // One with problems of its own may be of any kind.
+    // An entry with its own problems may be of any kind.
     let found = io.get(place).and_then(Option::as_ref).map(|entry| entry.kind).filter(|found| *found != kind);
     let (label, name) = (value.label(), quote(name));
     if let Some(found) = found {
@@ -53,7 +54,7 @@ pub(super) fn place<'d>(
     taken.take(place, value, || format!("output {name}")).then_some(place)
 }
 
-/// A kind in a sentence.
+/// Returns a kind with its article, for messages.
 pub(super) fn described(kind: IoKind) -> &'static str {
     match kind {
         IoKind::DigitalInput => "a di",

@@ -1,4 +1,4 @@
-//! Cells that are edited.
+//! Tests edited cells.
 
 use super::*;
 use crate::tune::{Gain, by_hand, settings};
@@ -124,7 +124,7 @@ fn what_no_cell_takes_is_refused() {
         &GAINS,
         "cell.yaml is no cell without errors; lineshaft check says more",
     );
-    // A gain of another law: the cell would not be one any more.
+    // A gain of another control law would make the cell invalid.
     refused(
         CELL,
         "y",
@@ -160,7 +160,7 @@ fn a_file_is_replaced_whole_with_its_permissions_through_a_link() {
     assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
     assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
-    // Once more there is nothing to do.
+    // The second time nothing changes.
     assert_eq!(crate::tune::apply(&path, &expected, "x", &GAINS), Ok(Vec::new()));
 }
 
@@ -184,7 +184,7 @@ fn a_file_that_has_changed_meanwhile_stays() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever the gains are, the cell says them, and has as many remarks as before.
+    /// For any gains, the cell has them, and as many comments as before.
     #[test]
     fn the_cell_says_what_was_asked(kprop in 0..65_000_i64, kder in 0..65_000_i64, kint in 0..65_000_i64, timer in 1..1000_i64) {
         let wanted = [("kprop", kprop), ("kder", kder), ("kint", kint), ("timer", timer)];

@@ -42,10 +42,10 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
     output.finish(exit)
 }
 
-/// Why a check does not end well.
+/// Reason why a check failed.
 enum Wrong {
     Problems(Problems),
-    /// What the machine refuses has no place in the file: nothing that was read alone is wrong.
+    /// An error of the machine, which has no location in the file because no single key is wrong.
     Machine(String),
     Figure(String),
 }
@@ -104,7 +104,7 @@ fn draw(cell: &Cell, name: &Path, path: &Path) -> Result<(), String> {
     replace(path, figure.as_bytes()).map_err(|error| error.to_string())
 }
 
-/// What a cell is made of, as an object.
+/// Describes a cell as a JSON object.
 fn object(cell: &Cell, file: &str) -> Json {
     let machine = &cell.machine;
     let joints = cell.joint_names.renamed(machine).map(|(axis, joint)| (axis.to_owned(), json!(joint)));
@@ -122,14 +122,14 @@ fn object(cell: &Cell, file: &str) -> Json {
     })
 }
 
-/// The axes that have joint names of their own; none where all joint names are object names.
+/// Returns the axes whose joint names differ from their own names; `None` if there are none.
 fn joint_names(cell: &Cell) -> Option<String> {
     let renamed = cell.joint_names.renamed(&cell.machine).map(|(axis, joint)| format!("{axis} is {joint}"));
     let renamed: Vec<String> = renamed.collect();
     (!renamed.is_empty()).then(|| format!("joint names: {}", renamed.join(", ")))
 }
 
-/// What is no error and yet may not be what was meant.
+/// Returns warnings: settings that are valid but probably not intended.
 pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     let mut warnings = cell.robot.as_ref().map_or(Vec::new(), |robot| robot.warnings(&cell.machine, &cell.joint_names));
     warnings.extend(cell.machine.endless_searches().map(|axis| {
@@ -159,7 +159,8 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings
 }
 
-/// Gains of the SAIA module whose regulator commands no drive: it runs beside the loop of the axis (SAIA-EXT-06).
+/// Returns a warning about gains of the SAIA module whose controller commands no drive: it runs in addition to the loop
+/// of the axis (SAIA-EXT-06).
 fn idle_gains(axis: &AxisConfig) -> Option<String> {
     let p = &axis.parameters.vocabularies.saia;
     let gains = [("saia.kprop", p.kprop), ("saia.kint", p.kint), ("saia.kder", p.kder)];
@@ -177,7 +178,8 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
     })
 }
 
-/// A copy whose values move a rotary axis as positions, in one step: they may be meant as a speed (AMK-GEN-18).
+/// Returns a warning about a copy whose values move a rotary axis as positions, in one step; they may be meant as a
+/// speed (AMK-GEN-18).
 fn stepped_position(slot: &SlotConfig, machine: &MachineConfig) -> Option<String> {
     let SinkConfig::Axis(place) = slot.sink else { return None };
     let axis = machine.axes.get(usize::from(place)).filter(|axis| axis.scale.kind() == ScaleKind::Rotary)?;
@@ -197,8 +199,8 @@ fn stepped_position(slot: &SlotConfig, machine: &MachineConfig) -> Option<String
     })
 }
 
-/// Gains of loops that there are not (MACS-AMP-01), a cap of currents that nothing limits (MACS-AMP-08), and a limit that any current is
-/// beyond.
+/// Returns warnings about gains of loops that do not exist (MACS-AMP-01), a maximum of currents that nothing limits
+/// (MACS-AMP-08), and a limit that every current exceeds.
 fn idle_loops(axis: &AxisConfig) -> impl Iterator<Item = String> {
     let name = &axis.name;
     let is_torque = axis.drive.is_some() && axis.interface.takes_effort();
@@ -239,7 +241,8 @@ fn idle_loops(axis: &AxisConfig) -> impl Iterator<Item = String> {
     idle.chain(encoder).chain(of_currents).chain(tight)
 }
 
-/// An encoder of a velocity loop that there is not, or one that is described and not chosen (MACS-AMP-06).
+/// Returns a warning about an encoder of a velocity loop that does not exist, or one that is described but not selected
+/// (MACS-AMP-06).
 fn idle_encoder(axis: &AxisConfig) -> Option<String> {
     let p = &axis.parameters.amplifier;
     let name = &axis.name;
@@ -256,7 +259,7 @@ fn idle_encoder(axis: &AxisConfig) -> Option<String> {
     Some(format!("{name}: {key} is {value} and does nothing: ampencno is -1, the encoder of the position loop"))
 }
 
-/// Limit switches that are none but outputs of the machine (MACS-LIM-07).
+/// Returns warnings about limit switches that are outputs of the machine (MACS-LIM-07).
 fn virtual_limits(axis: &AxisConfig, cell: &Cell) -> impl Iterator<Item = String> {
     let assigned = axis.parameters.assigned;
     let machine = &cell.machine;
@@ -274,7 +277,7 @@ fn virtual_limits(axis: &AxisConfig, cell: &Cell) -> impl Iterator<Item = String
     )
 }
 
-/// One edge that stops the axes and, where it finds them stopped and at rest, unlocks them.
+/// Returns a warning about an edge that stops the axes and, if they are at rest, unlocks them.
 fn one_edge_for_two(cell: &Cell) -> Option<String> {
     let machine = &cell.machine.global.parameters;
     let number = machine.i_break;
@@ -288,7 +291,7 @@ fn one_edge_for_two(cell: &Cell) -> Option<String> {
     })
 }
 
-/// Simulated limit switches of which both are actuated wherever the axis stands, or almost so.
+/// Returns warnings about simulated limit switches that are both actuated at all or almost all positions of the axis.
 fn crossed_switches(cell: &Cell) -> Vec<String> {
     let axes = cell.machine.axes.iter().filter(|axis| axis.drive.is_some()).zip(&cell.mechanics);
     let crossed = axes.filter(|(_, mechanics)| {
@@ -305,7 +308,7 @@ fn crossed_switches(cell: &Cell) -> Vec<String> {
     told.collect()
 }
 
-/// What a cell is made of, in a few words.
+/// Returns a short summary of a cell.
 pub(super) fn summary(cell: &Cell) -> String {
     let machine = &cell.machine;
     let counts = [

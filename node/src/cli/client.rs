@@ -1,4 +1,4 @@
-//! `lineshaft state`, `enable`, `disable`, `halt`, `reset`, `move`, `home`, `jog`: commands to a node that runs.
+//! `lineshaft state`, `enable`, `disable`, `halt`, `reset`, `move`, `home`, `jog`: commands to a running node.
 
 use super::logging::Logging;
 use super::times::within;
@@ -121,7 +121,7 @@ pub(super) struct AxesArgs {
 }
 
 impl AxesArgs {
-    /// The names; none for all axes.
+    /// Returns the axis names; empty for all axes.
     fn names(&self) -> &[String] {
         if self.all { &[] } else { &self.axes }
     }
@@ -140,7 +140,7 @@ pub(super) struct HaltArgs {
 }
 
 impl HaltArgs {
-    /// The names; none for all axes.
+    /// Returns the axis names; empty for all axes.
     fn names(&self) -> &[String] {
         if self.all { &[] } else { &self.axes }
     }
@@ -289,7 +289,7 @@ mod tests {
     fn all_axes_are_asked_for_explicitly_except_by_halt() {
         assert!(parse(&["enable"]).is_err() && parse(&["enable", "--all", "x"]).is_err() && parse(&["home"]).is_err());
         assert!(parse(&["enable", "--all"]).is_ok() && parse(&["enable", "x", "y"]).is_ok());
-        // A stop is not refused for a missing word.
+        // A stop is not refused because of a missing argument.
         assert!(
             matches!(parse(&["halt"]), Ok(ClientCommand::Halt(HaltArgs { axes, all: false, .. })) if axes.is_empty())
         );

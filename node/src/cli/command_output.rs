@@ -1,8 +1,9 @@
-//! Output of a command for people, or with `--json` as one JSON object for programs (docs/json.md).
+//! Output of a command: text, or with `--json` one JSON object (docs/json.md).
 //!
-//! Law      with `--json` standard output has one line, the object, and nothing of the command is on standard error
+//! Law      with `--json` standard output has one line with the object, and the command prints nothing on standard
+//!          error
 //! Writes   `format`, `command`, `exit_code`, `problems`, `errors`, `warnings` and `notes`, and the fields of the command
-//! Refuses  nothing: characters that would steer a terminal are escaped
+//! Refuses  nothing: characters that control a terminal are escaped
 
 use super::{Exit, complain, say};
 use crate::document::{Place, Problem, Problems};
@@ -13,7 +14,7 @@ use crate::scenario::Failure;
 use serde_json::{Map, Value as Json, json};
 use std::fmt::Display;
 
-/// Version of the objects: a field that is renamed or means something else gives a new one.
+/// Version of the objects; it changes if a field is renamed or gets another meaning.
 const FORMAT: u32 = 1;
 
 /// Output of one command.
@@ -33,17 +34,17 @@ struct Collected {
 }
 
 impl Output {
-    /// Output of a command of that name.
+    /// Creates the output of a command with that name.
     pub(super) fn new(command: &'static str, is_json: bool) -> Self {
         Self { command, collected: is_json.then(Collected::default) }
     }
 
-    /// Whether a program reads it.
+    /// Whether the output is JSON.
     pub(super) fn is_json(&self) -> bool {
         self.collected.is_some()
     }
 
-    /// Prints a text for people.
+    /// Prints a text, unless the output is JSON.
     pub(super) fn say(&self, text: &dyn Display) {
         if !self.is_json() {
             say(&clean_lines(&text.to_string()));
@@ -65,7 +66,7 @@ impl Output {
         }
     }
 
-    /// Prints the problems of files, a line each.
+    /// Prints the problems of files, one per line.
     pub(super) fn problems(&mut self, problems: &Problems) {
         match &mut self.collected {
             Some(collected) => {
@@ -109,7 +110,7 @@ impl Output {
         }
     }
 
-    /// Shows a bar while the messages of a run are read, until [`Run::end_progress`].
+    /// Shows a progress bar while the messages of a run are read, until [`Run::end_progress`].
     pub(super) fn watch(&self, run: &mut Run) {
         if !self.is_json() {
             watch(run);
@@ -124,7 +125,7 @@ impl Output {
         exit
     }
 
-    /// The object, if a program reads it.
+    /// Returns the object, if the output is JSON.
     pub(super) fn object(self, exit: Exit) -> Option<Json> {
         let Collected { mut fields, problems, errors, warnings, notes } = self.collected?;
         let common = [
@@ -141,18 +142,18 @@ impl Output {
     }
 }
 
-/// Shows a bar while the messages of a run are read.
+/// Shows a progress bar while the messages of a run are read.
 pub(super) fn watch(run: &mut Run) {
     let mut progress = Progress::new("bytes", MOMENT);
     run.set_progress(move |done, of| progress.set_with(done, Some(of), String::new));
 }
 
-/// Problems of files as objects.
+/// Returns problems of files as objects.
 pub(super) fn problems_json(problems: &Problems) -> Vec<Json> {
     problems.sorted().iter().map(problem).collect()
 }
 
-/// What happened at places of a file, in the same form.
+/// Returns failures at locations of a file as objects of the same form.
 pub(super) fn failures_json(file: &str, failures: &[Failure]) -> Vec<Json> {
     failures.iter().map(|failure| object(file, failure.place, &failure.sentence, None)).collect()
 }
@@ -165,7 +166,7 @@ fn object(file: &str, Place { line, col }: Place, message: &str, hint: Option<&s
     json!({"file": file, "line": line, "column": col, "message": message, "hint": hint})
 }
 
-/// The sentence of problems that were counted only.
+/// Returns the message about problems that were only counted.
 pub(super) fn omitted(problems: &Problems) -> Option<String> {
     match problems.count() - problems.sorted().len() {
         0 => None,
@@ -207,7 +208,7 @@ mod tests {
         output.set("cell", Json::Null);
         let object = printed(output, Exit::Usage);
         let file = "dir/cell \"1\".yaml";
-        // By line and column, as they are printed for people.
+        // Sorted by line and column, as in the text output.
         let expected = json!([
             {"file": file, "line": 2, "column": 1, "message": "cycle is 0", "hint": null},
             {"file": file, "line": 7, "column": 3, "message": "unknown key `a\u{1b}b`", "hint": "did you mean `ab`?"},

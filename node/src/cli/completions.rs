@@ -16,7 +16,7 @@ pub(super) fn completions(args: &CompletionsArgs) -> Exit {
     Exit::Good
 }
 
-/// Returns the script that completes the commands, options and values of this program.
+/// Returns the shell script that completes the commands, options and values of this program.
 fn script(shell: Shell) -> String {
     let mut script = Vec::new();
     generate(shell, &mut Line::command(), "lineshaft", &mut script);

@@ -1,14 +1,14 @@
-//! A hint for a command line that names a file instead of a command, as `lineshaft demo.yaml`.
+//! Returns a hint for a command line with a file instead of a command, such as `lineshaft demo.yaml`.
 
 use crate::recording::clean::clean;
 use crate::scenario::cell_next_to;
 use clap::error::{ContextKind, ContextValue};
 use std::path::Path;
 
-/// The command for that file; nothing if the error is another one. `first` is the first argument of the program.
+/// Returns the command for that file; `None` for any other error. `first` is the first argument of the program.
 pub(super) fn file_hint(error: &clap::Error, first: Option<&str>) -> Option<String> {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return None };
-    // Any other place is a command of `table` or `can`.
+    // A later argument is a subcommand of `table` or `can`.
     if first != Some(word.as_str()) {
         return None;
     }
@@ -32,12 +32,12 @@ pub(super) fn file_hint(error: &clap::Error, first: Option<&str>) -> Option<Stri
     Some(format!("`lineshaft run {file}` runs a cell"))
 }
 
-/// Returns true if the name of a file is that of a scenario, or if it has the key that only scenarios have.
+/// Returns true if a file has the name of a scenario, or the key that only scenarios have.
 pub(super) fn is_scenario(path: &Path) -> bool {
     if cell_next_to(path).is_some() {
         return true;
     }
-    // A named pipe would wait for a writer.
+    // Reading a named pipe would block.
     let text = path.is_file().then(|| std::fs::read_to_string(path).ok()).flatten();
     text.is_some_and(|text| text.lines().any(|line| line.starts_with("scenario:")))
 }

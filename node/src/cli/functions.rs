@@ -7,9 +7,9 @@ use crate::scenario::{did_you_mean, nearest};
 use lineshaft_core::function::{Kind, Origin, TYPES, sak_factor};
 use lineshaft_core::unit::{Dimension, Quantity, excerpt};
 
-/// Name of the compensation of the following error in the place of a type.
+/// Name of the compensation of the following error, used instead of a type.
 const SAK: &str = "sak";
-/// Calls of a slot (ns).
+/// Range of the time between two calls of a slot, in ns.
 const CALLS: std::ops::RangeInclusive<i64> = 125_000..=5_100_000_000;
 
 pub(super) fn functions(args: &FunctionsArgs) -> Exit {
@@ -33,7 +33,7 @@ fn unknown(name: &str) -> String {
     format!("no function type `{}`; {meant}`lineshaft functions` lists all", excerpt(name))
 }
 
-/// The factor of the compensation.
+/// Prints the factor of the compensation.
 fn sak(cycle_ns: u64, gain: u32, external: bool) -> Exit {
     let origin = if external { Origin::Pulses } else { Origin::Drive };
     match sak_factor(cycle_ns, gain, origin) {
@@ -53,7 +53,7 @@ fn complain(sentence: &str) -> Exit {
     Exit::Usage
 }
 
-/// The time between two calls on the command line (ns).
+/// Parses the time between two calls, in ns.
 pub(super) fn call(text: &str) -> Result<u64, String> {
     let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.sentence())?;
     let call = time.nanoseconds().map_err(|error| error.sentence())?;

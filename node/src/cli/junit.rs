@@ -1,8 +1,9 @@
-//! Results of tests as JUnit XML, which Jenkins, GitLab and GitHub actions read.
+//! Writes test results as JUnit XML, which Jenkins, GitLab and GitHub Actions read.
 //!
-//! Law      elements and attributes are those of the schema junit-10.xsd of Jenkins' xunit plugin, the strictest of these readers, and
-//!          `file` and `line` of test cases: GitLab and actions of GitHub link them, and the plugin has them in some versions
-//! Refuses  nothing: characters that XML 1.0 does not have are written as `\u{1b}`
+//! Law      elements and attributes are those of the schema junit-10.xsd of the xunit plugin of Jenkins, the strictest
+//!          of these readers, and `file` and `line` of test cases: GitLab and GitHub Actions link them, and some
+//!          versions of the plugin support them
+//! Refuses  nothing: characters that XML 1.0 does not allow are written as `\u{1b}`
 
 use super::{Exit, command_output::Output};
 use crate::recording::plot::replace;
@@ -13,52 +14,52 @@ use std::path::Path;
 /// Test cases of one scenario or of one comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Suite {
-    /// Its name.
+    /// Name of the suite.
     pub(super) name: String,
     /// Names and values that a reader may show.
     pub(super) properties: Vec<(&'static str, String)>,
-    /// How long it took (s).
+    /// Duration, in s.
     pub(super) seconds: f64,
-    /// The group of its cases: a reader shows it as a class, its dots as packages.
+    /// Group of the cases: a reader shows it as a class, with its dots as packages.
     pub(super) class: String,
-    /// In their order.
+    /// Cases in their order.
     pub(super) cases: Vec<Case>,
 }
 
 /// A test case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Case {
-    /// Its name; where several of a suite have the same, the later ones get a number.
+    /// Name of the case; if several of a suite have the same name, the later ones get a number.
     pub(super) name: String,
-    /// Where it is written, if it is in a file of text.
+    /// Location of the case, if it is in a text file.
     pub(super) source: Option<Source>,
-    /// What became of it.
+    /// Result of the case.
     pub(super) outcome: Outcome,
 }
 
-/// Where a test case is written.
+/// Location of a test case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Source {
-    /// The file, as it was given.
+    /// Path of the file, as given.
     pub(super) file: String,
-    /// From 1, if it is one line.
+    /// Line number from 1, if it is a single line.
     pub(super) line: Option<usize>,
 }
 
-/// What became of a test case.
+/// Result of a test case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     Passed,
-    /// Not judged, and why.
+    /// The case was skipped, with the reason.
     Skipped(String),
-    /// What failed, with file and line where there is one.
+    /// The case failed, with a message, and file and line if known.
     Failed(String),
-    /// Why it could not run.
+    /// The case could not run, with the reason.
     Error(String),
 }
 
 impl Suite {
-    /// A suite with one case that could not run.
+    /// Returns a suite with one case that could not run.
     pub(super) fn not_run(reason: &str) -> Self {
         let case = Case { name: "scenarios".to_owned(), source: None, outcome: Outcome::Error(reason.to_owned()) };
         Self {
@@ -83,7 +84,8 @@ impl Suite {
     }
 }
 
-/// Writes the suites to a file, if one was given; a file that exists is replaced. If that fails, a command that was good has failed.
+/// Writes the suites to a file, if one was given, replacing an existing file. If this fails, a successful command
+/// fails.
 pub(super) fn write(path: Option<&Path>, command: &str, suites: &[Suite], exit: Exit, output: &mut Output) -> Exit {
     let Some(path) = path else { return exit };
     let written = replace(path, xml(command, suites).as_bytes());
@@ -96,7 +98,7 @@ pub(super) fn write(path: Option<&Path>, command: &str, suites: &[Suite], exit: 
     }
 }
 
-/// A path as the class of its cases: `cells/press.scenario.yaml` is `cells.press`.
+/// Converts a path to the class of its cases: `cells/press.scenario.yaml` to `cells.press`.
 pub(super) fn class_of(path: &Path) -> String {
     let text = path.display().to_string();
     let text = text.strip_suffix(".yaml").unwrap_or(&text);
@@ -105,10 +107,10 @@ pub(super) fn class_of(path: &Path) -> String {
     parts.map(|part| part.replace('.', "_")).collect::<Vec<_>>().join(".")
 }
 
-/// The whole file.
+/// Returns the content of the file.
 fn xml(command: &str, suites: &[Suite]) -> String {
     let sum = |of: fn(&Suite) -> usize| suites.iter().map(of).sum::<usize>();
-    // The sum of none is -0.
+    // The sum of an empty iterator is -0.
     let seconds = suites.iter().fold(0.0, |sum, suite| sum + suite.seconds);
     let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
     push(
@@ -160,7 +162,7 @@ fn push_suite(text: &mut String, suite: &Suite) {
     text.push_str("  </testsuite>\n");
 }
 
-/// The attributes `file` and `line` of a test case.
+/// Adds the attributes `file` and `line` of a test case.
 fn push_source(text: &mut String, source: Option<&Source>) {
     let Some(Source { file, line }) = source else { return };
     push(text, format_args!(" file=\"{}\"", escaped(file)));
@@ -169,7 +171,7 @@ fn push_source(text: &mut String, source: Option<&Source>) {
     }
 }
 
-/// The rest of a test case, after its attributes.
+/// Adds the rest of a test case, after its attributes.
 fn push_outcome(text: &mut String, outcome: &Outcome) {
     let (element, said) = match outcome {
         Outcome::Passed => return text.push_str("/>\n"),
@@ -188,11 +190,11 @@ fn push_outcome(text: &mut String, outcome: &Outcome) {
 }
 
 fn push(text: &mut String, more: std::fmt::Arguments<'_>) {
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     let _ = text.write_fmt(more);
 }
 
-/// A text in an attribute or an element.
+/// Escapes a text for an attribute or an element.
 fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -202,7 +204,7 @@ fn escaped(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&apos;"),
-            // As they are, attributes would turn them into blanks.
+            // In attributes, readers would replace the characters themselves by spaces.
             '\n' => escaped.push_str("&#10;"),
             '\t' => escaped.push_str("&#9;"),
             bad if bad.is_control() || matches!(bad, '\u{fffe}' | '\u{ffff}') => escaped.extend(bad.escape_default()),
@@ -229,7 +231,7 @@ mod tests {
         node.children().filter(|child| child.has_tag_name(name)).collect()
     }
 
-    /// The attributes that junit-10.xsd allows, and those that it requires.
+    /// Checks the attributes that junit-10.xsd allows and those that it requires.
     #[track_caller]
     fn assert_attributes(node: Node<'_, '_>, allowed: &[&str], required: &[&str]) {
         let names: Vec<&str> = node.attributes().map(|attribute| attribute.name()).collect();

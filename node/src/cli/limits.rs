@@ -29,7 +29,7 @@ pub(super) fn limits(args: &LimitsArgs) -> Exit {
     }
 }
 
-/// Sets in the cell what a file says.
+/// Writes the limits of a file into the cell.
 fn read(args: &LimitsArgs, file: &Path, cell: &Cell, places: &[usize]) -> Exit {
     let settings = match read_limits(Document::read(file), cell, places) {
         Ok(settings) => settings,

@@ -1,4 +1,4 @@
-//! The log: to standard error, and to `/rosout` while there is a node.
+//! Writes the log to standard error, and to `/rosout` while there is a node.
 
 use crate::terminal;
 use lineshaft_ros::layer::{Loggers, Rosout, Severity, Source, TOLD, log_filter};
@@ -13,22 +13,22 @@ use tracing_subscriber::layer::{Context, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{EnvFilter, Layer, Registry, reload};
 
-/// The log of the process.
+/// Log of the process.
 pub(super) struct Logging {
     filter: reload::Handle<EnvFilter, Registry>,
-    /// What `RUST_LOG` says.
+    /// Value of `RUST_LOG`.
     base: Option<String>,
     rosout: Arc<Lines>,
-    /// Dropping it writes what waits.
+    /// Writes all pending lines when dropped.
     _writer: WorkerGuard,
 }
 
-/// Lines that wait for whoever reads standard error; further ones are lost.
+/// Maximum number of lines that wait for standard error; further ones are lost.
 const WAITING: usize = 8192;
 
 impl Logging {
-    /// Logs to standard error, unless it should not; `RUST_LOG` decides what, else all that a person would want to know. Nobody waits
-    /// for a disk or a reader: the lines are written by a thread of their own.
+    /// Starts the log to standard error if `to_stderr`. `RUST_LOG` selects the lines; the default is `info`. A separate
+    /// thread writes the lines, so that no other thread waits for a disk or a reader.
     pub(super) fn start(to_stderr: bool) -> Self {
         let base = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty() && EnvFilter::try_new(text).is_ok());
         let filter = base.clone().unwrap_or_else(|| log_filter("info"));
@@ -36,38 +36,38 @@ impl Logging {
         let writer = NonBlockingBuilder::default().lossy(true).buffered_lines_limit(WAITING).thread_name("log");
         let (writer, guard) = writer.finish(std::io::stderr());
         let lines = tracing_subscriber::fmt::layer().with_target(false).with_writer(writer);
-        // With nobody left to read it, a line is lost; the machine goes on.
+        // If standard error is closed, lines are lost and the machine continues.
         let lines = lines.with_ansi(terminal::has_colors()).log_internal_errors(false);
         let rosout = Arc::new(Lines::default());
         let layers = tracing_subscriber::registry().with(filter).with(to_stderr.then_some(lines));
-        // A second start within one process keeps the first.
+        // A second start within one process keeps the first log.
         let _ = layers.with(ToRosout(Arc::clone(&rosout))).try_init();
         Self { filter: handle, base, rosout, _writer: guard }
     }
 
-    /// The loggers beside the node's, whose levels choose the lines.
+    /// Returns the loggers other than that of the node; their levels select the lines.
     pub(super) fn loggers(&self, node: String) -> Loggers {
         let handle = self.filter.clone();
         let apply = move |filter: &str| {
             let filter = EnvFilter::try_new(filter).map_err(|error| error.to_string())?;
-            // Where another log was there first, that one keeps its own levels.
+            // If another log was installed before, it keeps its own levels.
             let _ = handle.reload(filter);
             Ok(())
         };
         Loggers::new(node, self.base.clone(), apply)
     }
 
-    /// From here on only errors are logged, unless `RUST_LOG` selects other lines.
+    /// Logs only errors from now on, unless `RUST_LOG` selects other lines.
     pub(super) fn show_errors_only(&self) {
         if self.base.is_none()
             && let Ok(filter) = EnvFilter::try_new("error")
         {
-            // Where another log was there first, that one keeps its own levels.
+            // If another log was installed before, it keeps its own levels.
             let _ = self.filter.reload(filter);
         }
     }
 
-    /// From here on lines go to a node's `/rosout`, too; nothing: no longer.
+    /// Sends lines also to the `/rosout` of a node from now on; `None` stops it.
     pub(super) fn show_on(&self, rosout: Option<Rosout>) {
         *self.rosout.rosout.write().unwrap_or_else(PoisonError::into_inner) = rosout;
     }
@@ -76,12 +76,12 @@ impl Logging {
 #[derive(Default)]
 struct Lines {
     rosout: RwLock<Option<Rosout>>,
-    /// A kind is what comes from one place in the source.
+    /// The limit applies to each location in the source code.
     limit: LineLimit<Identifier>,
 }
 
-/// Passes lines of the program itself on: not those of the DDS library, which would tell of their own sending, and not what the
-/// surface sends itself.
+/// Passes on lines of the program itself, but not those of the DDS library, which would report their own transmission,
+/// and not those that the surface publishes itself.
 struct ToRosout(Arc<Lines>);
 
 impl<S: Subscriber> Layer<S> for ToRosout {
@@ -108,13 +108,13 @@ impl<S: Subscriber> Layer<S> for ToRosout {
     }
 }
 
-/// The message of a line, and its fields behind it.
+/// The message of a line, followed by its fields.
 #[derive(Default)]
 struct Text(String);
 
 impl Visit for Text {
     fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = match field.name() {
             "message" => write!(self.0, "{value:?}"),
             name => write!(self.0, " {name}={value:?}"),

@@ -24,7 +24,7 @@ pub(super) fn man(args: &ManArgs) -> Exit {
 /// Writes a page for each command: `lineshaft.1`, `lineshaft-sim.1`, `lineshaft-can-scan.1`.
 ///
 /// # Errors
-/// The folder cannot be written.
+/// Returns an error if the folder cannot be written.
 fn write(folder: &Path) -> io::Result<()> {
     fs::create_dir_all(folder)?;
     clap_mangen::generate_to(Line::command(), folder)
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
 
-    /// Names of the pages of a command and of all commands below it.
+    /// Returns the names of the pages of a command and of all its subcommands.
     fn pages(command: &clap::Command, name: &str) -> BTreeSet<String> {
         let below =
             command.get_subcommands().flat_map(|command| pages(command, &format!("{name}-{}", command.get_name())));

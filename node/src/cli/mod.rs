@@ -1,4 +1,4 @@
-//! The command line: what each command does, and with which code it ends.
+//! Command line: commands and their exit codes.
 
 mod bag;
 mod can;
@@ -50,23 +50,23 @@ use lineshaft_ros::layer::{RosArguments, Side};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// How a command ends (contract section 3).
+/// Result of a command (contract section 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// All went well.
+    /// Success.
     Good,
     /// An expectation or the machine failed.
     Failed,
-    /// Bad usage, or a file with errors.
+    /// Wrong usage, or a file with errors.
     Usage,
-    /// A replay does not do what was recorded.
+    /// A replay differs from the recording.
     Differs,
-    /// A signal has ended it before its result.
+    /// A signal ended the command before its result.
     Signal(EndSignal),
 }
 
 impl Exit {
-    /// The exit code.
+    /// Returns the exit code.
     fn code(self) -> u8 {
         match self {
             Self::Good => 0,
@@ -420,7 +420,7 @@ struct RecordArgs {
 }
 
 impl RecordArgs {
-    /// What is to be recorded, if anything.
+    /// Returns the options of the recording, if one was requested.
     fn options(&self) -> Option<BagOptions> {
         let path = self.record.clone()?;
         Some(BagOptions::split(path, self.max_bag_size, self.max_bag_duration))
@@ -456,7 +456,7 @@ struct StoreArgs {
     store: Option<PathBuf>,
 }
 
-/// What has a meaning for one scenario only.
+/// Options that are valid for a single scenario only.
 const NOT_WITH_ALL: [&str; 8] =
     ["cell", "scenario", "csv", "events", "record", "max_bag_size", "max_bag_duration", "store"];
 
@@ -641,12 +641,12 @@ fn processor(text: &str) -> Result<Processor, String> {
     }
 }
 
-/// A size within a range (px).
+/// Returns a parser of a size within a range, in px.
 fn pixels((least, most): (u32, u32)) -> RangedU64ValueParser<u32> {
     RangedU64ValueParser::new().range(u64::from(least)..=u64::from(most))
 }
 
-/// Seconds as nanoseconds.
+/// Parses a time in s; returns it in ns.
 fn bag_duration(text: &str) -> Result<u64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if is_bag_duration(seconds) => Ok((seconds * 1e9) as u64),
@@ -654,17 +654,17 @@ fn bag_duration(text: &str) -> Result<u64, String> {
     }
 }
 
-/// Runs the program with these arguments, the first one being its own name.
+/// Runs the program with these arguments, the first one being the name of the program.
 pub fn main(arguments: impl IntoIterator<Item = String>) -> ExitCode {
     let arguments: Vec<String> = arguments.into_iter().collect();
-    // Of no use to a user, and so not in the help.
+    // Internal command, and therefore not in the help.
     if arguments.get(1).is_some_and(|command| command == Side::COMMAND) {
         return lineshaft_ros::side::main();
     }
     written(command(arguments)).into()
 }
 
-/// Runs the command that the arguments give.
+/// Runs the command of the arguments.
 fn command(arguments: Vec<String>) -> Exit {
     let (ros, rest) = match RosArguments::take(arguments) {
         Ok(taken) => taken,
@@ -722,29 +722,30 @@ fn command(arguments: Vec<String>) -> Exit {
     }
 }
 
-/// Tells an error, in which foreign text may stand.
+/// Prints an error, which may contain text from outside.
 fn complain(error: &dyn std::fmt::Display) {
     eprintln!("error: {}", clean_lines(&error.to_string()));
 }
 
-/// Prints what is no error, a line each.
+/// Prints warnings, one per line.
 fn warn(warnings: impl IntoIterator<Item = String>) {
     for warning in warnings {
         eprintln!("warning: {}", clean(&warning));
     }
 }
 
-/// Prints a line to standard output. An error is reported when the command ends.
+/// Prints a line to standard output. An error is reported at the end of the command.
 fn say(text: &dyn std::fmt::Display) {
     output::print_line(text);
 }
 
-/// Prints a text that contains its line feeds; likewise.
+/// Prints a text that contains its line feeds. An error is reported at the end of the command.
 fn say_all(text: &str) {
     output::print(text);
 }
 
-/// The exit of a command, once all of its output is written. A command that has failed already keeps its own exit.
+/// Returns the exit code of a command after all of its output was written. A command that failed before keeps its exit
+/// code.
 fn written(exit: Exit) -> Exit {
     let Err(error) = output::finish() else { return exit };
     complain(&format_args!("cannot write standard output: {error}"));

@@ -1,4 +1,4 @@
-//! `lineshaft new` and `lineshaft demo`: a cell and a scenario to start from.
+//! `lineshaft new` and `lineshaft demo`: writes a cell and a scenario to start from.
 
 use super::{Exit, complain, say, say_all};
 use crate::scenario::{did_you_mean, nearest};
@@ -65,7 +65,7 @@ pub(super) fn new(args: &NewArgs) -> Exit {
     }
 }
 
-/// Writes the files, and returns the report: the files, and the commands to type next.
+/// Writes the files; returns the report: the files, and the next commands.
 fn write(args: &NewArgs) -> Result<String, String> {
     let (kind, file) = wanted(args)?;
     let starter = Starter::new(kind, file)?;
@@ -80,7 +80,7 @@ fn write(args: &NewArgs) -> Result<String, String> {
     Ok(text)
 }
 
-/// The kind and the file that the arguments name: one argument alone is the file.
+/// Returns the kind and the file of the arguments; a single argument is the file.
 fn wanted(args: &NewArgs) -> Result<(&'static StarterKind, &Path), String> {
     match (args.kind.as_deref(), args.file.as_deref()) {
         (Some(name), Some(file)) => Ok((StarterKind::find(name).ok_or_else(|| unknown(name))?, file)),
@@ -99,7 +99,7 @@ fn unknown(name: &str) -> String {
     format!("kind `{name}` is unknown, allowed: {}{meant}", names.join(", "))
 }
 
-/// A path as a shell takes it.
+/// Quotes a path for a shell if necessary.
 fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |sign: char| sign.is_alphanumeric() || "_-./+,:@%".contains(sign);

@@ -1,12 +1,12 @@
-//! Files that a command writes and, if they exist, replaces.
+//! Output files of commands, which replace existing files.
 //!
-//! Refuses  a file that exists and has the ending of something else: a cell, a table or a bag given by mistake would be lost
+//! Refuses  an existing file with the extension of another kind, so that no cell, table or bag is lost by mistake
 
 use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::fs;
 use std::path::PathBuf;
 
-/// Endings of files that people write, or that a run has made: no command replaces them with something else.
+/// Extensions of files that users write or that runs record; no command replaces them by another kind of file.
 const KEPT: [&str; 11] = ["yaml", "yml", "mcap", "db3", "csv", "eds", "dcf", "urdf", "xacro", "wasm", "md"];
 
 /// Parses the path of a JUnit report.
@@ -24,7 +24,7 @@ pub(super) fn bytes() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| check(path, "file of bytes", ""))
 }
 
-/// Returns the path, unless it is a file with content and with one of the kept endings other than `own`.
+/// Returns the path, unless it is a file with content and with one of the protected extensions other than `own`.
 fn check(path: PathBuf, what: &str, own: &str) -> Result<PathBuf, String> {
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();
     let is_kept = ending != own && KEPT.contains(&ending.as_str());

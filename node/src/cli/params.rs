@@ -10,9 +10,9 @@ use lineshaft_core::object::AxisSet;
 use lineshaft_ros::surface::host::Listing;
 use std::path::Path;
 
-/// Width of what does not go to a terminal.
+/// Width of output that does not go to a terminal.
 const WIDTH: usize = 120;
-/// A narrower terminal is written for as if it were that wide.
+/// Minimum width; narrower terminals get lines of this width.
 const NARROWEST: usize = 60;
 
 pub(super) fn params(args: &ParamsArgs) -> Exit {
@@ -96,7 +96,7 @@ fn fail(sentence: &str) -> Exit {
     Exit::Usage
 }
 
-/// How wide a line may be.
+/// Returns the maximum length of a line.
 pub(super) fn width() -> usize {
     output::columns().filter(|columns| *columns > 0).map_or(WIDTH, |columns| columns.max(NARROWEST))
 }

@@ -8,7 +8,7 @@ use crate::recording::run::{Run, RunError};
 use crate::recording::series::{Kind, Recorded, Series, SeriesError, alias, load};
 use std::path::Path;
 
-/// Why nothing was drawn.
+/// Reason why no figure was drawn.
 #[derive(Debug, thiserror::Error)]
 enum PlotError {
     #[error("{0}")]
@@ -41,7 +41,7 @@ pub(super) fn plot(args: &PlotArgs) -> Exit {
 }
 
 fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
-    // Reading a run takes time: what is wrong with the names is said before.
+    // Names are checked first, because reading a run takes time.
     Target::of(&args.output)?;
     let mut run = Run::open(&args.run)?;
     watch(&mut run);
@@ -68,7 +68,7 @@ fn draw(args: &PlotArgs) -> Result<Recorded, PlotError> {
     Ok(recorded)
 }
 
-/// Gives the signals of a name the unit of their numbers; a factor before the unit multiplies them.
+/// Sets the unit of the signals with that name; a factor before the unit multiplies their values.
 fn set_unit(series: &mut [Series], name: &str, text: &str) -> Result<(), PlotError> {
     let (factor, unit) = match text.split_once(' ').map(|(factor, unit)| (factor.parse::<f64>(), unit)) {
         Some((Ok(factor), unit)) if factor.is_normal() => (factor, unit),
@@ -78,7 +78,7 @@ fn set_unit(series: &mut [Series], name: &str, text: &str) -> Result<(), PlotErr
     for series in series.iter_mut().filter(|series| series.name == name) {
         is_found = true;
         unit.clone_into(&mut series.unit);
-        // Numbers in another unit are not whole any more.
+        // Values in another unit are not integers any more.
         if factor != 1.0 {
             series.kind = Kind::Real;
             series.points.iter_mut().for_each(|point| point.1 *= factor);
@@ -91,20 +91,20 @@ fn set_unit(series: &mut [Series], name: &str, text: &str) -> Result<(), PlotErr
     Err(PlotError::Unit { name: name.to_owned(), unit: text.to_owned(), reason })
 }
 
-/// A signal and its unit on the command line.
+/// Parses a signal and its unit.
 pub(super) fn unit(text: &str) -> Result<(String, String), String> {
     let pair = text.split_once('=').filter(|(name, unit)| !name.is_empty() && !unit.is_empty());
     pair.map(|(name, unit)| (name.to_owned(), unit.to_owned()))
         .ok_or_else(|| "must be a signal and its unit, as `lag=inc`".to_owned())
 }
 
-/// The name of the scenario that was played.
+/// Returns the name of the scenario that was played.
 fn scenario(run: &Run) -> Option<String> {
     let name = run.metadata("lineshaft")?.get(SCENARIO)?;
     Some(name.clone()).filter(|name| !name.trim().is_empty())
 }
 
-/// The last part of a path: where it is is of no interest in a figure.
+/// Returns the last part of a path; a figure does not show the folder.
 fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
@@ -152,7 +152,7 @@ mod tests {
             Ok::<String, String>(std::fs::read_to_string(&output).unwrap())
         };
         assert_eq!(units("z=inc"), Err("--unit z=inc: z is not one of the chosen signals".to_owned()));
-        // The numbers are -1 to 1.
+        // The values are from -1 to 1.
         let drawn = units("x.actual.position=1000 mm").unwrap();
         assert!(drawn.contains("\nposition (mm)\n") && drawn.contains("\n1000\n"), "{drawn}");
         assert!(super::unit("lag").is_err() && super::unit("=inc").is_err());
@@ -177,7 +177,7 @@ mod tests {
         assert!(svg.contains("\nx moves to 5 mm\n") && !svg.contains("a.mcap"));
     }
 
-    /// Two topics may have a signal of one name.
+    /// Two topics may have a signal with the same name.
     #[test]
     fn unit_is_that_of_all_signals_with_the_name() {
         let one = |topic: &str| Series {
@@ -227,7 +227,7 @@ mod tests {
             bag.message("/joint_states", stamp, &joints(stamp, &[("x", 0.5)]));
         }
         std::fs::write(&run, bag.finish()).unwrap();
-        // It never changes, and is drawn as it is named in full.
+        // It never changes, but is drawn because its full name was given.
         draw(&args(run, &["x.position"], output)).unwrap();
     }
 

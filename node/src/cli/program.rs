@@ -1,4 +1,4 @@
-//! `lineshaft program`: programs of slots without a machine.
+//! `lineshaft program`: runs programs of slots without a machine.
 
 use super::{Exit, complain, say, say_all};
 use crate::program::{self, Language, Trial, TrialError};
@@ -90,7 +90,7 @@ fn new(args: &NewArgs) -> Exit {
     }
 }
 
-/// The module of a file; says why there is none.
+/// Loads the module of a file; prints an error and returns `None` if it is invalid.
 fn load(path: &Path) -> Option<Module> {
     let read = program::load(path).and_then(|bytes| Module::load(&bytes).map_err(|refused| refused.to_string()));
     read.map_err(|sentence| complain(&format!("{}: {sentence}", path.display()))).ok()

@@ -18,7 +18,7 @@ pub(super) fn run(args: &ReplayArgs) -> Exit {
             match report.verdict {
                 Verdict::Same => Exit::Good,
                 Verdict::Differs(_) => Exit::Differs,
-                // A file with errors: nothing is known after the gap.
+                // A file with errors: the cycles after the gap cannot be checked.
                 Verdict::Gap { .. } => Exit::Usage,
             }
         }
@@ -33,13 +33,13 @@ pub(super) fn run(args: &ReplayArgs) -> Exit {
 fn play(args: &ReplayArgs, output: &Output) -> Result<Report, ReplayError> {
     let mut run = Run::open(&args.run)?;
     output.watch(&mut run);
-    // The bar is gone with the run.
+    // The progress bar ends with the run.
     replay(&mut run)
 }
 
 fn complain_of(error: &ReplayError, args: &ReplayArgs, output: &mut Output) {
     match error {
-        // Names its file already.
+        // The message contains the file name already.
         ReplayError::Run(error) => output.complain(error),
         ReplayError::Cell(problems) | ReplayError::Store(problems) if output.is_json() => {
             output.problems(problems);

@@ -64,7 +64,7 @@ pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit
     }
 }
 
-/// Everything that can be wrong before the machine starts is said here; nothing has started then.
+/// Prepares the machine; all errors that can be found before it starts are reported here, before anything has started.
 fn start(
     args: &RunArgs,
     mut cell: Cell,
@@ -106,14 +106,14 @@ fn start(
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .thread_name(watch::SURFACE)
-        // Requests and their ends come from the threads of the link and of the bridge: the usual 61 tasks between two looks there made
-        // some wait for seconds while clients hammer.
+        // Requests and results come from the threads of the link and of the bridge. With the default interval of 61
+        // tasks, some of them waited for seconds under heavy load of clients.
         .global_queue_interval(3)
         .enable_all()
         .build()
         .map_err(|error| format!("no threads for ROS: {error}"))?;
     let exit = runtime.block_on(async {
-        // Before any thread runs: from here on no signal ends the program unheard.
+        // Before any thread runs, so that no signal ends the program without a stop of the axes.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
         let given = Given { store, first, scenario, processor: args.cpu.unwrap_or_default() };
         let (prepared, heard) = Prepared::new(cell, machine, hardware, given);
@@ -125,13 +125,14 @@ fn start(
     Ok(exit)
 }
 
-/// Copies what the node publishes, as the cell wants it, apart from what bags hold by their cycles.
+/// Returns a copy of the topics that the node publishes and the cell selects, without those that bags record in each
+/// cycle.
 fn tap(cell: &Cell) -> (Tap, Receiver<TappedMessage>) {
     let topics = cell.ros.record_topics.clone();
     Tap::new(move |name| !Topic::is_of_cycles(name) && topics.holds(name))
 }
 
-/// What the ROS arguments give to the node.
+/// Returns the node options of the ROS arguments.
 fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOptions, String> {
     let name = ros.node_name(&cell.ros.name, &cell.ros.namespace).map_err(|error| error.to_string())?;
     let names = ros.names(&name).map_err(|error| error.to_string())?;
@@ -157,7 +158,7 @@ fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOpt
     })
 }
 
-/// What the machine does when its ROS side is lost; `is_final` is set where there will be no other.
+/// Returns the reaction of the machine to a loss of its ROS side; `is_final` is set if it is not started again.
 fn on_loss(handle: Arc<Handle>, on_loss: OnLoss, is_final: Arc<AtomicBool>) -> layer::OnLoss {
     let lines = LineLimit::default();
     Arc::new(move |loss| {
@@ -171,7 +172,7 @@ fn on_loss(handle: Arc<Handle>, on_loss: OnLoss, is_final: Arc<AtomicBool>) -> l
     })
 }
 
-/// What the machine does when nobody could halt it by ROS.
+/// Returns the reaction of the machine when it could not be halted by ROS, as text.
 fn reaction(on_loss: OnLoss) -> &'static str {
     match on_loss {
         OnLoss::Halt => "all axes halt",
@@ -183,14 +184,14 @@ fn react(handle: &Handle, on_loss: OnLoss) {
     if on_loss == OnLoss::Halt && handle.takes_commands() {
         let all = AxisSet::first(handle.config().axes.len());
         let asked = Instant::now();
-        // The lane of stops empties within a cycle.
+        // The queue of stops is emptied within a cycle.
         while handle.submit_as(Source::Machine, Action::Halt(all)).is_err() && asked.elapsed() < SAME_SIGNAL {
             std::thread::sleep(Duration::from_millis(1));
         }
     }
 }
 
-/// Watches the surface; one that is lost takes the program with it, as it cannot be made anew.
+/// Supervises the surface. If it is lost, the program ends, because it cannot be created again.
 fn watch(surface: &Surface, handle: Arc<Handle>, on_loss: OnLoss, loss_timeout: Duration) -> std::io::Result<Watch> {
     let (runtime, patience) = (tokio::runtime::Handle::current(), Patience::until(loss_timeout));
     Watch::start(runtime, patience, surface.pulse(), move |change| match change {
@@ -212,14 +213,14 @@ fn watch(surface: &Surface, handle: Arc<Handle>, on_loss: OnLoss, loss_timeout: 
     })
 }
 
-/// Would the machine take these as its first commands? A cycle of another one that is the same tells.
+/// Checks that the machine would accept these as its first commands, with a cycle of a copy of the machine.
 fn try_first(config: &MachineConfig, actions: &[Action]) -> Result<(), String> {
     let mut machine = Machine::new(config.clone()).map_err(|error| error.to_string())?;
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let command =
         |(action, sequence): (&Action, u64)| Command { sequence, source: Source::Cli, action: action.clone() };
     let commands: Vec<_> = actions.iter().zip(1..).map(command).collect();
-    // As many as a cycle takes.
+    // The maximum number of commands of a cycle.
     for commands in commands.chunks(MAX_COMMANDS) {
         inputs.begin(machine.next_cycle(), 0);
         machine.cycle(&inputs, Commands::queue(commands), &mut outputs);
@@ -239,21 +240,21 @@ fn environment(cell: &Cell) -> Result<Environment, String> {
     environment.with_interfaces(&cell.ros.interfaces, &existing).map_err(|error| error.to_string())
 }
 
-/// What starts, and what shows it.
+/// Objects to start, and their presentation.
 struct Start<'a> {
     args: &'a RunArgs,
     cell: &'a Cell,
     options: NodeOptions,
     environment: &'a Environment,
     logging: &'a Logging,
-    /// Copies of what the node publishes, for the recorder.
+    /// Copies of published messages for the recorder.
     tap: (Tap, Receiver<TappedMessage>),
 }
 
-/// Starts the machine once the node is there, and serves ROS until a signal comes or the machine fails.
+/// Starts the machine after the node, and serves ROS until a signal is received or the machine fails.
 ///
 /// # Errors
-/// What was given and cannot be; no cycle has run then.
+/// Returns an error if an argument is invalid; no cycle has run then.
 async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Signals) -> Result<Exit, String> {
     let Start { args, cell, mut options, environment, logging, tap } = start;
     let host: Arc<dyn Host> = prepared.handle.clone();
@@ -304,18 +305,18 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Sign
     })
 }
 
-/// Why the program ends.
+/// Reason why the program ends.
 enum Ended {
     BySignal,
     ScenarioOver(Box<Report>),
-    /// The backends do not start, and a scenario waits for them.
+    /// The backends did not start, and a scenario waits for them.
     NotStarted,
     ThreadFailed,
     WithoutRos,
 }
 
-/// Waits for a signal, for the end of the scenario, or for a thread to fail. From a first signal on a second one ends the
-/// process.
+/// Waits for a signal, for the end of the scenario, or for the failure of a thread. After a first signal, a second one
+/// ends the process.
 async fn wait_for_end(running: &Running, is_lost: &AtomicBool, surface: &mut Surface, mut signals: Signals) -> Ended {
     let mut look = tokio::time::interval(Duration::from_millis(100));
     let mut records = true;
@@ -326,7 +327,8 @@ async fn wait_for_end(running: &Running, is_lost: &AtomicBool, surface: &mut Sur
                 if let Some(report) = running.report.as_ref().and_then(|report| report.try_recv().ok()) {
                     return Ended::ScenarioOver(Box::new(report));
                 }
-                // Nobody would play it any more; without one somebody may mend what is wrong and configure the node anew.
+                // The scenario cannot be played any more. Without a scenario, a user may fix the error and configure
+                // the node again.
                 if let (Some(_), GateState::Failed(reason)) = (&running.report, running.handle.gate()) {
                     tracing::error!("the scenario is not played: {reason}");
                     return Ended::NotStarted;
@@ -351,7 +353,7 @@ async fn wait_for_end(running: &Running, is_lost: &AtomicBool, surface: &mut Sur
     tracing::info!("halting all axes; Ctrl-C again ends at once");
     tokio::spawn(async move {
         let first = Instant::now();
-        // A terminal and a wrapper may both pass the same Ctrl-C on.
+        // A terminal and a wrapper may both forward the same Ctrl-C.
         while first.elapsed() < SAME_SIGNAL {
             signals.recv().await;
         }

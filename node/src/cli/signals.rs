@@ -25,7 +25,7 @@ pub(super) fn signals(path: &Path) -> Exit {
     let directory = machine.directory();
     let width = directory.iter().map(|(_, entry)| entry.name.len()).max().unwrap_or(0);
     for (_, entry) in directory.iter() {
-        // Nothing is printed any more: the reader has seen enough, or the disk is full.
+        // Printing is no longer possible: the reader has closed the pipe, or the disk is full.
         if !output::print_line(&format_args!("{:width$}  {}", entry.name, describe(entry))) {
             break;
         }

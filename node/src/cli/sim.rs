@@ -1,6 +1,6 @@
 //! `lineshaft sim`.
 //!
-//! Law      one scenario, or all of a folder side by side. The output of all is the same for any number of jobs
+//! Law      plays one scenario, or all of a folder in parallel. The output is the same for any number of jobs
 
 mod all;
 mod played;
@@ -53,7 +53,7 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
     };
     let mut suites: Vec<_> = played.iter().map(Played::suite).collect();
     if suites.is_empty() {
-        // A reader of the report alone must not take it for a good one.
+        // A reader of the report alone must not see it as success.
         suites.push(junit::Suite::not_run("no scenario was played"));
     }
     let exit = junit::write(args.junit.as_deref(), "lineshaft sim", &suites, exit, &mut output);
@@ -65,21 +65,21 @@ pub(super) fn sim(args: &SimArgs) -> Exit {
     output.finish(exit)
 }
 
-/// The cell, if one was given, and the scenario. A single file may be the scenario.
+/// Returns the cell, if one was given, and the scenario. A single file may be the scenario.
 ///
 /// # Errors
-/// The single file is no scenario: what to write instead.
+/// Returns a message with the correct command if the single file is no scenario.
 fn files(args: &SimArgs) -> Result<(Option<&Path>, &Path), String> {
     match (args.cell.as_deref(), args.scenario.as_deref()) {
         (cell, Some(scenario)) => Ok((cell, scenario)),
         (Some(file), None) if is_scenario(file) => Ok((None, file)),
         (Some(cell), None) => Err(without_scenario(cell)),
-        // The parser has seen to it that there is one.
+        // The parser of arguments requires one.
         (None, None) => Err("--scenario is missing".to_owned()),
     }
 }
 
-/// What to write where a cell is given, and no scenario.
+/// Returns the correct command for a cell without a scenario.
 fn without_scenario(cell: &Path) -> String {
     let next_to = cell.with_extension(SUFFIX.trim_start_matches('.'));
     if !cell.exists() {
@@ -99,7 +99,7 @@ fn without_scenario(cell: &Path) -> String {
     )
 }
 
-/// Plays the scenario that was asked for, with what was asked for.
+/// Plays the requested scenario with the options of the command.
 fn one(args: &SimArgs, given: Option<&Path>, scenario: &Path, interrupt: Interrupt) -> Played {
     let cell = given.map_or_else(|| cell_of(scenario), |cell| Ok(cell.to_owned()));
     let note = given.and_then(|cell| other_cell(scenario, Some(cell)));

@@ -1,4 +1,4 @@
-//! `--store`: where a machine keeps what was saved.
+//! `--store`: file in which a machine stores its values.
 
 use super::{StoreArgs, complain};
 use crate::cell::Cell;
@@ -7,37 +7,38 @@ use lineshaft_ros::layer::NodeName;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// In the place of a file: nothing is read or kept.
+/// Value instead of a file: nothing is read or stored.
 const NONE: &str = "none";
 
 impl StoreArgs {
-    /// The file that was asked for; nothing where none was, or `none`.
+    /// Returns the given file; `None` if there is none, or for `none`.
     fn file(&self) -> Option<&Path> {
         self.store.as_deref().filter(|path| *path != Path::new(NONE))
     }
 }
 
-/// Opens the store that was asked for, and puts what it holds into the cell.
+/// Opens the given store, and applies its values to the cell.
 ///
 /// # Errors
-/// What is wrong was told.
+/// Returns an error after it was printed.
 pub(super) fn open(args: &StoreArgs, cell: &mut Cell) -> Result<Option<Store>, ()> {
     open_silently(args, cell).map_err(complain_of)
 }
 
-/// The same, without a word.
+/// Does the same without printing.
 ///
 /// # Errors
-/// What is wrong.
+/// Returns the error.
 pub(super) fn open_silently(args: &StoreArgs, cell: &mut Cell) -> Result<Option<Store>, StoreError> {
     load(args.file().map(Store::open).transpose(), cell)
 }
 
-/// The same for a node; without `--store`, the store in its folder. Where another program has that one, or it has no place,
-/// the machine starts all the same, with a warning: two nodes of one name do not block each other.
+/// Does the same for a node; without `--store`, it uses the store in the folder of the node. If another program uses
+/// that one, or there is no folder, the machine starts anyway, with a warning, so that two nodes of one name do not
+/// block each other.
 ///
 /// # Errors
-/// Likewise.
+/// Returns an error after it was printed.
 pub(super) fn open_for_node(
     args: &StoreArgs,
     cell: &mut Cell,
@@ -66,33 +67,34 @@ fn load(opened: Result<Option<Store>, StoreError>, cell: &mut Cell) -> Result<Op
 
 fn complain_of(error: StoreError) {
     match error {
-        // Each problem is a line that begins with its place, as those of a cell are.
+        // Each problem is a line that begins with its location, like those of a cell.
         StoreError::Unfit { .. } => eprintln!("{error}"),
         _ => complain(&error),
     }
 }
 
-/// The file of a cell in the folder of its node: cells that one node runs in turn do not take each other's values.
+/// Returns the file name for a cell in the folder of its node; it differs between cells, so that cells that one node
+/// runs in turn do not share values.
 fn usual_name(cell: Option<&Path>) -> String {
     let stem = cell.and_then(Path::file_stem);
     stem.map_or_else(|| "parameters.yaml".to_owned(), |stem| format!("parameters.{}.yaml", stem.to_string_lossy()))
 }
 
-/// Where the ROS tools keep what belongs to a user, and there what belongs to all nodes of this program: in `$ROS_HOME`, else
-/// `~/.ros`.
+/// Returns the folder for data of all nodes of this program, in the folder of ROS tools for data of the user:
+/// `$ROS_HOME`, otherwise `~/.ros`.
 fn folder() -> Option<PathBuf> {
     let given = |variable| std::env::var_os(variable).filter(|value| !value.is_empty()).map(PathBuf::from);
     let home = given("ROS_HOME").or_else(|| Some(given("HOME")?.join(".ros")))?;
     Some(home.join("lineshaft"))
 }
 
-/// Likewise, what belongs to this node.
+/// Returns the folder for data of this node.
 pub(super) fn node_folder(name: &NodeName) -> Option<PathBuf> {
     let node = name.to_string();
     Some(folder()?.join(node.trim_start_matches('/').replace('/', "_")))
 }
 
-/// Where it is written down which DDS participants live. No node has such a name.
+/// Returns the folder with the list of live DDS participants. No node can have its name.
 pub(super) fn participants_folder() -> Option<PathBuf> {
     Some(folder()?.join(".participants"))
 }

@@ -1,17 +1,17 @@
-//! Times on the command line. A number without a unit is in seconds.
+//! Parses times on the command line. A number without unit is in seconds.
 
 use lineshaft_core::unit::{Dimension, Quantity};
 use std::time::Duration;
 
-/// Parses a time (s).
+/// Parses a time; returns it in s.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     Quantity::parse(text, &[Dimension::Time]).map(|time| time.si()).map_err(|error| error.sentence())
 }
 
-/// Parses a time from a minimum to a maximum (s); `range` has both as they are written.
+/// Parses a time from a minimum to a maximum, in s; `range` is the text of the range.
 pub(super) fn within(text: &str, (least, most): (f64, f64), range: &str) -> Result<Duration, String> {
     let time = seconds(text)?;
-    // A decimal such as 0.01 may be a little less as f64.
+    // A decimal such as 0.01 may be slightly less as f64.
     match (least - 1e-12..=most).contains(&time) {
         true => Ok(Duration::from_secs_f64(time)),
         false => Err(format!("{text} is not allowed; {range} is")),

@@ -15,7 +15,7 @@ use lineshaft_core::unit::{Quantity, Scale, parse_decimal};
 use lineshaft_ros::layer::NodeName;
 use lineshaft_tune::{Record, Refusal};
 
-/// Why nothing was tuned.
+/// Reason why tuning failed.
 #[derive(Debug, thiserror::Error)]
 enum TuneError {
     #[error("{0}")]
@@ -70,11 +70,11 @@ pub(super) fn tune(args: &TuneArgs) -> Exit {
 }
 
 fn try_axis(args: &TuneArgs) -> Result<Exit, TuneError> {
-    // What is wrong with the names is said before anything moves.
+    // Names are checked before anything moves.
     args.output.as_deref().map(Target::of).transpose()?;
     let mut cell = Cell::load(&args.cell).map_err(TuneError::Cell)?;
     let is_simulated = args.sim || cell.backends.iter().all(CellBackend::is_simulated);
-    // A real axis has the limits that its node has saved.
+    // A real axis has the limits that its node has stored.
     let opened = if is_simulated {
         store::open(&args.store, &mut cell)
     } else {
@@ -120,7 +120,7 @@ fn try_axis(args: &TuneArgs) -> Result<Exit, TuneError> {
     Ok(Exit::Good)
 }
 
-/// The bounds in increments.
+/// Returns the bounds in increments.
 fn bounds(args: &TuneArgs, config: &MachineConfig) -> Result<Bounds, TuneError> {
     let Some(scale) = config.axes.iter().find(|axis| axis.name == args.axis).map(|axis| axis.scale) else {
         return Ok(Bounds::default());
@@ -145,7 +145,8 @@ fn increments(scale: &Scale, text: &str, order: u8) -> Result<f64, String> {
     scale.rate(&quantity, order).map_err(|error| error.sentence())
 }
 
-/// The unit that a number without a unit was read in, and its value in the axis unit; none where a unit is given.
+/// Returns a note with the unit in which a number without unit was read, and its value in the axis unit; `None` if a
+/// unit is given.
 fn reading(scale: &Scale, name: &str, text: &str, order: u8) -> Option<String> {
     let number = text.trim();
     parse_decimal(number).ok()?;
@@ -157,7 +158,7 @@ fn reading(scale: &Scale, name: &str, text: &str, order: u8) -> Option<String> {
     Some(format!("--{name} {number} has no unit: it is read as {read}"))
 }
 
-/// What the axis did.
+/// Runs the trial; returns its record.
 fn run(args: &TuneArgs, cell: &Cell, setting: Setting, is_simulated: bool) -> Result<Record, TuneError> {
     let (ended, record) = if is_simulated {
         let interrupt = Interrupt::listen()

@@ -1,21 +1,21 @@
-//! Checks command lines without running them: the tests of the documentation read each command of each page with it.
+//! Checks command lines without running them. The tests of the documentation check every command of every page with it.
 
 use super::{Command, Line};
 use clap::Parser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use lineshaft_ros::layer::{RosArguments, Side};
 
-/// Why a command line is wrong.
+/// Reason why a command line is wrong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UsageError {
-    /// Whether only an argument, a value or a subcommand is missing, and everything that is given is right.
+    /// Whether only an argument, a value or a subcommand is missing, and everything that is given is correct.
     pub is_incomplete: bool,
-    /// The message for the user.
+    /// Message for the user.
     pub message: String,
 }
 
-/// Returns an error if the program would refuse this command line, the first argument being its own name. Runs nothing; files of
-/// `--params-file` are read.
+/// Returns an error if the program would refuse this command line, the first argument being the name of the program.
+/// Runs nothing; reads files of `--params-file`.
 pub fn parses(arguments: impl IntoIterator<Item = String>) -> Result<(), UsageError> {
     let arguments: Vec<String> = arguments.into_iter().collect();
     if arguments.get(1).is_some_and(|command| command == Side::COMMAND) {

@@ -1,4 +1,4 @@
-//! Quantities of the command line, such as `10 mm` or `-90 deg`.
+//! Parses quantities of the command line, such as `10 mm` or `-90 deg`.
 //!
 //! Law      a number has a unit; 0 needs none. A goal has one unit for all of its quantities: SI, or increments
 //! Refuses  a number without a unit, since 50 may be 50 m or 50 mm; a unit of another dimension than the axis; increments together with
@@ -7,10 +7,10 @@
 use super::Failure;
 use lineshaft_core::unit::{Dimension, Fraction, Quantity, ScaleKind, Unit, UnitError, parse_decimal};
 
-/// Kind of an axis, and the unit in which people read it, if that is known.
+/// Kind of an axis, and its displayed unit, if known.
 pub(super) type AxisKind = (ScaleKind, Option<Unit>);
 
-/// A quantity as it was given. Its unit exists, but may not fit the axis.
+/// A quantity as given. Its unit exists, but may not fit the axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Given {
     name: &'static str,
@@ -20,12 +20,12 @@ pub(crate) struct Given {
     form: Form,
 }
 
-/// How a quantity is written.
+/// Format of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
-    /// In increments.
+    /// A number in increments.
     Increments,
-    /// In another unit.
+    /// A number in another unit.
     Unit,
     /// The number 0 without a unit, which is 0 in every unit.
     Zero,
@@ -34,10 +34,10 @@ enum Form {
 }
 
 impl Given {
-    /// Reads a quantity of the argument `name`: a position (`order` 0), a velocity (1) or an acceleration (2).
+    /// Parses a quantity of the argument `name`: a position (`order` 0), a velocity (1) or an acceleration (2).
     ///
     /// # Errors
-    /// It is not a number with a unit of a length, an angle or increments.
+    /// Returns an error unless it is a number with a unit of length, angle or increments.
     pub(crate) fn read(name: &'static str, text: &str, order: u8) -> Result<Self, Failure> {
         let all = [Dimension::Length(order), Dimension::Angle(order), Dimension::Increments(order)];
         let quantity = Quantity::parse(text, &all).map_err(|error| match &error {
@@ -56,18 +56,18 @@ impl Given {
         Ok(Self { name, text: text.trim().to_owned(), order, form })
     }
 
-    /// The value in SI, for an axis of this kind.
+    /// Returns the value in SI, for an axis of this kind.
     ///
     /// # Errors
-    /// It has no unit, or one of another kind.
+    /// Returns an error if it has no unit, or one of another kind.
     pub(super) fn si(&self, axis: AxisKind) -> Result<f64, Failure> {
         self.value(axis.0.dimension(self.order), axis)
     }
 
-    /// The value in increments, or in SI for an axis of this kind.
+    /// Returns the value in increments, or in SI for an axis of this kind.
     ///
     /// # Errors
-    /// Likewise.
+    /// Same errors as `si`.
     pub(super) fn in_units(&self, units: GoalUnits, axis: AxisKind) -> Result<f64, Failure> {
         match units {
             GoalUnits::Si => self.si(axis),
@@ -75,10 +75,10 @@ impl Given {
         }
     }
 
-    /// Likewise, of a velocity or an acceleration of a goal, where 0 would mean the default.
+    /// Returns the value of a velocity or an acceleration of a goal, in which 0 would mean the default.
     ///
     /// # Errors
-    /// Likewise, or it does not exceed 0.
+    /// Same errors as `in_units`, and an error if the value does not exceed 0.
     pub(super) fn rate(&self, units: GoalUnits, axis: AxisKind) -> Result<f64, Failure> {
         let value = self.in_units(units, axis)?;
         if value > 0.0 {
@@ -101,7 +101,8 @@ impl Given {
         Ok(quantity.si())
     }
 
-    /// A number without a unit, and what was probably meant: the unit of the axis, else the most common ones of its kind.
+    /// Returns the error for a number without a unit, with a hint: the unit of the axis, otherwise the most common ones
+    /// of its kind.
     fn without_unit(&self, kind: ScaleKind, unit: Option<Unit>) -> Failure {
         let Self { name, text, order, .. } = self;
         let dimension = kind.dimension(*order);
@@ -130,10 +131,10 @@ pub(super) enum GoalUnits {
 }
 
 impl GoalUnits {
-    /// The unit that fits all of these quantities.
+    /// Returns the unit that fits all of these quantities.
     ///
     /// # Errors
-    /// Some are in increments, and others are not.
+    /// Returns an error if some are in increments and others are not.
     pub(super) fn of(all: &[&Given]) -> Result<Self, Failure> {
         let with_unit = all.iter().copied().filter(|given| given.form != Form::Zero);
         let (increments, others): (Vec<&Given>, Vec<&Given>) =
@@ -179,7 +180,7 @@ mod tests {
         );
         let fast = Given::read("--velocity", " -0.2 ", 1).unwrap();
         assert_eq!(sentence(fast.si(MILLIMETRES)), "--velocity: `-0.2` has no unit; did you mean `-0.2 mm/s`?");
-        // The unit of the axis is not known, or is of another kind.
+        // The unit of the axis is unknown, or of another kind.
         for unit in [None, Some(Unit::DEGREE)] {
             let refused = refused((ScaleKind::Linear, unit));
             assert_eq!(refused, "POSITION: `50` has no unit; write a unit, such as `50 mm` or `50 m`");
@@ -250,7 +251,7 @@ mod tests {
         );
     }
 
-    /// In a goal 0 means the default velocity, which is not what `--velocity 0` asks for.
+    /// In a goal 0 means the default velocity, which is not the meaning of `--velocity 0`.
     #[test]
     fn rate_of_a_goal_must_exceed_zero() {
         for text in ["0", "-5 mm/s"] {

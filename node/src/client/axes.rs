@@ -31,10 +31,10 @@ impl AxesService {
     }
 }
 
-/// Calls the service for these axes, without names for all, and prints the answer of the node.
+/// Calls the service for these axes, or for all if none is named, and prints the answer of the node.
 ///
 /// # Errors
-/// The node refuses, or does not answer.
+/// Returns an error if the node refuses the request or does not answer.
 pub(crate) async fn command_axes(options: &Options, service: AxesService, axes: &[String]) -> Result<(), Failure> {
     let is_stop = matches!(service, AxesService::Halt | AxesService::Disable);
     let session = Session::open(&Options { is_stop, ..options.clone() }).await?;
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn request_is_the_sequence_of_names() {
         assert_eq!(cdr::encode(&request(&[])), [0; 4], "all axes");
-        // CDR: the number of strings; each with its length, its letters and a zero, at a multiple of 4.
+        // CDR: the number of strings; each with its length, its characters and a zero, at a multiple of 4.
         let bytes = [&[2, 0, 0, 0, 2, 0, 0, 0][..], b"x\0", &[0, 0, 3, 0, 0, 0], b"y2\0"].concat();
         assert_eq!(cdr::encode(&request(&["x".to_owned(), "y2".to_owned()])), bytes);
     }

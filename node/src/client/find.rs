@@ -1,8 +1,10 @@
 //! Finds the Lineshaft node of a command.
 //!
-//! Law      a node is a Lineshaft node if its service `~/halt` has the type AxesCommand. The name that was given counts; without one it is
-//!          `/lineshaft`. If that is missing after 2 s, a command that only reads uses the only other Lineshaft node
-//! Refuses  to choose one of several, and to choose for a command that acts: discovery may be slow, and another machine would move
+//! Law      a node is a Lineshaft node if its service `~/halt` has the type AxesCommand. The given name is used; the
+//!          default is `/lineshaft`. If that is missing after 2 s, a command that only reads uses the only other
+//!          Lineshaft node
+//! Refuses  to choose one of several nodes, and to choose for a command that acts: discovery may be slow, and another
+//!          machine would move
 
 use super::Failure;
 use super::session::{LOOK, Options};
@@ -14,26 +16,26 @@ use tokio::time::sleep;
 
 /// Name of the node of the built-in demo, and of cells that give no other name.
 const DEFAULT: &str = "/lineshaft";
-/// Time after which all nodes are known.
+/// Time after which all nodes are discovered.
 const COMPLETE: Duration = Duration::from_secs(2);
-/// Time from which on the names of nodes are read. A reader that is created before its participant has found the writers misses what they
-/// send it at once, and may wait for it for seconds.
+/// Time from which the names of nodes are read. A reader that is created before its participant has discovered the
+/// writers misses their first samples, and may wait for them for seconds.
 const NAMES: Duration = Duration::from_millis(700);
-/// Maximum number of other nodes that are asked whether they are Lineshaft nodes.
+/// Maximum number of other nodes that are checked.
 const MOST: usize = 100;
 
-/// The node.
+/// The node that was found.
 pub(super) struct Found {
-    /// Its full name.
+    /// Full name.
     pub(super) name: String,
-    /// Client of its service `~/halt`, which shows whether it is there.
+    /// Client of its service `~/halt`, which shows whether the node is present.
     pub(super) presence: ServiceClient<AxesCommand>,
 }
 
 /// Waits for the node.
 ///
 /// # Errors
-/// Its name is not allowed, it is not found in time, or several could be meant.
+/// Returns an error if its name is not allowed, if it is not found in time, or if there are several candidates.
 pub(super) async fn find(node: &Node, environment: &Environment, options: &Options) -> Result<Found, Failure> {
     let wanted = rooted(options.node.as_deref().unwrap_or(DEFAULT));
     let presence = halt_of(node, &wanted)?;
@@ -68,19 +70,19 @@ pub(super) async fn find(node: &Node, environment: &Environment, options: &Optio
     }
 }
 
-/// Nodes of other names.
+/// Nodes with other names.
 struct Others {
     names: Option<NodeNames>,
     asked: BTreeMap<String, ServiceClient<AxesCommand>>,
 }
 
 impl Others {
-    /// Looks for the service `~/halt` of nodes that are new.
+    /// Checks the service `~/halt` of new nodes.
     fn ask(&mut self, node: &Node, wanted: &str) {
         for name in self.names.get_or_insert_with(|| node.node_names()).so_far() {
             let is_new = name != wanted && !is_hidden(&name) && !self.asked.contains_key(&name);
             if is_new && self.asked.len() < MOST {
-                // A name that ROS does not allow is no Lineshaft node.
+                // A node whose name ROS does not allow is no Lineshaft node.
                 if let Ok(client) = halt_of(node, &name) {
                     self.asked.insert(name, client);
                 }
@@ -88,7 +90,7 @@ impl Others {
         }
     }
 
-    /// Names of those that are Lineshaft nodes.
+    /// Returns the names of those that are Lineshaft nodes.
     fn found(&self) -> Vec<String> {
         self.asked.iter().filter(|(_, client)| client.servers() > 0).map(|(name, _)| name.clone()).collect()
     }
@@ -99,7 +101,7 @@ fn halt_of(node: &Node, name: &str) -> Result<ServiceClient<AxesCommand>, Failur
         .map_err(|error| Failure::Usage(format!("--node {name}: {error}")))
 }
 
-/// The name with the slash at its beginning.
+/// Returns the name with a leading slash.
 fn rooted(name: &str) -> String {
     if name.starts_with('/') { name.to_owned() } else { format!("/{name}") }
 }
@@ -109,7 +111,7 @@ fn is_hidden(name: &str) -> bool {
     name.rsplit('/').next().is_some_and(|word| word.starts_with('_'))
 }
 
-/// Domain and discovery range.
+/// Returns domain and discovery range as text.
 pub(super) fn domain_text(environment: &Environment) -> String {
     let networks = match &environment.networks {
         Networks::Loopback => "LOCALHOST: only this host",

@@ -1,8 +1,9 @@
-//! Goals of an action, from their requests to their ends.
+//! Runs goals of an action, from their requests to their ends.
 //!
-//! Law      the goals are sent one after the other and run side by side. Their results are waited for without limit, because a motion may
-//!          take long. A signal cancels all of them, and their ends are still waited for; another one ends the command
-//! Refuses  to go on when the node has ended, because it is not known what its axes do then
+//! Law      the goals are sent one after the other and run in parallel. There is no timeout for their results, because
+//!          a motion may take long. A signal cancels all of them, and their ends are still awaited; a second signal
+//!          ends the command
+//! Refuses  to continue when the node has ended, because the state of its axes is then unknown
 
 use super::Failure;
 use super::node_log::NodeLog;
@@ -14,21 +15,21 @@ use lineshaft_ros::layer::{ActionClient, GoalId, Progress, RequestNumber};
 use std::time::Duration;
 use tokio::time::{Instant, sleep_until, timeout};
 
-/// Maximum time in which the log shows why a goal was rejected.
+/// Maximum time until the log has the reason why a goal was rejected.
 const REASON: Duration = Duration::from_millis(500);
 /// Maximum time from a cancel request to the end of its goal.
 const STOPPING: Duration = Duration::from_secs(60);
 
-/// Further time for the answer to a goal, after which it is canceled.
+/// Additional time for the answer to a goal, after which it is canceled.
 const LATE: Duration = Duration::from_secs(3);
-/// Time without feedback after which the result is asked for again.
+/// Time without feedback after which the result is requested again.
 const QUIET: Duration = Duration::from_secs(5);
 
-/// How a goal ended.
+/// End of a goal.
 pub(super) enum Ended<R> {
-    /// It was not accepted, with the reason.
+    /// It was rejected, with the reason.
     Rejected(String),
-    /// It was accepted and has ended: with its status, a constant of `GoalStatus`.
+    /// It was accepted and has ended, with its status, a constant of `GoalStatus`.
     Over { status: i8, result: R },
 }
 
@@ -38,15 +39,15 @@ pub(super) struct Goals<'a, A: Action> {
     client: ActionClient<A>,
     log: NodeLog,
     stop: Stop,
-    /// Name of the action below the node.
+    /// Name of the action, relative to the node.
     action: &'static str,
-    /// Goals that were accepted.
+    /// Accepted goals.
     accepted: Vec<GoalId>,
-    /// Time until which the canceled goals must have ended; `None`: they are not canceled.
+    /// Time until which the canceled goals must have ended; `None` if they are not canceled.
     stopping: Option<Instant>,
 }
 
-/// A goal that was accepted.
+/// An accepted goal.
 struct Running {
     index: usize,
     id: GoalId,
@@ -57,7 +58,7 @@ impl<'a, A: Action> Goals<'a, A> {
     /// Waits for the action.
     ///
     /// # Errors
-    /// The node has no such action.
+    /// Returns an error if the node has no such action.
     pub(super) async fn open(session: &'a Session, action: &'static str) -> Result<Self, Failure> {
         Self::with_stop(session, action, Stop::listen()?).await
     }
@@ -69,10 +70,11 @@ impl<'a, A: Action> Goals<'a, A> {
         Ok(Self { session, client, log, stop, action, accepted: Vec::new(), stopping: None })
     }
 
-    /// Runs the goals to their ends, which it returns in the same order. `show` gets the index of a goal and its feedback.
+    /// Runs the goals to their ends, which are returned in the same order. `show` gets the index of a goal and its
+    /// feedback.
     ///
     /// # Errors
-    /// The node does not answer, or has ended.
+    /// Returns an error if the node does not answer or has ended.
     pub(super) async fn run(
         &mut self,
         goals: Vec<A::Goal>,
@@ -99,7 +101,7 @@ impl<'a, A: Action> Goals<'a, A> {
         Ok(ends.into_iter().flatten().collect())
     }
 
-    /// Cancels the goals that run already, and waits for their ends.
+    /// Cancels the running goals, and waits for their ends.
     async fn abandon(&mut self, running: &[Running], show: &mut impl FnMut(usize, A::Feedback)) {
         if self.stopping.is_none() && self.request_stop().is_err() {
             return;
@@ -110,9 +112,9 @@ impl<'a, A: Action> Goals<'a, A> {
         }
     }
 
-    /// Sends a goal. Returns it if it was accepted, otherwise the reason why it was not.
+    /// Sends a goal. Returns it if it was accepted, otherwise the reason for the rejection.
     async fn begin(&mut self, index: usize, goal: A::Goal) -> Result<Result<Running, String>, Failure> {
-        // A signal that came before: the goal is not sent.
+        // After an earlier signal the goal is not sent.
         if self.stopping.is_none() && timeout(Duration::ZERO, self.stop.requested()).await.is_ok() {
             self.request_stop()?;
         }
@@ -132,10 +134,11 @@ impl<'a, A: Action> Goals<'a, A> {
                     if is_late {
                         return Err(self.unanswered(id));
                     }
-                    // The node may get the cancel before the goal: a goal that it accepts after all is canceled once more.
+                    // The node may receive the cancel request before the goal; if it accepts the goal later, the goal
+                    // is canceled again.
                     self.client.cancel(id).map_err(Failure::failed)?;
                     (is_late, deadline) = (true, deadline + LATE);
-                    // The goals that run already are canceled, too: the command ends.
+                    // The running goals are canceled, too, because the command ends.
                     if self.stopping.is_none() {
                         self.request_stop()?;
                     }
@@ -156,9 +159,9 @@ impl<'a, A: Action> Goals<'a, A> {
         Ok(Ok(Running { index, id, result }))
     }
 
-    /// The node does not answer: a goal that it may still get is canceled.
+    /// Handles a missing answer: cancels the goal, which the node may still receive.
     fn unanswered(&mut self, id: GoalId) -> Failure {
-        // If that fails, the sentence below holds as well.
+        // If that fails, the message below is still valid.
         let _ = self.client.cancel(id);
         Failure::Failed(format!(
             "{}: no answer within {} s; a cancel was sent, and it is not known whether the goal runs; `lineshaft halt` stops all axes",
@@ -186,7 +189,7 @@ impl<'a, A: Action> Goals<'a, A> {
                     Progress::Ended { status, result } => return Ok((status, result)),
                     Progress::Feedback { id, feedback } => {
                         heard = Instant::now();
-                        // Other clients' goals have feedback on the same topic.
+                        // The topic has feedback of goals of other clients as well.
                         if let Some(goal) = all.iter().find(|goal| goal.id == id) {
                             show(goal.index, feedback);
                         }
@@ -194,7 +197,7 @@ impl<'a, A: Action> Goals<'a, A> {
                 },
                 () = self.stop.requested() => self.request_stop()?,
                 failure = self.session.gone() => return Err(failure),
-                // A node that was started again meanwhile, or lost the request, is asked once more.
+                // The node may have been restarted or have lost the request, so the result is requested again.
                 () = sleep_until(heard + QUIET) => {
                     request = self.client.request_result(goal.id).map_err(Failure::failed)?;
                     heard = Instant::now();
@@ -210,7 +213,7 @@ impl<'a, A: Action> Goals<'a, A> {
     /// Handles a signal: the first one cancels the goals.
     ///
     /// # Errors
-    /// It was another one.
+    /// Returns an error for the second signal.
     fn request_stop(&mut self) -> Result<(), Failure> {
         if self.stopping.is_some() {
             return Err(Failure::Failed(
@@ -225,7 +228,7 @@ impl<'a, A: Action> Goals<'a, A> {
     }
 }
 
-/// The number of servers of an action, of which each has three services.
+/// Returns the number of servers of an action, each with three services.
 fn servers(services: [usize; 3]) -> usize {
     match services {
         [goals, results, cancels] if goals == results && results == cancels => goals,
@@ -234,7 +237,7 @@ fn servers(services: [usize; 3]) -> usize {
     }
 }
 
-/// Waits until a time; without one for ever.
+/// Waits until a time; forever if it is `None`.
 async fn until(limit: Option<Instant>) {
     match limit {
         Some(limit) => sleep_until(limit).await,
@@ -273,7 +276,7 @@ mod tests {
             let second = next(&mut server).await;
             timeout(LONG, first.cancel_requested()).await.expect("the goal that runs is canceled");
             first.canceled(HomeAxisResult::default());
-            // The answer comes after all.
+            // The late answer.
             let second = second.accept();
             timeout(LONG, second.cancel_requested()).await.expect("the late goal is canceled");
             second.canceled(HomeAxisResult::default());
@@ -291,7 +294,7 @@ mod tests {
         assert_eq!(ends, ["status 5", "status 5", "it was not begun, because the command ends"]);
     }
 
-    /// The node is asked to cancel each goal that runs, and no further goal is sent.
+    /// The node gets a cancel request for each running goal, and no further goal is sent.
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn signal_cancels_all_goals_and_begins_no_further_one() {
         let served = TestNode::start("signal_goals");

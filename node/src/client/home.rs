@@ -11,10 +11,10 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{GetParameters, GetParametersR
 use lineshaft_ros::layer::Qos;
 use std::collections::HashSet;
 
-/// Homes these axes, without names all that have a homing method, and waits for their ends.
+/// Homes these axes, or all with a homing method if none is named, and waits for their ends.
 ///
 /// # Errors
-/// An axis was not homed: the node refuses or aborts it or does not answer, or a signal ended it.
+/// Returns an error if an axis was not homed: the node refused or aborted it or did not answer, or a signal ended it.
 pub(crate) async fn home(options: &Options, axes: &[String]) -> Result<(), Failure> {
     let session = Session::open(options).await?;
     let axes = if axes.is_empty() { with_a_method(&session).await? } else { known(&session, axes).await? };
@@ -45,7 +45,7 @@ pub(crate) async fn home(options: &Options, axes: &[String]) -> Result<(), Failu
     if failures.is_empty() { Ok(()) } else { Err(Failure::Failed(failures.join("; "))) }
 }
 
-/// The phases of HomeAxis.action.
+/// Returns the text of a phase of HomeAxis.action.
 fn phase_text(phase: u8) -> &'static str {
     match phase {
         HomeAxisFeedback::SEARCH_SWITCH => "moves to the switch",
@@ -57,7 +57,7 @@ fn phase_text(phase: u8) -> &'static str {
     }
 }
 
-/// The axes that were named; nothing moves if the node lacks one of them.
+/// Returns the named axes; nothing moves if the node lacks one of them.
 async fn known(session: &Session, axes: &[String]) -> Result<Vec<String>, Failure> {
     let mut infos = AxisInfos::open(session)?;
     for axis in axes {
@@ -70,7 +70,7 @@ async fn known(session: &Session, axes: &[String]) -> Result<Vec<String>, Failur
     Ok(axes.iter().filter(|axis| seen.insert(axis.as_str())).cloned().collect())
 }
 
-/// All axes that have a homing method.
+/// Returns all axes that have a homing method.
 async fn with_a_method(session: &Session) -> Result<Vec<String>, Failure> {
     let mut states = axis_states(session)?;
     let all = session.first_states(&mut states).await?.axes;

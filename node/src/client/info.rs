@@ -1,4 +1,4 @@
-//! Kind of an axis (linear or rotary), and the unit in which people read it.
+//! Finds the kind of an axis (linear or rotary), and its displayed unit.
 //!
 //! Source   descriptions of parameters, which end in `Unit: mm.`: `max_velocity` is in SI, `amc.position_reference` in the unit of
 //!          the axis
@@ -9,20 +9,20 @@ use lineshaft_core::unit::{Dimension, ScaleKind, Unit};
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{DescribeParameters, DescribeParametersRequest};
 use lineshaft_ros::layer::{Qos, ServiceClient};
 
-/// Parameters whose units show it. Every axis has both.
+/// Parameters whose descriptions have the units. Every axis has both.
 const IN_SI: &str = "max_velocity";
 const IN_AXIS_UNIT: &str = "amc.position_reference";
 
-/// Kind and unit of an axis, as far as they are known.
+/// Kind and unit of an axis, if known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct AxisInfo {
     /// Linear or rotary.
     pub(super) kind: Option<ScaleKind>,
-    /// Unit in which people read it.
+    /// Displayed unit.
     pub(super) unit: Option<Unit>,
 }
 
-/// Reads it.
+/// Client that reads the kinds and units of axes.
 pub(super) struct AxisInfos(ServiceClient<DescribeParameters>);
 
 impl AxisInfos {
@@ -30,23 +30,23 @@ impl AxisInfos {
         session.service("describe_parameters", Qos::PARAMETERS).map(Self)
     }
 
-    /// Returns what is known of an axis, or `None` if the node has no axis of this name.
+    /// Returns kind and unit of an axis, or `None` if the node has no axis of this name.
     ///
     /// # Errors
-    /// No answer.
+    /// Returns an error if there is no answer.
     pub(super) async fn find(&mut self, session: &Session, axis: &str) -> Result<Option<AxisInfo>, Failure> {
         let names = Vec::from([IN_SI, IN_AXIS_UNIT].map(|key| format!("{axis}.{key}")));
         let request = DescribeParametersRequest { names };
         let response = session.ask(&mut self.0, &request).await?;
-        // Without an answer for each of them none is declared, as rclcpp has it.
+        // Unless there is an answer for each of them, none is declared, as in rclcpp.
         let [in_si, in_axis_unit] = response.descriptors.as_slice() else { return Ok(None) };
         Ok(Some(AxisInfo { kind: unit(&in_si.description).and_then(kind), unit: unit(&in_axis_unit.description) }))
     }
 
-    /// Likewise.
+    /// Returns kind and unit of an axis.
     ///
     /// # Errors
-    /// No answer, or no such axis, or its kind is unknown.
+    /// Returns an error if there is no answer or no such axis, or if its kind is unknown.
     pub(super) async fn of(&mut self, session: &Session, axis: &str) -> Result<(ScaleKind, Option<Unit>), Failure> {
         let Some(AxisInfo { kind, unit }) = self.find(session, axis).await? else { return Err(no_axis(session, axis)) };
         let unknown = || Failure::Failed(format!("{axis}: the node does not report whether it is linear or rotary"));
@@ -54,18 +54,18 @@ impl AxisInfos {
     }
 }
 
-/// The node has no such axis.
+/// Returns the error for an axis that the node does not have.
 pub(super) fn no_axis(session: &Session, axis: &str) -> Failure {
     Failure::Failed(format!("node {} has no axis `{axis}`; `lineshaft state` lists its axes", session.target()))
 }
 
-/// The unit in a description.
+/// Returns the unit in a description.
 fn unit(description: &str) -> Option<Unit> {
     let (_, rest) = description.split_once("Unit: ")?;
     Unit::parse(rest.split_once('.')?.0)
 }
 
-/// The kind of axis whose velocity has this unit.
+/// Returns the kind of axis whose velocity has this unit.
 fn kind(of_velocity: Unit) -> Option<ScaleKind> {
     match of_velocity.dimension() {
         Dimension::Length(1) => Some(ScaleKind::Linear),
@@ -85,7 +85,7 @@ mod tests {
         assert_eq!(unit("x Unit: rad/s. y").and_then(kind), Some(ScaleKind::Rotary));
         assert_eq!(unit("x Unit: mm. y"), Some(Unit::MILLIMETRE));
         assert_eq!(unit("x Unit: mm. y").and_then(kind), None);
-        // A share as the unit of an axis is none of the known units.
+        // A fraction as the unit of an axis is none of the known units.
         assert_eq!(unit("x Unit: 9000 * 0.1 mm. y"), None);
         assert_eq!(unit("no unit"), None);
     }

@@ -1,11 +1,12 @@
-//! `lineshaft jog`: a stream of velocities for one axis.
+//! `lineshaft jog`: streams velocities to one axis.
 //!
-//! Law      the velocity is published 50 times per second. The axis stops by itself when the stream ends, whatever ends it: the node takes no
-//!          velocity for longer than `setpoint_timeout` (100 ms). At the end of the time, and at a signal, the velocity 0 stops it at once.
-//!          A jog ends permanently as soon as anything else stops the axis (halt, disable, an error, a limit) or moves it, or if this program
-//!          was frozen: it never starts the axis a second time
-//! Writes   `~/setpoints`, which names axes; `~/jog` carries the same stream with the joint names of the axes, which the interface does not
-//!          report
+//! Law      the velocity is published 50 times per second. The axis stops by itself when the stream ends for any
+//!          reason, because the node uses no velocity for longer than `setpoint_timeout` (100 ms). At the end of the
+//!          time, and on a signal, velocity 0 stops it immediately. A jog ends permanently as soon as anything else
+//!          stops the axis (halt, disable, an error, a limit) or moves it, or if this program was frozen: it never
+//!          starts the axis a second time
+//! Writes   `~/setpoints`, with names of axes; `~/jog` has the same stream with joint names of the axes, which the
+//!          interface does not report
 
 use super::amount::Given;
 use super::info::{AxisInfos, no_axis};
@@ -30,28 +31,28 @@ const ZEROS: u32 = 3;
 const BEGIN: Duration = Duration::from_secs(1);
 /// Time without a state of the axis after which the jog ends.
 const SILENCE: Duration = Duration::from_secs(1);
-/// The states are that many of their periods late at most.
+/// Maximum delay of the states, in periods.
 const LATE_PERIODS: u32 = 3;
 /// Time between two messages after which this program counts as frozen. The axis has stopped by then.
 const FROZEN: Duration = Duration::from_millis(500);
-/// `AxisState.reference` of an axis that is led by a stream.
+/// `AxisState.reference` of an axis that follows a stream.
 const BY_STREAM: u8 = 9;
 /// Maximum time for the stop at the end.
 const STOPPING: Duration = Duration::from_secs(60);
 
-/// A jog that was asked for.
+/// Parameters of a jog.
 #[derive(Clone, Debug)]
 pub(crate) struct Jog {
     pub(crate) axis: String,
     pub(crate) velocity: Given,
-    /// Time after which it ends; `None`: at a signal.
+    /// Time after which it ends; `None` if it ends on a signal.
     pub(crate) time: Option<Duration>,
 }
 
-/// Moves the axis at the velocity, stops it, and prints where it is.
+/// Moves the axis at the velocity, stops it, and prints its position.
 ///
 /// # Errors
-/// The axis does not follow, or the node has ended.
+/// Returns an error if the axis does not follow, or if the node has ended.
 pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     let session = Session::open(options).await?;
     let (kind, unit) = AxisInfos::open(&session)?.of(&session, &jog.axis).await?;
@@ -87,7 +88,7 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     };
     stream.log.skip().await;
     let end = stream.run(velocity, jog.time).await;
-    // Also after a failure: the axis may move.
+    // Also after a failure, because the axis may move.
     let stopped = stream.stop().await;
     end?;
     let state = stopped?;
@@ -98,12 +99,13 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The state of an axis.
+/// Returns the state of an axis.
 fn of_axis<'a>(states: &'a AxisStates, axis: &str) -> Option<&'a AxisState> {
     states.axes.iter().find(|state| state.name == axis)
 }
 
-/// The message with the velocity of an axis (m/s or rad/s). Without a stamp, because the clocks of two hosts may differ.
+/// Returns the message with the velocity of an axis (in m/s or rad/s). It has no stamp, because the clocks of two hosts
+/// may differ.
 fn message(axis: &str, velocity: f64) -> Setpoints {
     Setpoints { axes: vec![axis.to_owned()], velocities: vec![velocity], ..Setpoints::default() }
 }
@@ -113,14 +115,14 @@ fn names(refusal: &str, axis: &str) -> bool {
     refusal.split(|sign: char| !(sign.is_alphanumeric() || sign == '_')).any(|word| word == axis)
 }
 
-/// How positions are shown.
+/// Format of positions.
 struct Shown {
     kind: ScaleKind,
     unit: Option<Unit>,
     progress: Progress,
 }
 
-/// The stream to one axis.
+/// Stream to one axis.
 struct Stream<'a> {
     session: &'a Session,
     states: Subscription<AxisStates>,
@@ -136,7 +138,7 @@ struct Stream<'a> {
 }
 
 impl Stream<'_> {
-    /// Publishes the velocity until the time has passed or a signal comes.
+    /// Publishes the velocity until the time has passed or a signal is received.
     async fn run(&mut self, velocity: f64, time: Option<Duration>) -> Result<(), Failure> {
         let session = self.session;
         let gone = session.gone();
@@ -209,7 +211,7 @@ impl Stream<'_> {
         ))
     }
 
-    /// Something else has stopped the axis or moves it.
+    /// Returns the error for an axis that was stopped or moved otherwise.
     fn ended_by_other(&self, reason: Option<String>) -> Failure {
         let reason = reason.map_or_else(String::new, |reason| format!(" ({})", clean(&reason)));
         Failure::Failed(format!("{}: the axis does not follow the jog any more{reason}; the jog has ended", self.axis))
@@ -227,18 +229,18 @@ impl Stream<'_> {
         progress.show(&format!("{}: {position}, {} {}", self.axis, short(state.velocity), si_unit(Some(*kind), 1)));
     }
 
-    /// Stops the axis, and returns its state at rest.
+    /// Stops the axis, and returns its state at standstill.
     async fn stop(&mut self) -> Result<AxisState, Failure> {
         for _ in 0..ZEROS {
             self.ticks.tick().await;
             self.setpoints.publish(&message(self.axis, 0.0)).map_err(Failure::failed)?;
         }
-        // Nothing of this command moves it, and it may move for another one.
+        // This command does not move it, but another client may.
         if !self.has_moved {
             let states = self.session.first_states(&mut self.states).await?;
             return of_axis(&states, self.axis).cloned().ok_or_else(|| no_axis(self.session, self.axis));
         }
-        // States from before that do not show whether it rests now.
+        // Discards earlier states, which do not show whether it is at standstill now.
         while matches!(timeout(Duration::ZERO, self.states.next()).await, Ok(Some(_))) {}
         let session = self.session;
         let gone = session.gone();

@@ -1,8 +1,9 @@
-//! Commands to a node over its own ROS 2 interfaces: `lineshaft state`, `enable`, `move` and so on. They need no ROS.
+//! Commands to a node over its own ROS 2 interfaces: `lineshaft state`, `enable`, `move` and so on. They need no ROS
+//! installation.
 //!
-//! Each command is a node of its own in the DDS domain for as long as it runs. It sends nothing before exactly one node of the
-//! given name is matched, and it reports what that node answers. `session` finds the node and calls its services, `goals` runs
-//! goals of its actions to their end.
+//! Each command is a separate node in the DDS domain while it runs. It sends nothing before exactly one node of the
+//! given name is matched, and it reports the answer of that node. `session` finds the node and calls its services,
+//! `goals` runs goals of its actions to their ends.
 
 mod amount;
 mod axes;
@@ -31,10 +32,10 @@ pub(crate) use self::state::{StateForm, state};
 /// Reason why a command failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Failure {
-    /// The command line: nothing was sent.
+    /// The command line is wrong; nothing was sent.
     #[error("{0}")]
     Usage(String),
-    /// The node refused or aborted it, or did not answer.
+    /// The node refused or aborted the request, or did not answer.
     #[error("{0}")]
     Failed(String),
 }

@@ -1,4 +1,4 @@
-//! `lineshaft move`: a goal of `~/move_axis`.
+//! `lineshaft move`: sends a goal of `~/move_axis`.
 
 use super::amount::{AxisKind, Given, GoalUnits};
 use super::goals::{Ended, Goals};
@@ -9,7 +9,7 @@ use super::{Failure, Options};
 use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
 use lineshaft_msgs::foreign::action_msgs::msg::GoalStatus;
 
-/// A motion that was asked for.
+/// Parameters of a motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub(crate) axis: String,
@@ -21,10 +21,10 @@ pub(crate) struct Motion {
     pub(crate) deceleration: Option<Given>,
 }
 
-/// Moves an axis, waits for the end, and prints where it is.
+/// Moves an axis, waits for the end, and prints its position.
 ///
 /// # Errors
-/// The node refuses or aborts the motion or does not answer, or a signal ended it.
+/// Returns an error if the node refuses or aborts the motion or does not answer, or if a signal ended it.
 pub(crate) async fn move_axis(options: &Options, motion: &Motion) -> Result<(), Failure> {
     let units = units(motion)?;
     let session = Session::open(options).await?;

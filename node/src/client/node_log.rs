@@ -1,4 +1,4 @@
-//! Lines of the node's log on `/rosout`: replies of actions and streams have no room for the reason of a refusal.
+//! Reads log lines of the node on `/rosout`: replies of actions and streams have no field for the reason of a refusal.
 
 use super::Failure;
 use super::session::Session;
@@ -7,7 +7,7 @@ use lineshaft_ros::layer::{Qos, Subscription};
 use std::time::Duration;
 use tokio::time::timeout;
 
-/// The log of one node.
+/// Log of one node.
 pub(super) struct NodeLog {
     lines: Subscription<Log>,
     logger: String,
@@ -26,7 +26,7 @@ impl NodeLog {
         while timeout(Duration::ZERO, self.next()).await.is_ok() {}
     }
 
-    /// The next line of the node.
+    /// Returns the next line of the node.
     pub(super) async fn next(&mut self) -> String {
         loop {
             match self.lines.next().await {
@@ -37,7 +37,7 @@ impl NodeLog {
         }
     }
 
-    /// The next line that begins with `prefix`, without it, if one comes within `patience`.
+    /// Returns the next line that begins with `prefix`, without the prefix, if there is one within `patience`.
     pub(super) async fn sentence(&mut self, prefix: &str, patience: Duration) -> Option<String> {
         let find = async {
             loop {

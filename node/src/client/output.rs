@@ -1,4 +1,4 @@
-//! What a command prints.
+//! Prints the output of a command.
 
 use crate::output;
 use crate::recording::clean::clean;
@@ -16,7 +16,7 @@ pub(super) fn is_screen() -> bool {
     output::columns().is_some() && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
-/// One line that shows the progress, on a terminal only.
+/// A line with the progress, on a terminal only.
 pub(super) struct Progress(Option<ProgressBar>);
 
 impl Progress {
@@ -41,12 +41,13 @@ impl Drop for Progress {
     }
 }
 
-/// SI unit of the derivative of this order (0 position, 1 velocity) of an axis; empty if its kind is unknown.
+/// Returns the SI unit of the derivative of this order (0 position, 1 velocity) of an axis; empty if its kind is
+/// unknown.
 pub(super) fn si_unit(kind: Option<ScaleKind>, order: u8) -> String {
     kind.map(|kind| kind.dimension(order).si_unit().to_string()).unwrap_or_default()
 }
 
-/// A position in SI, with its unit, and in the unit of the axis where that is another one: `0.05 m (50 mm)`.
+/// Formats a position in SI, and in the unit of the axis if it differs: `0.05 m (50 mm)`.
 pub(super) fn position_text(value: f64, kind: Option<ScaleKind>, unit: Option<Unit>) -> String {
     let text = format!("{} {}", short(value), si_unit(kind, 0)).trim_end().to_owned();
     match in_unit(value, kind, unit) {
@@ -55,7 +56,7 @@ pub(super) fn position_text(value: f64, kind: Option<ScaleKind>, unit: Option<Un
     }
 }
 
-/// A position in the unit of the axis, if that is known and is not the SI unit.
+/// Formats a position in the unit of the axis, if that is known and is not the SI unit.
 pub(super) fn in_unit(value: f64, kind: Option<ScaleKind>, unit: Option<Unit>) -> Option<String> {
     let (dimension, unit) = (kind?.dimension(0), unit?);
     if unit.dimension() != dimension || unit == dimension.si_unit() {
@@ -65,7 +66,7 @@ pub(super) fn in_unit(value: f64, kind: Option<ScaleKind>, unit: Option<Unit>) -
     Some(format!("{} {unit}", short(value / one)))
 }
 
-/// At most nine decimals, without trailing zeros.
+/// Formats a number with at most nine decimals, without trailing zeros.
 pub(super) fn short(value: f64) -> String {
     let text = format!("{value:.9}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text.as_str() };
@@ -85,7 +86,7 @@ mod tests {
         let quarter = std::f64::consts::FRAC_PI_2;
         assert_eq!(position_text(quarter, Some(ScaleKind::Rotary), Some(Unit::DEGREE)), "1.570796327 rad (90 deg)");
         assert_eq!(position_text(0.05, None, None), "0.05");
-        // A unit of another kind is a contradiction, and is not shown.
+        // A unit of another kind contradicts the kind of the axis and is not shown.
         assert_eq!(position_text(0.05, linear, Some(Unit::DEGREE)), "0.05 m");
     }
 

@@ -15,25 +15,25 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 use tokio::time::{sleep, timeout};
 
-/// Time between two looks at what is matched.
+/// Polling interval for matches.
 pub(super) const LOOK: Duration = Duration::from_millis(10);
-/// Time after the first match in which a second node of the same name is found.
+/// Time after the first match within which a second node of the same name is found.
 const SETTLE: Duration = Duration::from_millis(100);
-/// Time after which a question that changes nothing is asked again.
+/// Time after which a request that changes nothing is repeated.
 const ASK_AGAIN: Duration = Duration::from_secs(2);
-/// Time after which a node that is not matched any more has ended.
+/// Time after which a node that is not matched any more counts as ended.
 const GONE: Duration = Duration::from_secs(1);
 
-/// Which node, and how long it may take to be found.
+/// Name of the node, and timeout.
 #[derive(Clone, Debug)]
 pub(crate) struct Options {
-    /// Its name; `None`: `/lineshaft`, or for a command that only reads, the only Lineshaft node.
+    /// Name of the node; `None`: `/lineshaft`, or for a command that only reads, the only Lineshaft node.
     pub(crate) node: Option<String>,
     /// Maximum time to find it and for a first answer.
     pub(crate) timeout: Duration,
-    /// Whether the command only reads, so that a wrong node does no harm.
+    /// Whether the command only reads, so that a wrong node causes no damage.
     pub(crate) is_reading: bool,
-    /// Whether the command only stops axes: of several nodes of the name, all get it.
+    /// Whether the command only stops axes; it is sent to all nodes of the name.
     pub(crate) is_stop: bool,
 }
 
@@ -53,7 +53,7 @@ impl Session {
     /// Joins the DDS domain and waits for the node.
     ///
     /// # Errors
-    /// The environment is invalid, no node answers, or several do.
+    /// Returns an error if the environment is invalid, or unless exactly one node answers.
     pub(super) async fn open(options: &Options) -> Result<Self, Failure> {
         let environment = Environment::read().map_err(Failure::usage)?;
         // Tools of ROS 2 hide nodes whose name begins with an underscore.
@@ -61,7 +61,7 @@ impl Session {
         Self::open_in(environment, Side::of_this_program(), &name, options).await
     }
 
-    /// The same in this environment, with this ROS side, as a node of this name.
+    /// Does the same in this environment, with this ROS side, as a node of this name.
     pub(super) async fn open_in(
         environment: Environment,
         side: Side,
@@ -85,12 +85,12 @@ impl Session {
         Ok(session)
     }
 
-    /// Full name of the node.
+    /// Returns the full name of the node.
     pub(super) fn target(&self) -> &str {
         &self.target
     }
 
-    /// Maximum time for a first answer.
+    /// Returns the maximum time for a first answer.
     pub(super) fn timeout(&self) -> Duration {
         self.timeout
     }
@@ -99,27 +99,27 @@ impl Session {
         format!("{}/{name}", self.target)
     }
 
-    /// Client of a service of the node.
+    /// Creates a client of a service of the node.
     pub(super) fn service<S: Service>(&self, name: &str, qos: Qos) -> Result<ServiceClient<S>, Failure> {
         self.node.client(&self.below(name), qos).map_err(Failure::failed)
     }
 
-    /// Client of an action of the node.
+    /// Creates a client of an action of the node.
     pub(super) fn action<A: Action>(&self, name: &str) -> Result<ActionClient<A>, Failure> {
         self.node.action_client(&self.below(name)).map_err(Failure::failed)
     }
 
-    /// Subscription of a topic of the node.
+    /// Creates a subscription of a topic of the node.
     pub(super) fn topic<M: Message>(&self, name: &str, qos: Qos) -> Result<Subscription<M>, Failure> {
         self.node.subscription(&self.below(name), qos).map_err(Failure::failed)
     }
 
-    /// Subscription of a topic that all nodes share, by its full name.
+    /// Creates a subscription of a topic that all nodes share, by its full name.
     pub(super) fn shared_topic<M: Message>(&self, name: &str, qos: Qos) -> Result<Subscription<M>, Failure> {
         self.node.subscription(name, qos).map_err(Failure::failed)
     }
 
-    /// Publisher of a topic that the node reads.
+    /// Creates a publisher of a topic that the node reads.
     pub(super) fn publisher<M: Message>(&self, name: &str, qos: Qos) -> Result<Publisher<M>, Failure> {
         self.node.publisher(&self.below(name), qos).map_err(Failure::failed)
     }
@@ -127,14 +127,14 @@ impl Session {
     /// Waits until exactly one server or reader is matched.
     ///
     /// # Errors
-    /// None is matched in time, or several are.
+    /// Returns an error if none is matched in time, or if several are.
     pub(super) async fn matched(&self, what: &str, count: impl Fn() -> usize) -> Result<(), Failure> {
         let begun = Instant::now();
         loop {
             self.check_loss()?;
             match count() {
                 1 => return Ok(()),
-                // While a node hands over its ROS side there are two for some seconds. A stop does no harm twice.
+                // While a node hands over its ROS side there are two for some seconds. Stopping twice is harmless.
                 2.. if self.is_stop => return Ok(()),
                 0 if begun.elapsed() >= self.timeout => return Err(Failure::Failed(self.missing(what))),
                 several if begun.elapsed() >= self.timeout => {
@@ -159,7 +159,7 @@ impl Session {
     /// Sends a request and waits for its reply, for at most `patience`.
     ///
     /// # Errors
-    /// No server, no reply, or the node has ended.
+    /// Returns an error if there is no server or no reply, or if the node has ended.
     pub(super) async fn call<S: Service>(
         &self,
         client: &mut ServiceClient<S>,
@@ -179,10 +179,11 @@ impl Session {
         }
     }
 
-    /// Calls a service that changes nothing: it is asked again where no answer comes, as the first one to a new client may get lost.
+    /// Calls a service that changes nothing; the request is repeated if there is no answer, because the first one to a
+    /// new client may be lost.
     ///
     /// # Errors
-    /// No answer comes in time, or the node has ended.
+    /// Returns an error if there is no answer in time, or if the node has ended.
     pub(super) async fn ask<S: Service>(
         &self,
         client: &mut ServiceClient<S>,
@@ -198,7 +199,7 @@ impl Session {
         }
     }
 
-    /// Waits until the node or the DDS library has ended, and returns why.
+    /// Waits until the node or the DDS library has ended, and returns the reason.
     pub(super) async fn gone(&self) -> Failure {
         let mut absent: Option<Instant> = None;
         loop {
@@ -222,10 +223,10 @@ impl Session {
         loss.map_or(Ok(()), |reason| Err(Failure::Failed(format!("the DDS library of this command {reason}"))))
     }
 
-    /// The first message of `~/axis_states`.
+    /// Returns the first message of `~/axis_states`.
     ///
     /// # Errors
-    /// None comes in time: with the state of the node's life cycle.
+    /// Returns an error with the lifecycle state of the node if there is no message in time.
     pub(super) async fn first_states(&self, states: &mut Subscription<AxisStates>) -> Result<AxisStates, Failure> {
         tokio::select! {
             message = timeout(self.timeout, states.next()) => match message {
@@ -237,7 +238,7 @@ impl Session {
         }
     }
 
-    /// Why no message of `~/axis_states` comes.
+    /// Returns the reason why there is no message of `~/axis_states`.
     pub(super) async fn no_states(&self) -> Failure {
         let label = match self.life_cycle().await {
             Ok(label) => label,
@@ -258,12 +259,12 @@ impl Session {
     }
 }
 
-/// The node of the command itself has ended.
+/// Returns the error for the end of the command's own node.
 pub(super) fn own_end() -> Failure {
     Failure::Failed("the node of this command has ended".to_owned())
 }
 
-/// Topic of the states of all axes.
+/// Creates a subscription of the states of all axes.
 pub(super) fn axis_states(session: &Session) -> Result<Subscription<AxisStates>, Failure> {
     session.topic("axis_states", Qos::STREAM)
 }

@@ -1,4 +1,4 @@
-//! `lineshaft state`: the axes as `~/axis_states` reports them.
+//! `lineshaft state`: prints the axes as `~/axis_states` reports them.
 
 use super::info::{AxisInfo, AxisInfos};
 use super::output::{in_unit, is_screen, position_text, print, short, si_unit};
@@ -16,19 +16,19 @@ use tokio::time::{Instant, MissedTickBehavior, interval};
 /// Time between two prints of `--watch`.
 const PERIOD: Duration = Duration::from_millis(200);
 
-/// How the states are printed.
+/// Format of the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct StateForm {
-    /// Again and again, until a signal comes.
+    /// Whether the states are printed repeatedly until a signal is received.
     pub(crate) is_watch: bool,
-    /// As JSON, one object for each message.
+    /// Whether they are printed as JSON, one object for each message.
     pub(crate) is_json: bool,
 }
 
 /// Prints the states of all axes.
 ///
 /// # Errors
-/// The node publishes none.
+/// Returns an error if the node publishes no states.
 pub(crate) async fn state(options: &Options, form: StateForm) -> Result<(), Failure> {
     let session = Session::open(options).await?;
     let mut states = axis_states(&session)?;
@@ -53,7 +53,7 @@ pub(crate) async fn state(options: &Options, form: StateForm) -> Result<(), Fail
                     return Err(session.no_states().await);
                 }
                 let text = text(session.target(), &newest, &infos, form);
-                // The cursor goes back to the first line of the previous table.
+                // The cursor returns to the first line of the previous table.
                 let is_next = lines > 0 && !form.is_json && is_screen();
                 let back = if is_next { format!("\x1b[{lines}A\x1b[J") } else { String::new() };
                 lines = text.lines().count();
@@ -85,7 +85,7 @@ fn text(node: &str, states: &AxisStates, infos: &[AxisInfo], form: StateForm) ->
     }
 }
 
-/// The names of AxisState.msg.
+/// Returns the name of a state in AxisState.msg.
 fn state_name(state: u8) -> &'static str {
     match state {
         AxisState::DISABLED => "DISABLED",
@@ -100,7 +100,7 @@ fn state_name(state: u8) -> &'static str {
     }
 }
 
-/// A line for each axis, with columns of equal width, then a line for each error.
+/// Returns a line for each axis, with columns of equal width, then a line for each error.
 fn table(states: &AxisStates, infos: &[AxisInfo]) -> String {
     let header = ["axis", "state", "enabled", "homed", "position", "velocity", "error"].map(str::to_owned);
     let rows = states.axes.iter().zip(infos).map(|(axis, info)| row(axis, *info));
@@ -132,14 +132,14 @@ fn row(axis: &AxisState, AxisInfo { kind, unit }: AxisInfo) -> [String; 7] {
     ]
 }
 
-/// The error of an axis with its cause and remedy, if it has one.
+/// Returns the error of an axis with its cause and remedy, if it has one.
 pub(super) fn error_line(axis: &AxisState) -> Option<String> {
     if axis.error_code == 0 {
         return None;
     }
     let mut line = format!("{}: error {}", clean(&axis.name), axis.error_code);
     if let Some(row) = Code(axis.error_code).row() {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(line, " {}: {} {}", row.name, row.cause, row.remedy);
     }
     Some(line)

@@ -1,19 +1,19 @@
-//! Signals that end a command in order: those of the whole program.
+//! Signals that end a command in an orderly way; they are those of the whole program.
 
 use super::Failure;
 use crate::interrupt::{SAME_SIGNAL, Signals};
 use std::time::Instant;
 
-/// Listens to the signals; without it they end the process at once.
+/// Receiver of the signals; without it they end the process immediately.
 pub(super) struct Stop {
     signals: Source,
     first: Option<Instant>,
 }
 
-/// Where signals come from.
+/// Source of signals.
 enum Source {
     System(Signals),
-    /// Signals that a test makes.
+    /// Signals of a test.
     #[cfg(test)]
     Made(tokio::sync::mpsc::UnboundedReceiver<()>),
 }
@@ -36,14 +36,14 @@ impl Source {
 
 impl Stop {
     /// # Errors
-    /// The system does not deliver them.
+    /// Returns an error if the operating system does not deliver signals.
     pub(super) fn listen() -> Result<Self, Failure> {
         let signals =
             Signals::new().map_err(|error| Failure::Failed(format!("signals cannot be received: {error}")))?;
         Ok(Self { signals: Source::System(signals), first: None })
     }
 
-    /// Listens to the signals that are sent to the channel.
+    /// Creates a receiver of the signals that are sent to the channel.
     #[cfg(test)]
     pub(super) fn made() -> (tokio::sync::mpsc::UnboundedSender<()>, Self) {
         let (sender, signals) = tokio::sync::mpsc::unbounded_channel();

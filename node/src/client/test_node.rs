@@ -5,12 +5,12 @@ use lineshaft_msgs::srv::AxesCommand;
 use lineshaft_ros::layer::{Environment, Networks, Node, NodeName, Qos, ServiceServer, Side};
 use std::time::Duration;
 
-/// Far more than anything here takes.
+/// Much longer than any operation in the tests.
 pub(super) const LONG: Duration = Duration::from_secs(30);
 /// Maximum time for a first answer.
 pub(super) const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A node that commands find: it has the service `~/halt`.
+/// A node that commands can find, because it has the service `~/halt`.
 pub(super) struct TestNode {
     pub(super) node: Node,
     environment: Environment,
@@ -20,7 +20,7 @@ pub(super) struct TestNode {
 
 impl TestNode {
     pub(super) fn start(name: &str) -> Self {
-        // A domain that tests with other programs (10 to 101) do not take, and other runs of these seldom.
+        // Tests with other programs use domains 10 to 101; parallel runs of these tests rarely have the same one.
         let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
         let environment = Environment { domain, networks: Networks::Loopback };
         let name = format!("{name}_{}", std::process::id());

@@ -1,51 +1,51 @@
-//! Entries of a mapping set in a text, all else of which stays as it stands: comments, order, ends of lines.
+//! Sets entries of a mapping in a text; the rest of the text stays unchanged: comments, order, line ends.
 //!
-//! Law      a value that stands is replaced in its place. An entry that is missing goes behind its neighbour: on a line of its own with the
-//!          indentation and the end of that one's line, or behind a comma where the mapping is in braces. A key `a.b` is the
-//!          entry `b` of mapping `a` where there is one, else an entry of that name
-//! Reads    a text that is YAML
+//! Law      an existing value is replaced in its place. A missing entry is inserted after its neighbour: on a separate
+//!          line with the indentation and the line end of the neighbour, or after a comma if the mapping is in braces.
+//!          A key `a.b` is the entry `b` of mapping `a` if there is one, otherwise an entry of that name
+//! Reads    a YAML text
 //! Writes   a text
-//! Refuses  what stands in more places than one, by an anchor, and values over several lines ([`Fixed`])
+//! Refuses  a value that an anchor repeats in several places, and values over several lines ([`Fixed`])
 //!
-//! Who edits reads the new text again: whether it says what it should is known there.
+//! The caller must read the new text to check its meaning.
 
 use super::problem::quote;
 use saphyr_parser::{Event, Parser, ScalarStyle, Span};
 use std::collections::BTreeSet;
 
-/// Why an entry cannot be set.
+/// Reason why an entry cannot be set.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {reason}")]
 pub struct Fixed {
-    /// Where, from 1.
+    /// Line, from 1.
     pub line: usize,
-    /// What stands there.
+    /// Reason.
     pub reason: String,
 }
 
-/// A text with the place of each value.
+/// A text with the location of each value.
 #[derive(Clone, Debug)]
 pub struct Source<'t> {
     text: &'t str,
     root: Node,
-    /// Anchors that are repeated somewhere.
+    /// Anchors that are referred to.
     repeated: BTreeSet<usize>,
 }
 
 #[derive(Clone, Debug)]
 struct Node {
-    /// Bytes of the text.
+    /// Byte offset in the text.
     start: usize,
     end: usize,
     line: usize,
-    /// 0 for none.
+    /// Number of the anchor; 0 for none.
     anchor: usize,
     kind: Kind,
 }
 
 #[derive(Clone, Debug)]
 enum Kind {
-    /// `is_block`: over several lines behind `|` or `>`.
+    /// `is_block`: a block scalar after `|` or `>`.
     Scalar {
         text: String,
         is_block: bool,
@@ -57,23 +57,23 @@ enum Kind {
     },
 }
 
-/// A change of the text: these bytes become that.
+/// A replacement of these bytes of the text.
 struct Change {
     at: std::ops::Range<usize>,
     to: String,
 }
 
 impl<'t> Source<'t> {
-    /// Finds the places of a text.
+    /// Finds the locations of the values of a text.
     ///
     /// # Errors
-    /// A text that is no YAML, and its line.
+    /// Returns an error with its line if the text is no YAML.
     pub fn parse(text: &'t str) -> Result<Self, Fixed> {
         let (root, repeated) = tree(text)?;
         Ok(Self { text, root, repeated })
     }
 
-    /// The line of an entry of the mapping that is found by these keys, from 1.
+    /// Returns the line, from 1, of an entry of the mapping at these keys.
     pub fn line_of(&self, path: &[&str], key: &str) -> Option<usize> {
         let map = path.iter().try_fold(&self.root, |node, key| node.entry(key).map(|(_, value)| value))?;
         let (key, _) = map.entry(key).or_else(|| {
@@ -83,11 +83,11 @@ impl<'t> Source<'t> {
         Some(key.line)
     }
 
-    /// The text with entries of the mapping that is found by these keys set; each is a key and a value as it is written. Those that are
-    /// missing go behind the last of the `neighbours` that stands there, else behind the last plain value.
+    /// Returns the text with new entries of the mapping at these keys; each is a key and a value as written. Missing
+    /// ones are inserted after the last of the `neighbours` that exists, otherwise after the last plain value.
     ///
     /// # Errors
-    /// What stands in the way; nothing is set then.
+    /// Returns the reason if an entry cannot be set; then none is set.
     pub fn set(&self, path: &[&str], entries: &[(&str, &str)], neighbours: &[&str]) -> Result<String, Fixed> {
         let mut map = self.own(&self.root)?;
         for key in path {
@@ -100,7 +100,7 @@ impl<'t> Source<'t> {
         for (key, value) in entries {
             changes.push(self.change(map, key, value, neighbours)?);
         }
-        // From behind, so that places stay; what goes into one place stays in its order.
+        // From the end, so that offsets stay valid; insertions at one offset keep their order.
         changes.reverse();
         changes.sort_by_key(|change| std::cmp::Reverse(change.at.start));
         let mut text = self.text.to_owned();
@@ -110,7 +110,7 @@ impl<'t> Source<'t> {
         Ok(text)
     }
 
-    /// A value that stands in this place alone.
+    /// Returns a value that is used in this place only.
     fn own<'n>(&self, node: &'n Node) -> Result<&'n Node, Fixed> {
         match node.kind {
             Kind::Alias => Err(node.fixed("an alias stands here; what it repeats belongs to other places, too")),
@@ -148,7 +148,7 @@ impl<'t> Source<'t> {
         }
     }
 
-    /// An entry more; it goes behind the last of its `neighbours` that there is.
+    /// Returns the insertion of an entry after the last of its `neighbours` that exists.
     fn insert(&self, map: &Node, key: &str, value: &str, neighbours: &[&str]) -> Result<Change, Fixed> {
         let Kind::Map { entries } = &map.kind else {
             return Err(map.fixed("a mapping is expected here"));
@@ -190,13 +190,13 @@ impl<'t> Source<'t> {
         Ok(Change { at: at..at, to: format!("{indentation}{key}: {value}{end}") })
     }
 
-    /// Where a list or a mapping opens that stands in brackets or braces.
+    /// Returns the offset of the opening bracket or brace of a list or mapping that has one.
     fn bracket(&self, node: &Node) -> Option<usize> {
         let start = behind_anchor(self.text, node.start);
         self.text.get(start..)?.starts_with(['{', '[']).then_some(start)
     }
 
-    /// How lines end.
+    /// Returns the line end of the text.
     fn line_end(&self) -> &'static str {
         match self.text.find(['\n', '\r']).and_then(|at| self.text.get(at..)) {
             Some(rest) if rest.starts_with("\r\n") => "\r\n",
@@ -219,7 +219,7 @@ impl Node {
     }
 
     fn is_empty(&self) -> bool {
-        // Where nothing stands the parser names what comes next.
+        // For an absent value the parser gives the position of the next token.
         matches!(&self.kind, Kind::Scalar { text, .. } if text.is_empty())
     }
 
@@ -228,13 +228,13 @@ impl Node {
     }
 }
 
-/// A mapping or a list whose end has not come yet.
+/// A mapping or list that is not closed yet.
 struct Open {
     node: Node,
     key: Option<Node>,
 }
 
-/// The tree of the first document, and the anchors that are repeated.
+/// Returns the tree of the first document, and the anchors that are referred to.
 fn tree(source: &str) -> Result<(Node, BTreeSet<usize>), Fixed> {
     let marked = source.strip_prefix('\u{feff}').unwrap_or(source);
     let skipped = source.len() - marked.len();
@@ -279,7 +279,7 @@ fn tree(source: &str) -> Result<(Node, BTreeSet<usize>), Fixed> {
                 Some(Open { node, .. }) => Node { end: at(span.end.index()), ..node },
                 None => continue,
             },
-            // What stands behind the first document is no part of it.
+            // Text after the first document is ignored.
             Event::DocumentEnd => break,
             _ => continue,
         };
@@ -299,7 +299,7 @@ fn tree(source: &str) -> Result<(Node, BTreeSet<usize>), Fixed> {
     Ok((root.unwrap_or(empty), repeated))
 }
 
-/// Where a value begins: the parser counts the anchor to it.
+/// Returns the start of a value without its anchor, which the parser includes.
 fn behind_anchor(source: &str, start: usize) -> usize {
     match source.get(start..).filter(|rest| rest.starts_with('&')) {
         Some(rest) => source.len() - rest.trim_start_matches(|c: char| !c.is_whitespace()).trim_start().len(),
@@ -307,7 +307,7 @@ fn behind_anchor(source: &str, start: usize) -> usize {
     }
 }
 
-/// Where a text in quotes ends: the parser counts what stands behind it to it.
+/// Returns the end of a quoted text; the parser includes the text after it.
 fn quoted_end(source: &str, node: &Node) -> Option<usize> {
     let text = source.get(node.start..node.end)?;
     let quote = text.chars().next().filter(|first| matches!(first, '"' | '\''))?;

@@ -1,4 +1,4 @@
-//! Reading of a mapping, key by key.
+//! Reads a mapping key by key.
 
 #[cfg(test)]
 use super::observer::Note;
@@ -7,10 +7,10 @@ use super::value::suggest;
 use super::{Node, Place, Problems, Value};
 use lineshaft_core::unit::excerpt;
 
-/// Known keys that a sentence lists when nothing is alike.
+/// Maximum number of known keys in a message if none is similar.
 const MAX_LISTED: usize = 10;
 
-/// A mapping that is being read. [`Map::finish`] reports the keys that nobody asked for.
+/// A mapping that is being read. [`Map::finish`] reports the keys that were not read.
 #[derive(Debug)]
 pub struct Map<'d> {
     what: String,
@@ -24,12 +24,12 @@ pub struct Map<'d> {
 
 impl<'d> Map<'d> {
     pub(super) fn new(what: String, node: &'d Node, entries: &'d [(Node, Node)], problems: &'d Problems) -> Self {
-        // The name of an object may be in it: foreign text.
+        // It may contain the name of an object, which is text from outside.
         let what = excerpt(&what);
         Self { what, node, entries, problems, asked: Vec::new(), missing: Vec::new(), explain: None }
     }
 
-    /// The value of a key that may be left out.
+    /// Returns the value of an optional key.
     pub fn optional(&mut self, key: &str) -> Option<Value<'d>> {
         self.value_of(key, false)
     }
@@ -41,7 +41,7 @@ impl<'d> Map<'d> {
         Some(Value::new(node, key.to_owned(), self.problems))
     }
 
-    /// The value of a key that must stand; without it, that is reported when the reading of this mapping is over.
+    /// Returns the value of a required key; a missing one is reported at the end of this mapping.
     pub fn required(&mut self, key: &str) -> Option<Value<'d>> {
         let value = self.value_of(key, true);
         if value.is_none() {
@@ -50,13 +50,13 @@ impl<'d> Map<'d> {
         value
     }
 
-    /// Keys that are known though nobody has asked for them: no problem, and suggested for what is alike.
+    /// Permits keys that were not read; they are also suggested for similar keys.
     pub fn allow(&mut self, keys: &[&str]) {
         self.asked.extend(keys.iter().map(|&key| key.to_owned()));
         keys.iter().for_each(|key| self.note_key(key, false));
     }
 
-    /// Notes for a test that a key was asked for.
+    /// Records for a test that a key was requested.
     #[cfg(test)]
     fn note_key(&self, key: &str, is_required: bool) {
         if let Some(observer) = &self.problems.observer {
@@ -67,35 +67,35 @@ impl<'d> Map<'d> {
     #[cfg(not(test))]
     fn note_key(&self, _: &str, _: bool) {}
 
-    /// Keys and values that nobody has asked for yet, in file order; now they count as asked for.
+    /// Returns the keys and values that were not read yet, in the order of the file, and marks them as read.
     pub fn rest(&mut self) -> Vec<(Value<'d>, Value<'d>)> {
         let rest: Vec<_> = self.entries.iter().filter(|(key, _)| !self.is_asked(key.text())).collect();
         self.asked.extend(rest.iter().map(|(key, _)| key.text().to_owned()));
         rest.into_iter().map(|(key, value)| Value::entry(key, value, self.problems)).collect()
     }
 
-    /// Is the key there, with or without a value?
+    /// Whether the key exists, with or without a value.
     pub fn has(&self, key: &str) -> bool {
         self.entries.iter().any(|(name, _)| name.text() == key)
     }
 
-    /// Who knows what an unknown key may mean tells it here, before anything that is only alike.
+    /// Sets a function that explains unknown keys; it has priority over similar keys.
     pub fn explain_by(&mut self, explain: fn(&str) -> Option<String>) {
         self.explain = Some(explain);
     }
 
-    /// Where the mapping starts.
+    /// Returns the location of the mapping.
     pub fn place(&self) -> Place {
         self.node.place
     }
 
-    /// Notes a problem of the mapping as a whole.
+    /// Reports a problem of the mapping as a whole.
     pub fn refuse(&self, sentence: impl Into<String>, hint: Option<String>) {
         self.problems.push(self.node.place, sentence, hint);
     }
 
-    /// Ends the reading: every key that nobody asked for is a problem. A missing key is not reported as well when an unknown
-    /// one looks like its misspelling.
+    /// Ends the mapping: every key that was not read is a problem. A missing key is not reported if an unknown one
+    /// seems to be its misspelling.
     pub fn finish(mut self) {
         #[cfg(test)]
         if let Some(observer) = &self.problems.observer {
@@ -117,12 +117,12 @@ impl<'d> Map<'d> {
         self.asked.iter().any(|asked| asked == key)
     }
 
-    /// The known key that is most like an unknown one, of those that do not stand already.
+    /// Returns the known key that is most similar to an unknown one and is not in the mapping yet.
     fn meant(&self, key: &str) -> Option<String> {
         suggest(key, self.asked.iter().map(String::as_str).filter(|known| !self.has(known))).map(str::to_owned)
     }
 
-    /// How a key is written whose colon is missing: in braces `{at 0}` is a key without a value.
+    /// Returns a hint for a key without colon: `{at 0}` in braces is a key without a value.
     fn without_colon(&self, key: &str) -> Option<String> {
         let name = before_blank(key)?;
         let value = key.get(name.len() + 1..).unwrap_or_default().trim_start();
@@ -143,12 +143,12 @@ impl<'d> Map<'d> {
     }
 }
 
-/// The part of a key before its first blank or colon.
+/// Returns the part of a key before its first space or colon.
 fn before_blank(key: &str) -> Option<&str> {
     key.split_once([' ', ':']).map(|(name, _)| name)
 }
 
-/// Reports missing keys, also when a reader gave up before [`Map::finish`].
+/// Reports missing keys, also if a reader returned before [`Map::finish`].
 impl Drop for Map<'_> {
     fn drop(&mut self) {
         for key in &self.missing {

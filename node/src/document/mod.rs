@@ -1,8 +1,8 @@
-//! YAML documents that report all their errors at once, each with file, line and column.
+//! Reads YAML documents and reports all their errors at once, each with file, line and column.
 //!
-//! [`Document`] holds the tree of a file with the place of every value and every scalar as it was written, so that the
-//! reader of a key decides what `1 ms`, `1e3` or `yes` means there. [`Value`] and [`Map`] read it: a reader that cannot
-//! return what is asked for notes a [`Problem`] and returns `None`, so that the reading goes on with the next key.
+//! [`Document`] has the tree of a file with the location of every value and every scalar as written, so that the reader
+//! of a key decides the meaning of `1 ms`, `1e3` or `yes`. [`Value`] and [`Map`] read it: a reader that finds a wrong
+//! value reports a [`Problem`] and returns `None`, so that reading continues with the next key.
 //!
 //! ```
 //! use lineshaft::document::{Allowed, Document};
@@ -24,7 +24,7 @@
 //! );
 //! ```
 //!
-//! No other room knows the YAML parser.
+//! No other module uses the YAML parser.
 
 mod edit;
 mod map;
@@ -47,18 +47,18 @@ use lineshaft_ros::layer::open_file;
 use std::io::Read;
 use std::path::Path;
 
-/// Longest document (bytes).
+/// Maximum size of a document, in bytes.
 pub const MAX_BYTES: usize = 4 << 20;
-/// Deepest nesting of lists and mappings.
+/// Maximum nesting of lists and mappings.
 pub const MAX_DEPTH: usize = 64;
-/// Most values in a document.
+/// Maximum number of values in a document.
 pub const MAX_VALUES: usize = 250_000;
-/// What a file of people may hold.
+/// Limits for files that users write.
 const USUAL: Most = Most { bytes: MAX_BYTES, values: MAX_VALUES };
-/// The same of a command in a recording, and of a planned trajectory: the longest trajectory and the longest table have a place in it.
+/// Limits for a command in a recording, and for a planned trajectory: the longest trajectory and the longest table fit.
 const LONG: Most = Most { bytes: 32 << 20, values: 4_000_000 };
 
-/// How much a document may hold.
+/// Limits of a document.
 #[derive(Clone, Copy, Debug)]
 struct Most {
     bytes: usize,
@@ -74,12 +74,12 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads a file. What is wrong with it is in [`Document::problems`].
+    /// Reads a file. Its problems are in [`Document::problems`].
     pub fn read(path: &Path) -> Self {
         Self::read_within(path, USUAL)
     }
 
-    /// As [`Document::read`], for a planned trajectory, which may be longer.
+    /// Does the same as [`Document::read`] for a planned trajectory, which may be longer.
     pub fn read_long(path: &Path) -> Self {
         Self::read_within(path, LONG)
     }
@@ -106,12 +106,12 @@ impl Document {
         }
     }
 
-    /// Parses a text; `name` stands for the file in problems.
+    /// Parses a text; `name` is the file name in problems.
     pub fn parse(name: &str, text: impl Into<String>) -> Self {
         Self::parse_within(name, text.into(), USUAL)
     }
 
-    /// As [`Document::parse`], for a command in a recording, which may be longer.
+    /// Does the same as [`Document::parse`] for a command in a recording, which may be longer.
     pub fn parse_recorded(name: &str, text: impl Into<String>) -> Self {
         Self::parse_within(name, text.into(), LONG)
     }
@@ -127,15 +127,15 @@ impl Document {
         Self { text, root, problems }
     }
 
-    /// Puts an entry into the mapping that the document is, as if it stood there: what was given beside the text. A key that
-    /// stands there has to say the same.
+    /// Adds an entry to the top-level mapping, as if it were in the text; for values that are given separately. An
+    /// existing key must have the same value.
     pub fn put(&mut self, key: &str, text: &str) {
         let Some(entries) = self.entries() else { return };
         let scalar = |text: &str| Node::text_at(Place::START, text);
         let Some((_, value)) = entries.iter().find(|(known, _)| known.text() == key) else {
             return entries.push((scalar(key), scalar(text)));
         };
-        // What is no text is refused by who reads it.
+        // A value that is no text is refused by its reader.
         if !value.text().is_empty() && value.text() != text {
             let (place, given) = (value.place, problem::quote(value.text()));
             let sentence = format!("{key} is {given}; {} was given beside", problem::quote(text));
@@ -143,14 +143,14 @@ impl Document {
         }
     }
 
-    /// Puts `prefix` before each key of the mapping that the document is.
+    /// Adds `prefix` to each key of the top-level mapping.
     pub fn put_before_keys(&mut self, prefix: &str) {
         for (key, _) in self.entries().into_iter().flatten() {
             *key = Node::text_at(key.place, &format!("{prefix}{}", key.text()));
         }
     }
 
-    /// The entries of the mapping that the document is; an empty document becomes one.
+    /// Returns the entries of the top-level mapping; an empty document becomes one.
     fn entries(&mut self) -> Option<&mut Vec<(Node, Node)>> {
         let root = self.root.as_mut()?;
         if root.is_null() {
@@ -162,28 +162,28 @@ impl Document {
         }
     }
 
-    /// The value of the whole document, called `label` in problems; `None` when it could not be read.
+    /// Returns the value of the whole document, called `label` in problems; `None` if it could not be read.
     pub fn root(&self, label: &str) -> Option<Value<'_>> {
         self.root.as_ref().map(|node| Value::new(node, label.to_owned(), &self.problems))
     }
 
-    /// The document as an editor sees it: numbers, `true` and `null` by the core schema of YAML 1.2.
+    /// Returns the document as an editor interprets it: numbers, `true` and `null` by the core schema of YAML 1.2.
     #[cfg(test)]
     pub(crate) fn json(&self) -> serde_json::Value {
         self.root.as_ref().map_or(serde_json::Value::Null, observer::json)
     }
 
-    /// The text as it was read.
+    /// Returns the text as it was read.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// What is wrong, so far.
+    /// Returns the problems found so far.
     pub fn problems(&self) -> &Problems {
         &self.problems
     }
 
-    /// What is wrong, when the reading is over.
+    /// Returns the problems after reading.
     pub fn into_problems(self) -> Problems {
         self.problems
     }
@@ -193,7 +193,7 @@ fn too_long(most: usize) -> String {
     format!("the file is longer than {most} bytes")
 }
 
-/// A value of the tree and where it starts.
+/// A value of the tree, and its location.
 #[derive(Clone, Debug)]
 struct Node {
     place: Place,
@@ -202,28 +202,28 @@ struct Node {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    /// As written; `quoted` also for block scalars.
+    /// Text as written; `quoted` is true for block scalars, too.
     Scalar {
         text: String,
         quoted: bool,
     },
     List(Vec<Node>),
-    /// In file order; every key is a scalar and stands once.
+    /// Entries in the order of the file; every key is a scalar and occurs once.
     Map(Vec<(Node, Node)>),
 }
 
 impl Node {
-    /// A text that is no number, wherever one is asked for.
+    /// Returns a text that is no number, even if a number is expected.
     fn text_at(place: Place, text: &str) -> Self {
         Self { place, kind: Kind::Scalar { text: text.to_owned(), quoted: true } }
     }
 
-    /// True for an empty value, `~` and `null`.
+    /// Returns true for an empty value, `~` and `null`.
     fn is_null(&self) -> bool {
         matches!(&self.kind, Kind::Scalar { text, quoted: false } if matches!(text.as_str(), "" | "~" | "null" | "Null" | "NULL"))
     }
 
-    /// Text of a scalar, else empty.
+    /// Returns the text of a scalar, otherwise an empty text.
     fn text(&self) -> &str {
         match &self.kind {
             Kind::Scalar { text, .. } => text,

@@ -1,22 +1,22 @@
-//! Notes which keys the readers of a document ask for. Only tests use it.
+//! Records which keys the readers of a document request. Only tests use it.
 //!
-//! Law      a reader asks for each of its keys by name: [`Map::optional`](super::Map::optional), `required` and `allow` note the key,
-//!          whether the file has it or not, and each reader of a value notes its kind and range. The readers themselves are the
-//!          source, so the notes cannot be out of date
-//! Reads    the addresses of the values, by which a note becomes a pattern: `axes.*.drive.node`, `groups.*[]`. A key is `*` if no reader
-//!          asked for it by name: the user chose the name
+//! Law      a reader requests each of its keys by name: [`Map::optional`](super::Map::optional), `required` and `allow`
+//!          record the key, whether the file has it or not, and each reader of a value records its kind and range. The
+//!          readers themselves are the source, so the records cannot be outdated
+//! Reads    the addresses of the values, from which patterns of the records are made: `axes.*.drive.node`,
+//!          `groups.*[]`. A key is `*` if no reader requested it by name, because the user chose the name
 
 use super::{Document, Kind, Node};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::{Arc, Mutex};
 
-/// The kind of value that a reader expects.
+/// Kind of value that a reader expects.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Asked {
     Text,
     Boolean,
-    /// Lowest and highest.
+    /// Minimum and maximum.
     Integer(i128, i128),
     Number,
     Quantity,
@@ -25,12 +25,12 @@ pub(crate) enum Asked {
     Map,
 }
 
-/// The notes on the keys of one pattern.
+/// Records of the keys of one pattern.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Seen {
-    /// Mappings that were read to their end and asked for the key as a required one.
+    /// Number of mappings that were read to their end and required the key.
     pub required: usize,
-    /// Mappings that were read to their end and could have the key.
+    /// Number of mappings that were read to their end and could have the key.
     pub maps: usize,
     pub kinds: BTreeSet<Asked>,
 }
@@ -51,18 +51,18 @@ enum Step {
 /// The root, whose address changes with that of the document.
 const ROOT: usize = 0;
 
-/// The notes of the readers of one document.
+/// Records of the readers of one document.
 #[derive(Debug, Default)]
 pub(crate) struct Observer {
-    /// By the address of a value: that of the one that holds it, and how it is found there.
+    /// By the address of a value: address of its parent, and its step from the parent.
     steps: HashMap<usize, (usize, Step)>,
-    /// Addresses of keys, of which nothing is noted.
+    /// Addresses of keys, for which nothing is recorded.
     keys: BTreeSet<usize>,
     notes: Mutex<Vec<(usize, Note)>>,
 }
 
 impl Document {
-    /// Notes from now on what readers ask for.
+    /// Starts recording the requests of readers.
     pub(crate) fn observe(&mut self) -> Arc<Observer> {
         let mut observer = Observer::default();
         if let Some(root) = &self.root {
@@ -107,7 +107,7 @@ impl Observer {
         self.notes.lock().expect("no reader panics while it notes").push((at, note));
     }
 
-    /// Returns all notes so far, by pattern.
+    /// Returns all records so far, by pattern.
     pub(crate) fn seen(&self) -> BTreeMap<String, Seen> {
         let notes = self.notes.lock().expect("no reader panics while it notes");
         let (mut asked, mut finished) = (BTreeMap::<usize, BTreeMap<&str, bool>>::new(), BTreeSet::new());

@@ -1,7 +1,7 @@
-//! From the parser's events to a tree.
+//! Converts the events of the parser to a tree.
 //!
-//! Built from the event stream, not with the parser's own loader: that one recurses per level of nesting, ends at the
-//! first duplicate key and interprets scalars before anyone knows what they stand for.
+//! The loader of the parser is not used: it recurses per level of nesting, ends at the first duplicate key, and
+//! interprets scalars before their meaning is known.
 
 use super::problem::quote;
 use super::syntax::{Syntax, plain};
@@ -9,10 +9,10 @@ use super::{Kind, MAX_DEPTH, Node, Place, Problems};
 use saphyr_parser::{Event, Marker, Parser, ScalarStyle};
 use std::collections::HashMap;
 
-/// What anchors and aliases may repeat (bytes); nested aliases otherwise grow a small file without bound.
+/// Maximum size of repetitions by aliases, in bytes; nested aliases could otherwise expand a small file without limit.
 const MAX_REPEATED: usize = 16 << 20;
 
-/// The tree of the first document in `text`, `None` after a problem that leaves none. An empty text is a null.
+/// Returns the tree of the first document in `text`; `None` after a problem without a tree. An empty text is a null.
 pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Option<Node> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut parser = Parser::new_from_str(text);
@@ -30,7 +30,7 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
         let (event, place) = match event {
             Ok((event, span)) => (event, place(span.start)),
             Err(error) => {
-                // The parser has a depth limit of its own and may come to it first, as it scans ahead.
+                // The parser has its own depth limit and may reach it first, because it scans ahead.
                 let at = place(*error.marker());
                 let Syntax { place, sentence, hint } = match error.info() {
                     "recursion limit exceeded" => Syntax { place: at, sentence: too_deep(), hint: None },
@@ -45,7 +45,7 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
             start = place;
         }
         if documents > 1 {
-            // `ros2 topic echo` ends each message with the sign of a new document: an empty one is none.
+            // `ros2 topic echo` ends each message with the start of a new document, which is ignored if it is empty.
             if is_node(&event) {
                 problems.push(start, "a second document starts here; a file holds one", None);
                 break;
@@ -62,7 +62,7 @@ pub(super) fn tree(text: &str, problems: &Problems, most_values: usize) -> Optio
     )
 }
 
-/// Is it part of a value, and not of an empty one?
+/// Whether it is part of a value that is not empty.
 fn is_node(event: &Event<'_>) -> bool {
     match event {
         Event::Scalar(text, style, ..) => !text.is_empty() || *style != ScalarStyle::Plain,
@@ -71,7 +71,8 @@ fn is_node(event: &Event<'_>) -> bool {
     }
 }
 
-/// How to write `{mode[1]: 16}`, where the error is at the bracket: in braces a bracket ends a key without quotes. `index` counts characters.
+/// Returns a hint for `{mode[1]: 16}`, where the error is at the bracket: in braces a bracket ends an unquoted key.
+/// `index` counts characters.
 fn brackets_hint(text: &str, index: usize) -> Option<String> {
     let (at, _) = text.char_indices().nth(index)?;
     let is_of_key = |c: char| c.is_alphanumeric() || c == '_' || c == '.';
@@ -100,7 +101,7 @@ struct Builder<'p> {
     repeated: usize,
 }
 
-/// A list or mapping whose end has not come yet.
+/// A list or mapping that is not closed yet.
 struct Open {
     place: Place,
     anchor: usize,
@@ -113,7 +114,7 @@ enum Items {
     Map { entries: Vec<(Node, Node)>, key: Option<Node> },
 }
 
-/// A node and roughly the memory that it takes.
+/// A node and its approximate memory.
 #[derive(Clone)]
 struct Finished {
     node: Node,
@@ -121,7 +122,7 @@ struct Finished {
 }
 
 impl Builder<'_> {
-    /// Takes an event; an error ends the reading.
+    /// Handles an event; an error ends reading.
     fn event(&mut self, event: Event<'_>, place: Place) -> Result<(), String> {
         match event {
             Event::Scalar(text, style, anchor, tag) => {
@@ -164,7 +165,7 @@ impl Builder<'_> {
         self.finish(Finished { node: Node { place, kind }, bytes }, anchor)
     }
 
-    /// Puts a complete node where it belongs.
+    /// Adds a complete node to its parent.
     fn finish(&mut self, finished: Finished, anchor: usize) -> Result<(), String> {
         self.values += 1;
         if self.values > self.most_values {

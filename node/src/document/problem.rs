@@ -1,43 +1,43 @@
-//! Problems with their place, collected.
+//! Collects problems with their locations.
 
 use lineshaft_core::unit::excerpt;
 use std::cell::{Cell, RefCell};
 use std::fmt;
 use std::sync::Arc;
 
-/// Problems that are kept; what comes later is only counted.
+/// Maximum number of problems that are stored; further ones are only counted.
 const MAX_PROBLEMS: usize = 1000;
 
 /// Line and column in a file, both from 1; columns count characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Place {
-    /// From 1.
+    /// Line, from 1.
     pub line: usize,
-    /// From 1, in characters.
+    /// Column, from 1, in characters.
     pub col: usize,
 }
 
 impl Place {
-    /// The first character of a file.
+    /// First character of a file.
     pub const START: Self = Self { line: 1, col: 1 };
 
-    /// The place behind a text that starts a file.
+    /// Returns the location after a text at the start of a file.
     pub(crate) fn after(text: &str) -> Self {
         let last = text.rsplit('\n').next().unwrap_or_default();
         Self { line: 1 + text.matches('\n').count(), col: 1 + last.chars().count() }
     }
 }
 
-/// One problem: where, what is wrong and what is allowed, how to put it right.
+/// A problem: location, error with the permitted values, and hint.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Problem {
-    /// The file as it was named to the program.
+    /// Path of the file, as given to the program.
     pub file: Arc<str>,
-    /// Where in the file.
+    /// Location in the file.
     pub place: Place,
-    /// What was given and what is allowed.
+    /// Given value and permitted values.
     pub sentence: String,
-    /// What was probably meant.
+    /// Probable correction.
     pub hint: Option<String>,
 }
 
@@ -49,12 +49,12 @@ impl fmt::Display for Problem {
     }
 }
 
-/// The problems of a file, or of several. Shared by all readers of a document, hence the interior mutability.
+/// Problems of one or several files. All readers of a document share it, hence the interior mutability.
 #[derive(Clone, Debug)]
 pub struct Problems {
     file: Arc<str>,
     list: RefCell<Vec<Problem>>,
-    /// How many came after the first [`MAX_PROBLEMS`].
+    /// Number of problems after the first [`MAX_PROBLEMS`].
     beyond: Cell<usize>,
     /// Observer of the requests of readers.
     #[cfg(test)]
@@ -62,7 +62,7 @@ pub struct Problems {
 }
 
 impl Problems {
-    /// None yet, for a file.
+    /// Creates an empty list for a file.
     pub fn new(file: &str) -> Self {
         Self {
             file: file.into(),
@@ -73,7 +73,7 @@ impl Problems {
         }
     }
 
-    /// Notes a problem.
+    /// Adds a problem.
     pub fn push(&self, place: Place, sentence: impl Into<String>, hint: Option<String>) {
         if self.is_full() {
             self.beyond.set(self.beyond.get() + 1);
@@ -89,17 +89,17 @@ impl Problems {
         self.list.borrow_mut().append(&mut other.list.into_inner());
     }
 
-    /// True when nothing is wrong.
+    /// Returns true if there are no problems.
     pub fn is_empty(&self) -> bool {
         self.count() == 0
     }
 
-    /// How many there are, each once: a value behind an anchor is read at every alias.
+    /// Returns the number of different problems: a value with an anchor is read at every alias.
     pub fn count(&self) -> usize {
         self.sorted().len() + self.beyond.get()
     }
 
-    /// By file, line and column, each once.
+    /// Returns the different problems, sorted by file, line and column.
     pub fn sorted(&self) -> Vec<Problem> {
         let mut list = self.list.borrow().clone();
         list.sort();
@@ -107,13 +107,13 @@ impl Problems {
         list
     }
 
-    /// True when further problems are only counted, so that nobody need look for hints.
+    /// Whether further problems are only counted, so that no hints are needed.
     pub(super) fn is_full(&self) -> bool {
         self.list.borrow().len() >= MAX_PROBLEMS
     }
 }
 
-/// One line per problem, by position.
+/// Prints one line per problem, sorted by location.
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for problem in self.sorted() {
@@ -128,7 +128,7 @@ impl fmt::Display for Problems {
 
 impl std::error::Error for Problems {}
 
-/// A piece of a document in a sentence.
+/// Quotes a part of a document for a message.
 pub(super) fn quote(text: &str) -> String {
     format!("`{}`", excerpt(text))
 }

@@ -1,7 +1,8 @@
-//! Errors of the YAML parser in plain words, at the line that is probably meant.
+//! Explains errors of the YAML parser, at the line of the probable cause.
 //!
-//! Law      the place is that of the parser, except for a missing colon and for a tab, which it notices after their line
-//! Reads    the text, the sentence of the parser, and where it stopped
+//! Law      the location is that of the parser, except for a missing colon and for a tab, which it detects after their
+//!          line
+//! Reads    the text, the message of the parser, and the location where it stopped
 
 use super::Place;
 use lineshaft_core::unit::excerpt;
@@ -16,7 +17,7 @@ pub(super) struct Syntax {
 
 const ALIGNED: &str = "keys of one mapping, and entries of one list, begin in the same column";
 
-/// What the parser says, in plain words.
+/// Returns the plain explanation of a message of the parser.
 pub(super) fn plain(text: &str, info: &str, place: Place) -> Syntax {
     let at = |place, sentence: &str, hint: Option<&str>| Syntax {
         place,
@@ -64,20 +65,21 @@ fn is_tab(info: &str) -> bool {
     info.contains("found a tab") || info.starts_with("tabs disallowed") || info.starts_with("tab cannot be used")
 }
 
-/// The number of a line from 1, and its text.
+/// Returns the text of a line; `number` begins with 1.
 fn line(text: &str, number: usize) -> &str {
     number.checked_sub(1).and_then(|before| text.lines().nth(before)).unwrap_or_default()
 }
 
-/// Where the text of a line begins.
+/// Returns the location of the first text in a line.
 fn begin(number: usize, line: &str) -> Place {
     let blanks = line.chars().take_while(|sign| sign.is_whitespace()).count();
     Place { line: number, col: 1 + blanks }
 }
 
-/// The line with a key that lacks its colon: the one where the parser stopped, or the last one before it that is not empty.
+/// Returns the line with a key that lacks its colon: the one where the parser stopped, or the last one before it that
+/// is not empty.
 fn line_without_colon(text: &str, number: usize) -> Option<(Place, &str)> {
-    /// So many lines with comments alone may be between them.
+    /// Maximum number of comment lines in between.
     const FURTHEST: usize = 20;
     let content = |number| line(text, number).split(" #").next().unwrap_or_default().trim();
     let has_colon = |content: &str| content.contains(": ") || content.ends_with(':');
@@ -91,7 +93,7 @@ fn line_without_colon(text: &str, number: usize) -> Option<(Place, &str)> {
     (!has_colon(there)).then(|| (begin(before, line(text, before)), there))
 }
 
-/// How a line is written with its colon, which is missing at its first blank, or has no blank after it.
+/// Returns a line with its colon, which is missing at its first space or lacks a space after it.
 fn with_colon(line: &str) -> String {
     let line = line.trim_start_matches("- ");
     let with = match line.split_once([':', ' ']) {
@@ -101,7 +103,7 @@ fn with_colon(line: &str) -> String {
     format!("write `{}`", excerpt(&with))
 }
 
-/// The first line with a tab in its indentation, from the place on: there, or in the next line.
+/// Returns the first line with a tab in its indentation, at the location or in the next line.
 fn tab(text: &str, place: Place) -> Option<Place> {
     let indentation = |number: usize| {
         let line = line(text, number);

@@ -1,10 +1,10 @@
-//! Problems by their exact text, and documents made to hurt.
+//! Tests the exact texts of problems, and malicious documents.
 
 use super::*;
 use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit};
 use proptest::prelude::*;
 
-/// Reads `text` with `read` and gives the problems.
+/// Reads `text` with `read` and returns the problems.
 fn problems(text: &str, read: impl FnOnce(Value<'_>)) -> String {
     let document = Document::parse("t.yaml", text);
     if let Some(root) = document.root("the file") {
@@ -13,7 +13,7 @@ fn problems(text: &str, read: impl FnOnce(Value<'_>)) -> String {
     document.into_problems().to_string()
 }
 
-/// The problems of reading the one key `k` of a mapping.
+/// Returns the problems of reading the key `k` of a mapping.
 fn problem_of(text: &str, read: impl FnOnce(Value<'_>)) -> String {
     problems(text, |root| {
         let mut map = root.map("the file").unwrap();
@@ -122,7 +122,7 @@ fn fractions_and_quantities_are_exact() {
         bad("1 msec", cycle),
         "4: k: `msec` in `1 msec` is not a unit; a time has ns, us, ms, s, min, did you mean `ms`?"
     );
-    // Nothing is known of what was meant: an example says what is expected, in the unit of the axis where that is known.
+    // The intended value is unknown, so the message has an example, in the unit of the axis if known.
     assert_eq!(bad("soon", cycle), "4: k: `soon` is not a number, a time such as `1 s` is expected");
     let velocity = [Dimension::Angle(1), Dimension::Increments(1)];
     let of = |text, unit| bad(text, |value| value.quantity_in(unit, &velocity, &Allowed::Positive));
@@ -148,7 +148,7 @@ fn choices_suggest_what_is_alike() {
     assert_eq!(bad("lineer", kind), "4: k is `lineer`; one of linear, rotary is allowed, did you mean `linear`?");
     assert_eq!(bad("Rotary", kind), "4: k is `Rotary`; one of linear, rotary is allowed, did you mean `rotary`?");
     assert_eq!(bad("x", kind), "4: k is `x`; one of linear, rotary is allowed");
-    // Part of one name alone, or one name as a part.
+    // A part of a single name, or a text that contains a single name.
     let part = "one of linear, rotary is allowed, did you mean `linear`?";
     assert_eq!(bad("lin", kind), format!("4: k is `lin`; {part}"));
     assert_eq!(bad("my_linear", kind), format!("4: k is `my_linear`; {part}"));
@@ -192,7 +192,7 @@ fn mappings_keep_the_order_of_the_file() {
     assert_eq!(names, ["zeta", "alpha", "mid"]);
 }
 
-/// A cell with one mistake of every kind: all are reported, each at its place.
+/// A cell with one error of every kind: all are reported, each with its location.
 #[test]
 fn all_mistakes_of_a_cell_at_once() {
     let text = "\
@@ -287,7 +287,7 @@ fn anchors_and_aliases() {
         assert_eq!(numbers, [Some(5), Some(5)]);
         map.finish();
     });
-    // The place to be changed is behind the anchor; two readers of it make one problem.
+    // The location is that of the value after the anchor; two readers of it give one problem.
     assert_eq!(said, "t.yaml:1:11: k is 70; 1..64 is allowed\n");
 }
 
@@ -388,7 +388,7 @@ fn files_that_cannot_be_read() {
     assert_eq!((said().as_str(), Document::read(&path).text()), ("", "a: 1\n"));
 }
 
-/// Documents near the limit that would hang or crash a careless reader.
+/// Documents near the limits that would block or crash a reader without limits.
 #[test]
 fn documents_made_to_hurt() {
     let limit = MAX_BYTES - 1000;

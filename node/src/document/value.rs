@@ -1,4 +1,4 @@
-//! Typed reading of one value.
+//! Reads one value with a type.
 
 #[cfg(test)]
 use super::observer::{Asked, Note};
@@ -10,23 +10,23 @@ use std::ops::RangeInclusive;
 
 /// Names that no object may have.
 const RESERVED: [&str; 3] = ["machine", "end", "ros"];
-/// Longest name of an object.
+/// Maximum length of the name of an object.
 const MAX_NAME: usize = 32;
 
-/// Which quantities a key takes.
+/// Permitted quantities of a key.
 #[derive(Clone, Copy, Debug)]
 pub enum Allowed {
-    /// Every one.
+    /// Any quantity.
     Any,
-    /// Above 0.
+    /// Greater than 0.
     Positive,
-    /// 0 and above.
+    /// 0 or greater.
     NotNegative,
-    /// From the first to the second, both included; quantities of another dimension are not compared.
+    /// From the first to the second, inclusive; quantities of another dimension are not compared.
     Between(Quantity, Quantity),
 }
 
-/// A value of a document that somebody reads. Each reader notes a problem where it returns `None`.
+/// A value of a document. Each reader reports a problem if it returns `None`.
 #[derive(Clone, Debug)]
 pub struct Value<'d> {
     node: &'d Node,
@@ -44,69 +44,69 @@ impl<'d> Value<'d> {
         (Self::new(key, "the key".to_owned(), problems), Self::new(value, label, problems))
     }
 
-    /// Where the value starts.
+    /// Returns the location of the value.
     pub fn place(&self) -> Place {
         self.node.place
     }
 
-    /// What problems call it: its key, with the index in a list, `inputs[1]`.
+    /// Returns the name for problems: the key, with the index in a list, `inputs[1]`.
     pub fn label(&self) -> &str {
         &self.label
     }
 
-    /// The same value, called something else in problems.
+    /// Returns the same value with another name for problems.
     pub fn called(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
     }
 
-    /// Notes a problem here.
+    /// Reports a problem at the value.
     pub fn refuse(&self, sentence: impl Into<String>, hint: Option<String>) {
         self.problems.push(self.node.place, sentence, hint);
     }
 
-    /// Notes the problems of a file that the value names.
+    /// Adds the problems of a file that the value names.
     pub fn add_problems(&self, problems: Problems) {
         self.problems.append(problems);
     }
 
-    /// Empty, `~` or `null`?
+    /// Whether the value is empty, `~` or `null`.
     pub fn is_null(&self) -> bool {
         self.node.is_null()
     }
 
-    /// Is it a list?
+    /// Whether it is a list.
     pub fn is_list(&self) -> bool {
         matches!(self.node.kind, Kind::List(_))
     }
 
-    /// Is it a mapping?
+    /// Whether it is a mapping.
     pub fn is_map(&self) -> bool {
         matches!(self.node.kind, Kind::Map(_))
     }
 
-    /// The text as written if it is a scalar with a value, for a look ahead; notes no problem.
+    /// Returns the text as written if it is a scalar with a value; reports no problem.
     pub fn peek(&self) -> Option<&'d str> {
         Some(self.node.text()).filter(|_| matches!(self.node.kind, Kind::Scalar { .. }) && !self.is_null())
     }
 
-    /// Does it read as a whole number? For a look ahead; notes no problem.
+    /// Whether it is an integer; reports no problem.
     pub fn is_integer(&self) -> bool {
         self.plain().is_some_and(|text| whole_number(text).is_ok())
     }
 
-    /// Whether it is `true` or `false` without quotes; notes no problem.
+    /// Whether it is `true` or `false` without quotes; reports no problem.
     pub fn is_boolean(&self) -> bool {
         matches!(self.plain(), Some("true" | "false"))
     }
 
-    /// Any scalar, as written.
+    /// Reads any scalar, as written.
     pub fn text(&self) -> Option<&'d str> {
         #[cfg(test)]
         self.asked(Asked::Text);
         self.scalar("a text")
     }
 
-    /// `true` or `false`, nothing else.
+    /// Reads `true` or `false`.
     pub fn boolean(&self) -> Option<bool> {
         #[cfg(test)]
         self.asked(Asked::Boolean);
@@ -126,13 +126,13 @@ impl<'d> Value<'d> {
         None
     }
 
-    /// A whole number within `range`: decimal (also `1e6`), `0x1F` or `0o17`.
+    /// Reads an integer within `range`: decimal (also `1e6`), `0x1F` or `0o17`.
     pub fn integer<T>(&self, range: RangeInclusive<T>) -> Option<T>
     where
         T: Copy + TryInto<i128> + TryFrom<i128>,
     {
         let text = self.scalar("a whole number")?;
-        // The bounds of every integer type but u128 fit; for those of u128 there is no use here.
+        // The bounds of every integer type except u128 fit; those of u128 are not needed.
         let (low, high) = ((*range.start()).try_into().ok()?, (*range.end()).try_into().ok()?);
         #[cfg(test)]
         self.asked(Asked::Integer(low, high));
@@ -151,7 +151,7 @@ impl<'d> Value<'d> {
         None
     }
 
-    /// A finite number within `range`; an infinite bound is none.
+    /// Reads a finite number within `range`; an infinite bound means no limit.
     pub fn number(&self, range: RangeInclusive<f64>) -> Option<f64> {
         #[cfg(test)]
         self.asked(Asked::Number);
@@ -177,7 +177,7 @@ impl<'d> Value<'d> {
         None
     }
 
-    /// An exact number: a decimal or a fraction such as `1/3`.
+    /// Reads an exact number: a decimal or a fraction such as `1/3`.
     pub fn fraction(&self) -> Option<Fraction> {
         #[cfg(test)]
         self.asked(Asked::Number);
@@ -185,12 +185,12 @@ impl<'d> Value<'d> {
         self.unit_result(parse_fraction(text))
     }
 
-    /// A quantity `NUMBER UNIT` of one of the dimensions; a bare number is SI of the first.
+    /// Reads a quantity `NUMBER UNIT` of one of the dimensions; a number without unit is in SI of the first dimension.
     pub fn quantity(&self, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
         self.quantity_in(None, dimensions, allowed)
     }
 
-    /// The same; examples in problems are in this unit, which is that of the axis.
+    /// Does the same; examples in problems are in this unit, which is that of the axis.
     pub fn quantity_in(&self, unit: Option<Unit>, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
         #[cfg(test)]
         self.asked(Asked::Quantity);
@@ -206,7 +206,7 @@ impl<'d> Value<'d> {
             Allowed::Any => return Some(quantity),
             Allowed::Positive => (quantity.value() > zero, "a value above 0".to_owned()),
             Allowed::NotNegative => (quantity.value() >= zero, "0 and above".to_owned()),
-            // No order, no bound: `500 inc` is neither below nor above `1 m`.
+            // Without an order there is no limit: `500 inc` is neither less nor greater than `1 m`.
             Allowed::Between(low, high) => {
                 let below = quantity.partial_cmp(low).is_some_and(|order| order.is_lt());
                 let above = quantity.partial_cmp(high).is_some_and(|order| order.is_gt());
@@ -220,7 +220,7 @@ impl<'d> Value<'d> {
         good.then_some(quantity)
     }
 
-    /// One of several names.
+    /// Reads one of several names.
     pub fn choice<T: Copy>(&self, names: &[(&str, T)]) -> Option<T> {
         #[cfg(test)]
         self.asked(Asked::Choice(names.iter().map(|(name, _)| (*name).to_owned()).collect()));
@@ -236,7 +236,7 @@ impl<'d> Value<'d> {
         None
     }
 
-    /// The name of an object of a cell: `[a-z][a-z0-9_]*`, at most 32 long, not machine, end or ros.
+    /// Reads the name of an object of a cell: `[a-z][a-z0-9_]*`, at most 32 characters, not machine, end or ros.
     pub fn name(&self) -> Option<&'d str> {
         let text = self.scalar("a name")?;
         if RESERVED.contains(&text) {
@@ -258,7 +258,7 @@ impl<'d> Value<'d> {
         None
     }
 
-    /// The values of a list; an empty value is an empty list.
+    /// Reads the values of a list; an empty value is an empty list.
     pub fn list(&self) -> Option<Vec<Value<'d>>> {
         #[cfg(test)]
         self.asked(Asked::List);
@@ -271,12 +271,13 @@ impl<'d> Value<'d> {
         Some(items.iter().enumerate().map(|(index, node)| Value::new(node, label(index), self.problems)).collect())
     }
 
-    /// A mapping to be read key by key, called `what` in problems (axis `x`); an empty value is an empty mapping.
+    /// Reads a mapping key by key, called `what` in problems (axis `x`); an empty value is an empty mapping.
     pub fn map(&self, what: impl Into<String>) -> Option<Map<'d>> {
         Some(Map::new(what.into(), self.node, self.pairs()?, self.problems))
     }
 
-    /// The keys and values of a mapping in file order, for a section with names as keys; an empty value has none.
+    /// Reads the keys and values of a mapping in the order of the file, for a section with names as keys; an empty
+    /// value has none.
     pub fn entries(&self) -> Option<Vec<(Value<'d>, Value<'d>)>> {
         Some(self.pairs()?.iter().map(|(key, value)| Value::entry(key, value, self.problems)).collect())
     }
@@ -291,7 +292,7 @@ impl<'d> Value<'d> {
         }
     }
 
-    /// Notes for a test as what the value is read.
+    /// Records for a test the expected kind of the value.
     #[cfg(test)]
     fn asked(&self, asked: Asked) {
         if let Some(observer) = &self.problems.observer {
@@ -314,7 +315,7 @@ impl<'d> Value<'d> {
         None
     }
 
-    /// The text of a scalar that stands without quotes.
+    /// Returns the text of a scalar without quotes.
     fn plain(&self) -> Option<&'d str> {
         match &self.node.kind {
             Kind::Scalar { text, quoted: false } => Some(text),
@@ -326,7 +327,7 @@ impl<'d> Value<'d> {
         (self.plain().is_none() && would_do(self.node.text())).then(|| "write it without quotes".to_owned())
     }
 
-    /// Notes why it is no quantity, with an example where nothing is known of what was meant.
+    /// Reports why it is no quantity, with an example if the intended value is unknown.
     fn refuse_quantity(&self, error: &UnitError, dimensions: &[Dimension], unit: Option<Unit>) {
         let example = || match (error, dimensions.first()) {
             (UnitError::NotANumber { .. }, Some(first)) => Some(format!("{} is expected", first.such_as(unit))),
@@ -340,13 +341,14 @@ impl<'d> Value<'d> {
     }
 }
 
-/// In which unit a positive number without a unit was read: it was probably meant in another one.
+/// Returns a hint with the unit in which a positive number without unit was read, because another unit was probably
+/// intended.
 pub(crate) fn unit_of_bare(text: &str, unit: Unit) -> Option<String> {
     let is_bare = parse_decimal(text.trim()).is_ok_and(|number| number > Ratio::from(0));
     (is_bare && unit != Dimension::Ratio.si_unit()).then(|| format!("a number without a unit is in {unit}"))
 }
 
-/// How a whole number is written that was given with a unit.
+/// Returns a hint for an integer that was given with a unit.
 fn without_unit(text: &str) -> Option<String> {
     let (number, unit) = text.split_once(' ')?;
     let is_quantity = whole_number(number).is_ok() && Unit::parse(unit.trim()).is_some();
@@ -374,7 +376,7 @@ fn whole_number(text: &str) -> Result<i128, NotWhole> {
     }
 }
 
-/// A decimal number in f64; not the words `inf` and `nan`, which Rust would read.
+/// Parses a decimal number as f64, without `inf` and `nan`, which Rust accepts.
 fn finite(text: &str) -> Option<f64> {
     let plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
     text.parse().ok().filter(|value: &f64| plain && value.is_finite())
@@ -385,9 +387,10 @@ fn is_name(text: &str) -> bool {
     text.len() <= MAX_NAME && text.starts_with(|c: char| c.is_ascii_lowercase()) && text.bytes().all(tail)
 }
 
-/// The only name that begins or ends with `text`, or with which it begins or ends: `simulation` is `sim`, `cyclic_position` is `position`.
+/// Returns the only name that begins or ends with `text`, or with which `text` begins or ends: `simulation` gives
+/// `sim`, `cyclic_position` gives `position`.
 fn part<'n>(text: &str, names: &[&'n str]) -> Option<&'n str> {
-    /// Two letters are in too many words.
+    /// Two letters are part of too many words.
     const SHORTEST: usize = 3;
     let is_part =
         |short: &str, long: &str| short.len() >= SHORTEST && (long.starts_with(short) || long.ends_with(short));
@@ -395,9 +398,9 @@ fn part<'n>(text: &str, names: &[&'n str]) -> Option<&'n str> {
     found.next().filter(|_| found.next().is_none())
 }
 
-/// What is most like `text`, if anything is: a third of its letters may be wrong.
+/// Returns the name that is most similar to `text`, if any: up to a third of its letters may differ.
 pub(super) fn suggest<'n>(text: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    /// Nothing that long is a misspelt key, and the distance takes time as the product of the lengths.
+    /// A longer text is no misspelled key, and the time for the distance is the product of the lengths.
     const LONGEST: usize = 64;
     if text.len() > LONGEST {
         return None;

@@ -1,4 +1,4 @@
-//! Codes of errors, refusals, ends of goals and events, by number or name.
+//! Explains codes of errors, refusals, ends of goals and events, by number or name.
 
 use super::section;
 use crate::errors::part;
@@ -6,7 +6,7 @@ use lineshaft_core::axis::stops_all;
 use lineshaft_core::code::{Class, Code, DRIVE_FAULT, Row};
 use lineshaft_core::drive::error_text;
 
-/// The last code of drives: 10000h + the largest value of object 603Fh.
+/// Last code of drives: 10000h + the maximum value of object 603Fh.
 const LAST: u32 = Code::drive_fault(u16::MAX).0;
 
 pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
@@ -21,7 +21,7 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     found.map(|(code, row)| text(code, row, width)).into_iter().collect()
 }
 
-/// The code of a fault of a drive by its object 603Fh, as manuals write it: `8611h` or `0x8611`.
+/// Returns the code of a drive fault by its object 603Fh, in the format of manuals: `8611h` or `0x8611`.
 fn fault(name: &str) -> Option<Code> {
     let small = name.to_lowercase();
     let digits = small.strip_prefix("0x").or_else(|| small.strip_suffix('h'))?;
@@ -34,13 +34,13 @@ pub(super) fn names() -> Vec<String> {
     Code::rows().chain([&DRIVE_FAULT]).map(|row| row.name.to_owned()).collect()
 }
 
-/// The number of a code as it is written: `10205`, `E10205`, `code 10205`, or `0x18611` of a drive.
+/// Returns the number of a code in any of its formats: `10205`, `E10205`, `code 10205`, or `0x18611` of a drive.
 fn number(name: &str) -> Option<u32> {
     let small = name.to_lowercase();
     let text = small.strip_prefix("code").map_or(small.as_str(), str::trim_start);
     let text = text.strip_prefix('e').unwrap_or(text);
     let (digits, radix) = text.strip_prefix("0x").map_or((text, 10), |digits| (digits, 16));
-    // A sign is no digit.
+    // `from_str_radix` accepts a sign, which is not permitted here.
     let is_plain = digits.chars().all(|digit| digit.is_digit(radix));
     let number = u32::from_str_radix(digits, radix).ok().filter(|_| is_plain)?;
     (number <= LAST).then_some(number)
@@ -59,7 +59,7 @@ fn text(code: Code, row: &Row, width: usize) -> String {
     if stops_all(code) {
         reaction.push_str("; with following_error_stops_all all axes");
     }
-    // Values that an event fills in.
+    // Placeholders that an event replaces.
     let message = row.says.replace('{', "<").replace('}', ">");
     let facts: [(&str, &str); 8] = [
         ("message", message.as_str()),

@@ -1,8 +1,9 @@
-//! Commands of the program to a node that runs: `move`, `jog`. Scenarios and ROS have other names for some of them.
+//! Explains commands of the program to a running node: `move`, `jog`. Scenarios and ROS have other names for some of
+//! them.
 
 use super::{section, verbs};
 
-/// A command, the interface of the node that it uses, and the verb of scenarios that does the same.
+/// A command, the interface of the node that it uses, and the equivalent verb of scenarios.
 const COMMANDS: [(&str, &str, &str); 8] = [
     ("state", "~/axis_states", ""),
     ("enable", "~/enable", "enable"),
@@ -21,7 +22,7 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     let facts: [(&str, &str); 4] =
         [("what", what.as_str()), ("in ROS", in_ros), ("verb", verb), ("documented", "docs/without-ros.md")];
     let mut sections = vec![section(&format!("{command}: a command to a node that runs"), &facts, width)];
-    // A verb of the same name is found by itself.
+    // A verb of the same name is found as a verb.
     if verb != command {
         sections.extend(verbs::sections(verb, width));
     }

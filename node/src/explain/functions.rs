@@ -1,4 +1,4 @@
-//! Types of function slots, and their fields: `varsync`, `varsync.m1`, `m1`.
+//! Explains types of function slots, and their fields: `varsync`, `varsync.m1`, `m1`.
 
 use super::{documented, section};
 use crate::functions::{default, details, range, when};
@@ -10,9 +10,9 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
         let row = kind.description();
         return vec![format!("function type {}{}", details(row, width), documented(&page(row)))];
     }
-    // `x.m1` may be of a slot that the cell calls x.
+    // `x.m1` may be a field of a slot that the cell calls x.
     let (kind, end) = small.split_once('.').map_or((None, small.as_str()), |(of, end)| (Kind::find(of), end));
-    // A value of a list, `mode[2]`.
+    // An item of a list, `mode[2]`.
     let end = end.split('[').next().unwrap_or(end);
     let mut sections = Vec::new();
     for row in TYPES.iter().filter(|row| kind.is_none_or(|kind| kind == row.kind)) {

@@ -1,4 +1,4 @@
-//! Topics, services and actions, their types, and the ROS parameters of the node itself.
+//! Explains topics, services and actions, their types, and the ROS parameters of the node itself.
 
 use super::{documented, section};
 use crate::interfaces::{details, short};
@@ -21,7 +21,7 @@ pub(super) fn names() -> Vec<String> {
     all.chain(PARAMETERS.iter().map(|row| row.name.to_owned())).collect()
 }
 
-/// Where a type is used; of another package its own documentation has the rest.
+/// Returns the uses of a type; a type of another package is described in its own documentation.
 fn type_text(name: &str, width: usize) -> Option<String> {
     let is_called = |interface: &str| {
         interface == name

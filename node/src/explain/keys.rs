@@ -1,4 +1,4 @@
-//! Keys of cells, scenarios and descriptions of tables.
+//! Explains keys of cells, scenarios and descriptions of tables.
 
 use super::section;
 use crate::reference::{File, Key, range};

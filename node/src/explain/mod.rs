@@ -1,11 +1,11 @@
-//! What a name means: everything that `lineshaft explain` prints.
+//! Explains names: returns the text that `lineshaft explain` prints.
 //!
-//! Reads    the tables that the program uses: codes, parameters, keys, signals, types of functions, ROS interfaces, verbs, values; function
-//!          blocks of PLCopen and commands
+//! Reads    the tables that the program uses: codes, parameters, keys, signals, types of functions, ROS interfaces,
+//!          verbs, values; function blocks of PLCopen and commands
 //! Writes   text
-//! Refuses  a name that no table has, with the names that are most like it
+//! Refuses  a name that no table has, with the most similar names
 //!
-//! A subject is a file with two functions: the sections about a name, and the names that it knows. A further subject is a file
+//! A subject is a file with two functions: the sections about a name, and the known names. A new subject needs a file
 //! and a row of [`SUBJECTS`].
 
 mod codes;
@@ -24,22 +24,22 @@ use crate::scenario::nearest;
 use lineshaft_core::unit::excerpt;
 use std::fmt::Write;
 
-/// Width of the words before a fact.
+/// Width of the label before a fact.
 const LABEL: usize = 14;
-/// However narrow the terminal is.
+/// Minimum width, even if the terminal is narrower.
 const NARROWEST: usize = 30;
-/// Names that are suggested at most.
+/// Maximum number of suggested names.
 const MOST_MEANT: usize = 3;
 
-/// A kind of things that have names.
+/// A kind of named objects.
 struct Subject {
-    /// All that there is to say about a name, a section for each thing that has it; each ends its last line.
+    /// Returns a section for each object with that name; each ends with a line feed.
     sections: fn(&str, usize) -> Vec<String>,
-    /// The names that it knows.
+    /// Returns the known names.
     names: fn() -> Vec<String>,
 }
 
-/// In the order in which they are printed.
+/// Subjects in the order in which they are printed.
 const SUBJECTS: [Subject; 10] = [
     Subject { sections: codes::sections, names: codes::names },
     Subject { sections: parameters::sections, names: parameters::names },
@@ -53,10 +53,10 @@ const SUBJECTS: [Subject; 10] = [
     Subject { sections: values::sections, names: values::names },
 ];
 
-/// All that the tables say about a name, `width` columns wide; a name of several things has all of them.
+/// Returns the explanation of a name, `width` columns wide; it has a section for each object with that name.
 ///
 /// # Errors
-/// No table has the name: one sentence, with the names that are most like it.
+/// Returns an error message with the most similar names if no table has the name.
 pub(crate) fn explain(name: &str, width: usize) -> Result<String, String> {
     let name = name.trim();
     let sections: Vec<String> = SUBJECTS.iter().flat_map(|subject| (subject.sections)(name, width)).collect();
@@ -81,28 +81,28 @@ fn unknown(name: &str) -> String {
     format!("`{}` is unknown; {hint}", excerpt(name))
 }
 
-/// The name that is most like it; of `x.actual.postion` the one that is most like the part after the object.
+/// Returns the most similar name; for `x.actual.postion`, the one most similar to the part after the object.
 fn meant(name: &str, names: &[String]) -> Option<String> {
     let near = |text: &str| nearest(text, names.iter().map(String::as_str));
     let of_object = || name.split_once('.').and_then(|(object, rest)| Some(format!("{object}.{}", near(rest)?)));
     near(name).map(str::to_owned).or_else(of_object)
 }
 
-/// A heading, and a fact in each line: its label and what is said. Facts without a text are left out.
+/// Returns a heading, and one line per fact with its label. Facts without a text are left out.
 fn section(heading: &str, facts: &[(&str, &str)], width: usize) -> String {
     let mut text = format!("{heading}\n");
     for (label, said) in facts {
         let lines = wrap(&said.replace('`', ""), width.saturating_sub(LABEL + 2).max(NARROWEST));
         for (place, line) in lines.iter().enumerate() {
             let label = if place == 0 { *label } else { "" };
-            // Writing to a text cannot fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(text, "  {label:LABEL$}{line}");
         }
     }
     text
 }
 
-/// The line with the page that has more.
+/// Returns the line with the page that has more information.
 fn documented(page: &str) -> String {
     format!("  {:LABEL$}{page}\n", "documented")
 }

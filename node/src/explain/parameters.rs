@@ -1,4 +1,5 @@
-//! Parameters of axes and of the machine by key, with an object or without, and the words of the sources.
+//! Explains parameters of axes and of the machine by key, with or without an object, and the words of other
+//! controllers.
 
 use super::{documented, section};
 use crate::parameters::details;
@@ -8,7 +9,7 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     if let Some(row) = row(name) {
         return vec![text(row, width)];
     }
-    // `x.VELMAX` is the word of an axis.
+    // `x.VELMAX` is a word with the name of an axis.
     let word = Word::find(name).or_else(|| Word::find(name.split_once('.')?.1));
     let Some(word) = word else { return Vec::new() };
     let (heading, here) = (format!("{}: a word of {}", word.name, word.system.name()), word.text(None));
@@ -23,7 +24,7 @@ pub(super) fn names() -> Vec<String> {
     ROWS.iter().map(|row| row.key.to_owned()).collect()
 }
 
-/// The row of a key, or of `x.max_velocity`.
+/// Returns the row of a key, or of `x.max_velocity`.
 fn row(name: &str) -> Option<&'static Row> {
     let small = name.to_lowercase();
     let of_object = small.split_once('.').map(|(_, key)| key);

@@ -1,21 +1,21 @@
-//! Function blocks of PLCopen: what does the same here. docs/from-plc.md has the same table, and a test holds them equal.
+//! Explains PLCopen function blocks by their equivalents. docs/from-plc.md has the same table; a test ensures this.
 //!
 //! Source   PLCopen Technical Committee 2, function blocks for motion control: part 1 (version 2.0) and part 4, coordinated motion
 
 use super::section;
 
-/// What all of these names begin with.
+/// Common prefix of all these names.
 const PREFIX: &str = "MC_";
 
-/// Blocks that the same thing does.
+/// Blocks with the same equivalent.
 struct Block {
-    /// Their names.
+    /// Names of the blocks.
     names: &'static [&'static str],
-    /// The service, action, topic, parameter or key, or `no equivalent` with what is there instead; empty: none.
+    /// The service, action, topic, parameter or key, or `no equivalent` with the alternative; empty: none.
     here: &'static str,
-    /// The verb of a scenario, or a signal; empty: none.
+    /// Verb of a scenario, or signal; empty: none.
     verb: &'static str,
-    /// The command of the program; empty: none.
+    /// Command of the program; empty: none.
     command: &'static str,
 }
 
@@ -27,11 +27,11 @@ const fn block(names: &'static [&'static str], here: &'static str, verb: &'stati
 struct Part {
     /// Heading of its table.
     name: &'static str,
-    /// In the order of the table.
+    /// Blocks in the order of the table.
     blocks: &'static [Block],
 }
 
-/// All of them, in the order of the page.
+/// All parts, in the order of the page.
 static PARTS: [Part; 4] = [
     Part { name: "Part 1, administrative", blocks: ADMINISTRATIVE },
     Part { name: "Part 1, motion", blocks: MOTION },
@@ -260,7 +260,7 @@ mod tests {
     use lineshaft_ros::surface::table::ROWS;
     use std::collections::HashSet;
 
-    /// The tables of the page.
+    /// Returns the tables of the page.
     fn markdown() -> String {
         let mut text = String::new();
         for part in &PARTS {
@@ -281,7 +281,7 @@ mod tests {
         crate::page::check("from-plc.md", "plcopen", |page| replaced(page, "blocks", &markdown()).unwrap());
     }
 
-    /// The parts in backticks.
+    /// Returns the parts in backticks.
     fn quoted(text: &str) -> impl Iterator<Item = &str> {
         text.split('`').skip(1).step_by(2)
     }

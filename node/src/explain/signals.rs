@@ -1,6 +1,7 @@
-//! Signals by their names, `x.actual.position`, or what follows the object; names of their states; system variables of MACS.
+//! Explains signals by name, such as `x.actual.position`, or by the part after the object; names of their states;
+//! system variables of MACS.
 //!
-//! Signals are named by their cell. The objects of objects.yaml, one of each kind, stand for those of any cell.
+//! The names of signals depend on the cell. The objects of objects.yaml, one of each kind, represent those of any cell.
 
 use super::section;
 use crate::cell::Cell;
@@ -9,7 +10,7 @@ use lineshaft_core::signal::sysvar::{Address, SYSTEM_VARIABLES, Shown, SystemVar
 use lineshaft_core::signal::{Measure, Type};
 use std::sync::LazyLock;
 
-/// Objects of objects.yaml: the name there, the name in a pattern, and what it is.
+/// Objects of objects.yaml: name in the file, name in a pattern, and description.
 const OBJECTS: [(&str, &str, &str); 6] = [
     ("axis", "AXIS", "an axis"),
     ("gantry", "AXIS", "an axis with two drives"),
@@ -24,7 +25,7 @@ struct SignalRow {
     object: &'static str,
     /// Description of its object.
     of: String,
-    /// The name after the object.
+    /// Name after the object.
     end: String,
     kind: Type,
     measure: Measure,
@@ -32,11 +33,11 @@ struct SignalRow {
     help: &'static str,
 }
 
-/// All of them, read once.
+/// All rows, created once.
 static ROWS: LazyLock<Vec<SignalRow>> = LazyLock::new(rows);
 
 pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
-    // `actual.position` is the end of a name, not the signal `position` of an object that is called `actual`.
+    // `actual.position` is the end of a name, not the signal `position` of an object with the name `actual`.
     let is_end = ROWS.iter().any(|row| row.end.eq_ignore_ascii_case(name));
     let is_called = |row: &&SignalRow| if is_end { row.end.eq_ignore_ascii_case(name) } else { is_of(row, name) };
     let called = ROWS.iter().filter(is_called).map(|row| text(row, width));
@@ -57,7 +58,7 @@ fn is_of(row: &SignalRow, name: &str) -> bool {
         .is_some_and(|(object, end)| end.eq_ignore_ascii_case(&row.end) && is_machine(object) == is_machine(row.object))
 }
 
-/// The signals of objects. Inputs, outputs and memory cells are single signals, called as the user calls them.
+/// Returns the signals of objects. Inputs, outputs and memory cells are single signals with names chosen by the user.
 fn rows() -> Vec<SignalRow> {
     let cell =
         Cell::parse("objects.yaml", include_str!("objects.yaml")).expect("the text is fixed, and a test reads it");
@@ -66,7 +67,7 @@ fn rows() -> Vec<SignalRow> {
     for (_, entry) in directory.iter() {
         let Some((name, end)) = entry.name.split_once('.') else { continue };
         let Some(&(_, object, of)) = OBJECTS.iter().find(|(known, ..)| *known == name) else { continue };
-        // An axis with two drives has those of every axis as well.
+        // An axis with two drives has the signals of every axis as well.
         if rows.iter().any(|row| row.object == object && row.end == end) {
             continue;
         }
@@ -77,7 +78,7 @@ fn rows() -> Vec<SignalRow> {
     rows
 }
 
-/// What function slots show in addition to what all of them do.
+/// Returns the signals of function slots in addition to those that all of them have.
 fn shown() -> Vec<SignalRow> {
     let mut rows: Vec<SignalRow> = Vec::new();
     for row in TYPES {
@@ -124,7 +125,7 @@ fn text(row: &SignalRow, width: usize) -> String {
     section(&format!("{}.{}: a signal of {}", row.object, row.end, row.of), &facts, width)
 }
 
-/// A value of a signal by its name, `STANDSTILL`.
+/// Explains a value of a signal by its name, such as `STANDSTILL`.
 fn state(row: &SignalRow, name: &str, width: usize) -> Option<String> {
     let Type::Enum(names) = row.kind else { return None };
     let number = names.iter().position(|known| known.eq_ignore_ascii_case(name))?;
@@ -132,7 +133,7 @@ fn state(row: &SignalRow, name: &str, width: usize) -> Option<String> {
     Some(section(&format!("{}: a value of a signal", names[number]), &[("what", what.as_str())], width))
 }
 
-/// By its name, or its number: `SYSVAR 4096`.
+/// Whether it is the name or the number of a variable: `SYSVAR 4096`.
 fn is_variable(variable: &SystemVariable, name: &str) -> bool {
     let small = name.to_lowercase();
     let number = small.strip_prefix("sysvar").and_then(|number| number.trim().parse::<u16>().ok());

@@ -1,4 +1,4 @@
-//! Explanations have the texts of the tables, and everything in the tables can be explained.
+//! Tests that explanations have the texts of the tables, and that everything in the tables can be explained.
 
 use super::explain;
 use crate::cell::Cell;
@@ -11,7 +11,7 @@ use lineshaft_msgs::INTERFACES;
 use lineshaft_ros::surface::table::{PARAMETERS as ROS_PARAMETERS, ROWS as ENDPOINTS};
 use std::path::Path;
 
-/// Without a line that is broken.
+/// Returns an explanation without wrapped lines.
 fn said(name: &str) -> String {
     explain(name, 10_000).unwrap_or_else(|sentence| panic!("{sentence}"))
 }
@@ -44,7 +44,7 @@ fn a_code_is_explained_by_number_and_by_name() {
         &["code 99857 DRIVE_FAULT: an error of an axis", "  object        603Fh is 8611h", "  source        Drives"],
     );
     has("131071", &["  object        603Fh is FFFFh"]);
-    // As the manual of a drive writes it: object 603Fh, with the text of CiA 402.
+    // Format of drive manuals: object 603Fh, with the text of CiA 402.
     for name in ["8611h", "0x8611", "0X8611", "8611H"] {
         has(
             name,
@@ -56,7 +56,7 @@ fn a_code_is_explained_by_number_and_by_name() {
         );
     }
     has("2310h", &["  CiA 402       over-current at the output"]);
-    // An own code with that number comes first; `each` and `beach` are no numbers.
+    // An own code with that number is first; `each` and `beach` are no numbers.
     has("0x27DD", &["code 10205 ENABLE_TIMEOUT: an error of an axis"]);
     assert!(["each", "beach", "0000h", "18611h", "0xA00"].iter().all(|name| explain(name, 80).is_err()));
     has("0", &["code 0 NONE: no error"]);
@@ -100,7 +100,7 @@ fn a_signal_is_explained_by_its_name_in_any_cell() {
     has("store.valid", &["MASTER.valid: a signal of an entry of masters"]);
     has("wind.limit.ratio_max", &["FUNCTION.limit.ratio_max: a signal of a function slot of type dfkt"]);
     has("machine.state", &["machine.state: a signal of the machine", "  values        0 INACTIVE, 1 ACTIVE, 2 ERROR"]);
-    // `machine` names one object, every other name any of them.
+    // `machine` names one object, any other name any object.
     assert!(!said("machine.state").contains("AXIS.state") && !said("x.state").contains("machine.state"));
     assert!(said("state").contains("AXIS.state: ") && said("state").contains("machine.state: "));
     has(
@@ -247,7 +247,7 @@ fn an_unknown_name_gets_the_names_that_are_most_like_it() {
     assert!(sentence(&long).len() < 300 && sentence("").starts_with("`` is unknown"));
 }
 
-/// The law of the tables: nothing in them is without an explanation, and the explanation has what they say.
+/// Every entry of the tables has an explanation, which contains its texts.
 #[test]
 fn every_code_and_parameter_can_be_explained() {
     for row in Code::rows() {
@@ -307,7 +307,7 @@ fn every_interface_and_every_verb_can_be_explained() {
     }
 }
 
-/// Signals of the example cells, so of axes of all kinds, and of most types of function slots.
+/// Signals of the example cells, with axes of all kinds and most types of function slots.
 #[test]
 fn every_signal_of_the_examples_can_be_explained() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs");
@@ -327,7 +327,7 @@ fn every_signal_of_the_examples_can_be_explained() {
     }
 }
 
-/// A page that an explanation names is there.
+/// The pages that explanations refer to must exist.
 #[test]
 fn the_pages_that_are_named_exist() {
     for page in [

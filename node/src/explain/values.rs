@@ -1,5 +1,5 @@
-//! Values by their names: constants of ROS types (`AT_POSITION`), names that a key or a parameter takes (`second_order`), and modes of
-//! CiA 402 (`csp`), which a cell calls otherwise.
+//! Explains values by name: constants of ROS types (`AT_POSITION`), names that a key or a parameter accepts
+//! (`second_order`), and CiA 402 modes (`csp`), which have other names in a cell.
 
 use super::section;
 use crate::interfaces::short;
@@ -67,7 +67,7 @@ pub(super) fn names() -> Vec<String> {
     of_types.chain(of_keys).chain(of_parameters).chain(modes).map(str::to_owned).collect()
 }
 
-/// The names that a key takes.
+/// Returns the names that a key accepts.
 fn key_names(key: &'static Key) -> impl Iterator<Item = &'static str> {
     let names = |shape: &Shape| -> &'static [&'static str] {
         match shape {
@@ -86,7 +86,7 @@ fn measure_names(measure: Measure) -> impl Iterator<Item = &'static str> {
     names.iter().copied()
 }
 
-/// Constants of that name, a section for each type that has one.
+/// Returns a section for each type that has a constant of that name.
 fn constants(name: &str, width: usize) -> Vec<String> {
     let mut sections = Vec::new();
     for interface in INTERFACES {
@@ -107,7 +107,7 @@ fn constants(name: &str, width: usize) -> Vec<String> {
     sections
 }
 
-/// The keys and parameters that take the name, in one section.
+/// Returns the keys and parameters that accept the name, in one section.
 fn choices(name: &str, width: usize) -> Option<String> {
     let is_it = |known: &str| known.eq_ignore_ascii_case(name);
     let keys = File::ALL.into_iter().flat_map(File::keys).filter(|&key| key_names(key).any(is_it));
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
     use lineshaft_can::drive::DriveMode;
 
-    /// Each mode that key `mode` takes, with its number, and with the interface that it serves.
+    /// Each mode that key `mode` accepts, with its number, and with its interface.
     #[test]
     fn each_mode_of_a_drive_on_can_has_its_number_and_key() {
         for (name, mode) in DriveMode::NAMES {

@@ -1,4 +1,4 @@
-//! Verbs of scenarios.
+//! Explains verbs of scenarios.
 
 use super::section;
 use crate::scenario::VERBS;
@@ -23,7 +23,7 @@ fn text(verb: &str, width: usize) -> String {
     section(&format!("{verb}: a verb of scenarios"), &facts, width)
 }
 
-/// The service, action or topic that does the same.
+/// Returns the equivalent service, action or topic.
 fn same(row: &Row) -> String {
     let kind = match row.kind {
         Kind::Service => "service",

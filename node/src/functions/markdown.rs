@@ -1,20 +1,20 @@
-//! The blocks of docs/functions.md that are made of the tables.
+//! Generates the blocks of docs/functions.md from the tables.
 
 use super::{default, facts, name, range, when};
 use crate::interfaces::replaced;
 use lineshaft_core::function::{Description, TYPES};
 use std::fmt::Write;
 
-/// All blocks, one after the other.
+/// Returns all blocks, one after the other.
 pub fn markdown() -> String {
     let blocks = std::iter::once(types()).chain(TYPES.iter().map(block));
     blocks.collect::<Vec<_>>().join("\n")
 }
 
-/// The page with its blocks made anew; what stands around them stays.
+/// Returns the page with regenerated blocks; the text around them is unchanged.
 ///
 /// # Errors
-/// The marks of a block are not there.
+/// Returns an error if the marks of a block are missing.
 pub fn renewed(page: &str) -> Result<String, String> {
     let page = replaced(page, "types", &types())?;
     TYPES.iter().try_fold(page, |page, row| replaced(&page, row.name, &block(row)))
@@ -23,7 +23,7 @@ pub fn renewed(page: &str) -> Result<String, String> {
 fn types() -> String {
     let mut text = "| type | what |\n|-|-|\n".to_owned();
     for row in TYPES {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "| [{0}](#{0}) | {1} |", row.name, row.help);
     }
     text

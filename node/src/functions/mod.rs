@@ -1,6 +1,6 @@
-//! Types of function slots as people read them: in a terminal, and as docs/functions.md.
+//! Describes types of function slots: in a terminal, and in docs/functions.md.
 //!
-//! All of it is made of the core's table of types and the fields of their sets.
+//! The texts are made from the type table of the core and the fields of its parameter sets.
 
 mod markdown;
 mod terminal;
@@ -10,7 +10,7 @@ pub use terminal::{details, listing};
 
 use lineshaft_core::function::{Description, Field, Need, Quantity, Shown};
 
-/// What is to be said of a type beside its fields: a word, and the rest of the sentence.
+/// Returns the facts about a type other than its fields: a label, and the rest of the sentence.
 fn facts(row: &Description) -> Vec<(&'static str, String)> {
     let source = match row.source {
         Need::Must => "one",
@@ -38,7 +38,7 @@ fn facts(row: &Description) -> Vec<(&'static str, String)> {
     facts
 }
 
-/// Names that have one meaning are told as a range.
+/// Returns the signals of a type; names with the same meaning are shown as a range.
 fn shown(shows: &[Shown]) -> String {
     let told = shows.chunk_by(|shown, other| shown.help == other.help).filter_map(|chunk| {
         let (first, last) = (chunk.first()?, chunk.last()?);
@@ -90,7 +90,7 @@ fn lines(letter: char, count: usize) -> String {
     }
 }
 
-/// The name of a field, with the places of a list.
+/// Returns the name of a field, with the indices of a list.
 fn name(field: &Field) -> String {
     if field.count == 1 { field.name.to_owned() } else { format!("{}[0..{}]", field.name, field.count - 1) }
 }
@@ -99,7 +99,7 @@ pub(crate) fn range(field: &Field) -> String {
     format!("{} to {}", field.min, field.max)
 }
 
-/// The value of a field that is left out.
+/// Returns the default of a field.
 pub(crate) fn default(field: &Field) -> String {
     if (field.min..=field.max).contains(&field.default) {
         field.default.to_string()
@@ -108,7 +108,7 @@ pub(crate) fn default(field: &Field) -> String {
     }
 }
 
-/// From when on a new value counts.
+/// Returns when a new value takes effect.
 pub(crate) fn when(field: &Field) -> &'static str {
     if field.live { "live" } else { "from START on" }
 }

@@ -1,18 +1,18 @@
-//! What `lineshaft functions` prints.
+//! Formats the output of `lineshaft functions`.
 
 use super::{default, facts, name, range, when};
 use crate::parameters::wrap;
 use lineshaft_core::function::{Description, Field, TYPES};
 use std::fmt::Write;
 
-/// Before what is said about a field.
+/// Indentation of the description of a field.
 const INDENT: usize = 6;
-/// Width of the words before a fact.
+/// Width of the label before a fact.
 const LABEL: usize = 12;
-/// However narrow the terminal is.
+/// Minimum width, even if the terminal is narrower.
 const NARROWEST: usize = 30;
 
-/// A line for each type.
+/// Returns a line for each type.
 pub fn listing(width: usize) -> String {
     let longest = TYPES.iter().map(|row| row.name.len()).max().unwrap_or(0);
     let mut text = String::new();
@@ -20,7 +20,7 @@ pub fn listing(width: usize) -> String {
     text
 }
 
-/// All about a type.
+/// Returns the full description of a type.
 pub fn details(row: &Description, width: usize) -> String {
     let mut text = format!("{}: {}\n\n", row.name, row.help);
     for (word, what) in facts(row) {
@@ -38,12 +38,12 @@ fn field(text: &mut String, field: &Field, width: usize) {
         words => words,
     };
     let (name, range, when) = (name(field), range(field), when(field));
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     let _ = writeln!(text, "  {name}  {range}{unit}, {default}, {when}");
     entry(text, ("", INDENT), &format!("{} [{}]", field.help, field.source), width);
 }
 
-/// A word in its column, and what is said of it beside it.
+/// Appends a label in its column, with its description next to it.
 fn entry(text: &mut String, (word, column): (&str, usize), what: &str, width: usize) {
     for (place, line) in wrap(what, width.saturating_sub(column).max(NARROWEST)).iter().enumerate() {
         let word = if place == 0 { word } else { "" };

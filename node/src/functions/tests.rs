@@ -1,11 +1,11 @@
-//! The types as they are shown.
+//! Tests the descriptions of types.
 
 use super::{details, listing, markdown, renewed};
 use lineshaft_core::function::{Kind, TYPES};
 use std::path::Path;
 
-/// The blocks of docs/functions.md are what the program makes. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib functions`
-/// writes them anew.
+/// The blocks of docs/functions.md must be the generated ones.
+/// `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib functions` regenerates them.
 #[test]
 fn the_page_in_docs_holds_what_the_program_makes() {
     crate::page::check("functions.md", "functions", |page| renewed(page).unwrap());
@@ -82,7 +82,7 @@ fn a_type_tells_what_it_reads_and_writes() {
     ] {
         assert!(fgen.lines().any(|there| there == line), "{line}\n{fgen}");
     }
-    // A value without a unit has none here.
+    // A value without unit is printed without one.
     assert!(text(Kind::Apsf).contains("  shows     fuel, instructions that the last call of its program took\n"));
     assert!(text(Kind::Dfkt).contains("  shows     limit.ratio_max, ratio_max limits the output; limit.ratio_min, "));
     assert_eq!(text(Kind::Regl).matches("  word      src").count(), 2);

@@ -1,6 +1,6 @@
-//! The figure: what is only read on the left, slots in their order in the middle, what is written on the right.
+//! Draws the figure: read objects on the left, slots in their order in the middle, written objects on the right.
 //!
-//! All links lie in the two gaps between the columns, so that none crosses a box.
+//! All links are in the two gaps between the columns, so that none crosses a box.
 
 use super::links::{Port, mirrors, ports};
 use super::svg::{Svg, width};
@@ -9,17 +9,17 @@ use lineshaft_core::object::Object;
 use std::collections::BTreeMap;
 
 const MARGIN: f64 = 24.0;
-/// Between two columns.
+/// Distance between two columns.
 const GAP: f64 = 150.0;
-/// Between two boxes of a column.
+/// Distance between two boxes of a column.
 const SPACE: f64 = 16.0;
 /// Height of a line of text in a box.
 const ROW: f64 = 20.0;
-/// From the top of a line to the foot of its letters.
+/// Distance from the top of a line to its baseline.
 const FOOT: f64 = 14.0;
-/// Beside the text in a box.
+/// Margin left and right of the text in a box.
 const PAD: f64 = 10.0;
-/// How far links of one column to itself go out, at least, and further for each one.
+/// Minimum extent of links from a column to itself, and increment for each further one.
 const BULGE: f64 = 36.0;
 const STEP: f64 = 11.0;
 const COLOURS: [(&str, &str); 5] = [
@@ -51,13 +51,13 @@ impl Frame {
         lines.map(|line| width(&line)).fold(0.0, f64::max) + 2.0 * PAD
     }
 
-    /// Where links meet a line; the first one is the head.
+    /// Returns the height at which links end at a line; line 0 is the head.
     fn row(&self, row: usize) -> f64 {
         self.top + 2.0 + ROW * (row as f64 + 0.5)
     }
 }
 
-/// A column of boxes of one width.
+/// A column of boxes of the same width.
 #[derive(Debug, Default)]
 struct Column {
     left: f64,
@@ -75,7 +75,7 @@ impl Column {
         self.left + self.width
     }
 
-    /// Where the column behind it begins; an empty one takes no room.
+    /// Returns the left edge of the next column; an empty column has no width.
     fn next(&self) -> f64 {
         if self.frames.is_empty() { self.left } else { self.right() + GAP }
     }
@@ -88,7 +88,7 @@ impl Column {
         self.frames.iter().find(|frame| frame.object == object)
     }
 
-    /// Puts the boxes below each other, each as near as it can to where it would like to be.
+    /// Places the boxes below each other, each as close as possible to its wanted position.
     fn place(&mut self, wishes: &BTreeMap<Object, f64>) {
         let wish = |frame: &Frame| wishes.get(&frame.object).copied().unwrap_or(f64::MAX);
         self.frames.sort_by(|a, b| wish(a).total_cmp(&wish(b)));
@@ -102,7 +102,7 @@ impl Column {
     }
 }
 
-/// The figure of a cell; none where it has no functions.
+/// Returns the figure of a cell; `None` without functions.
 pub fn draw(machine: &MachineConfig, title: &str) -> Option<String> {
     if machine.slots.is_empty() {
         return None;
@@ -123,11 +123,11 @@ pub fn draw(machine: &MachineConfig, title: &str) -> Option<String> {
     Some(paint(machine, title, [&left, &middle, &right]))
 }
 
-/// What is read and never written, and what is written.
+/// Returns the objects that are only read, and those that are written.
 fn objects(machine: &MachineConfig, slots: &[Frame]) -> (Vec<Object>, Vec<Object>) {
     let ports = || slots.iter().flat_map(|slot| &slot.ports);
     let mut written: Vec<Object> = ports().filter(|port| port.is_output).map(|port| port.object).collect();
-    // What shows an output stands beside it.
+    // An input that reads an output is next to it.
     let shown = mirrors(machine).filter(|(from, to)| written.contains(from) && ports().any(|port| port.object == *to));
     let shown: Vec<Object> = shown.map(|(_, to)| to).collect();
     written.extend(shown);
@@ -140,7 +140,7 @@ fn objects(machine: &MachineConfig, slots: &[Frame]) -> (Vec<Object>, Vec<Object
     (read, written)
 }
 
-/// The mean height of the lines that an object is linked with.
+/// Returns for each object the mean height of the lines that it is linked with.
 fn wishes(middle: &Column) -> BTreeMap<Object, f64> {
     let mut sums: BTreeMap<Object, (f64, f64)> = BTreeMap::new();
     for frame in &middle.frames {
@@ -230,7 +230,7 @@ fn paint(machine: &MachineConfig, title: &str, columns: [&Column; 3]) -> String 
     svg.finish()
 }
 
-/// How many links lead from slots to slots.
+/// Returns the number of links between slots.
 fn links_of_own(middle: &Column) -> usize {
     let ports = middle.frames.iter().flat_map(|frame| &frame.ports);
     ports.filter(|port| matches!(port.object, Object::Function(_))).count()
@@ -254,7 +254,7 @@ fn paint_frame(svg: &mut Svg, column: &Column, frame: &Frame) {
     }
 }
 
-/// How wide the legend is.
+/// Width of the legend.
 const LEGEND: f64 = 600.0;
 
 fn legend(svg: &mut Svg, top: f64) {

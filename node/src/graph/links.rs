@@ -1,32 +1,32 @@
-//! What function slots read and write.
+//! Finds the objects that function slots read and write.
 //!
-//! Law      a slot reads this cycle's value of inputs, outputs of lower slots, encoders, the actual position of a drive (as source) and lower slots, of
-//!          memory that a lower one or no slot writes; the last cycle's of axes else and the machine, of itself, of higher slots, and of
-//!          all that these write
+//! Law      a slot reads the value of this cycle for inputs, outputs of lower slots, encoders, the actual position of a
+//!          drive (as source), lower slots, and memory that a lower slot or none writes. It reads the value of the last
+//!          cycle for other signals of axes, the machine, itself, higher slots, and everything that these write
 //! Source   contract section 1 and 10
 
 use lineshaft_core::config::{IoKind, Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
 use lineshaft_core::function::Kind;
 use lineshaft_core::object::{Leader, Object};
 
-/// What a slot has at one end of a link: `source`, `E1`, `sink`, `A1`..
+/// End of a link at a slot: `source`, `E1`, `sink`, `A1`..
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Port {
-    /// What it is called.
+    /// Label of the end.
     pub label: String,
-    /// What is there, by its name in the cell.
+    /// Name of the linked object in the cell.
     pub name: String,
-    /// The object at the other end.
+    /// Object at the other end.
     pub object: Object,
-    /// It is written.
+    /// Whether the object is written.
     pub is_output: bool,
-    /// What is read is the last cycle's.
+    /// Whether the value of the last cycle is read.
     pub is_late: bool,
-    /// It switches outputs alone: no way leads from it to the sink.
+    /// Whether the value only affects outputs, not the sink.
     pub is_watched: bool,
 }
 
-/// All that a slot reads and writes, in the order of its keys; what it reads comes first.
+/// Returns all objects that a slot reads and writes, in the order of its keys, read ones first.
 pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     let Some(config) = machine.slots.get(usize::from(slot)) else { return Vec::new() };
     let mut ports = Vec::new();
@@ -53,10 +53,10 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     }
     for axis in watched(config).filter(|axis| usize::from(*axis) < machine.axes.len()) {
         let object = Object::Axis(axis);
-        // Differences are those of the last cycle, positions that drives have told are not.
+        // Differences are those of the last cycle; positions reported by drives are those of this cycle.
         let is_late = config.kind == Kind::Sidiff || !is_told(machine, Leader::AxisActual(axis));
         let (label, name) = (format!("AW{}", axis + 1), machine.name(object).to_owned());
-        // The mean of a difference may be a sink, a position is none.
+        // The mean of a difference may affect the sink, a position does not.
         let is_watched = config.kind != Kind::Sidiff;
         ports.push(Port { label, name, object, is_output: false, is_late, is_watched });
     }
@@ -84,7 +84,7 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     ports
 }
 
-/// The virtual inputs, each with the output that it reads: of the cycle before.
+/// Returns the virtual inputs, each with the output that it reads in the cycle before.
 pub(super) fn mirrors(machine: &MachineConfig) -> impl Iterator<Item = (Object, Object)> {
     let inputs: Vec<u16> = machine.digital_inputs().collect();
     let reads = machine.global.virtual_inputs.iter();
@@ -100,7 +100,7 @@ fn line_name(machine: &MachineConfig, line: Line) -> String {
     format!("{}{}", if line.inverted { "not " } else { "" }, machine.name(line.object))
 }
 
-/// What its source is: name, object, and whether its value is the last cycle's.
+/// Returns the sources of a slot: name, object, and whether the value is that of the last cycle.
 fn sources(machine: &MachineConfig, slot: u16, config: &SlotConfig) -> Vec<(String, Object, bool)> {
     match &config.source {
         SourceConfig::None => Vec::new(),
@@ -116,7 +116,7 @@ fn sources(machine: &MachineConfig, slot: u16, config: &SlotConfig) -> Vec<(Stri
     }
 }
 
-/// A leader, or of a master of several each member, however deep it stands, behind the masters that have it.
+/// Returns a leader, or each member of a master, also of nested masters, with the names of the masters that contain it.
 fn leaders(machine: &MachineConfig, leader: Leader) -> Vec<(String, Leader)> {
     let (mut found, mut next) = (vec![(String::new(), leader)], 0);
     while let Some((before, leader)) = found.get(next).cloned() {
@@ -144,7 +144,7 @@ fn object(leader: Leader) -> Option<Object> {
     }
 }
 
-/// A signal, with the object that has it: of a master of several, whose signals are the last cycle's, with each of its members.
+/// Returns a signal with its object; for a master, whose signals are those of the last cycle, with each of its members.
 fn signal(machine: &MachineConfig, slot: u16, name: &str) -> Vec<(String, Object, bool)> {
     let of = name.split('.').next().unwrap_or_default();
     let Some(place) = machine.masters.iter().position(|master| master.name == of) else {
@@ -155,7 +155,7 @@ fn signal(machine: &MachineConfig, slot: u16, name: &str) -> Vec<(String, Object
     members.map(|object| (name.to_owned(), object, true)).collect()
 }
 
-/// The object whose signal has that name.
+/// Returns the object that has the signal with that name.
 fn find(machine: &MachineConfig, name: &str) -> Object {
     let name = name.split('.').next().unwrap_or_default();
     let places = |count: usize, object: fn(u16) -> Object| (0..count).map(move |place| object(place as u16));
@@ -164,11 +164,11 @@ fn find(machine: &MachineConfig, name: &str) -> Object {
         .chain(places(machine.io.len(), Object::Io))
         .chain(places(machine.memory.len(), Object::Memory))
         .chain(places(machine.slots.len(), Object::Function));
-    // What no section has is the machine's.
+    // A name that no section has belongs to the machine.
     all.find(|object| machine.name(*object) == name).unwrap_or(Object::Machine)
 }
 
-/// The axes that a slot watches without a source, by the set that the cell gives it.
+/// Returns the axes that a slot monitors without a source, according to the parameter set in the cell.
 fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
     let value = |name| {
         let (_, place) = config.kind.description().find(name)?;
@@ -184,13 +184,13 @@ fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
     (0..8).filter(move |axis| is_watched && (mask >> axis & 1 == 1 || shown == i64::from(axis + 1)))
 }
 
-/// Is that where an axis is, as a drive tells it before the slots begin?
+/// Whether it is the position of an axis that a drive reports before the slots are executed.
 fn is_told(machine: &MachineConfig, leader: Leader) -> bool {
     let Leader::AxisActual(axis) = leader else { return false };
     machine.axes.get(usize::from(axis)).is_some_and(|axis| axis.drive.is_some())
 }
 
-/// Does a slot read the last cycle's value of an object?
+/// Whether a slot reads the value of an object of the last cycle.
 fn is_late(machine: &MachineConfig, slot: u16, object: Object) -> bool {
     let writer = || machine.writer(object).is_some_and(|writer| writer >= slot);
     match object {

@@ -1,11 +1,11 @@
-//! Slots that read themselves round a circle.
+//! Finds slots that read their own output in a loop.
 
 use super::links::{Port, mirrors, ports};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::object::Object;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A link from what is written to who reads it.
+/// A link from a written object to its reader.
 #[derive(Clone, Copy, Debug)]
 struct Link {
     from: Object,
@@ -13,10 +13,10 @@ struct Link {
     is_late: bool,
 }
 
-/// All links, by what they begin at.
+/// All links, by the object at which they begin.
 type Links = BTreeMap<Object, Vec<Link>>;
 
-/// A sentence for each circle: the shortest one through each slot that is the lowest of one.
+/// Returns a message for each loop: the shortest one through each slot that is the lowest of a loop.
 pub fn circles(machine: &MachineConfig) -> Vec<String> {
     let links = links(machine);
     (0..machine.slots.len() as u16).filter_map(|slot| circle(machine, &links, slot)).collect()
@@ -37,10 +37,10 @@ fn links(machine: &MachineConfig) -> Links {
     links
 }
 
-/// The shortest way from a slot back to itself through higher ones alone.
+/// Returns the shortest path from a slot back to itself through higher slots only.
 fn circle(machine: &MachineConfig, links: &Links, slot: u16) -> Option<String> {
     let start = Object::Function(slot);
-    // Each link that leads on, and the place of the one before it.
+    // Links reached so far, each with the index of the previous one.
     let mut reached: Vec<(Link, Option<usize>)> = Vec::new();
     let mut known = BTreeSet::new();
     let mut next = 0;

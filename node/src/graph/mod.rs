@@ -1,4 +1,4 @@
-//! Who reads what of whom: the function slots of a cell, as links, as circles, as a figure.
+//! Dependencies of the function slots of a cell, as links, loops and a figure.
 
 mod figure;
 mod links;

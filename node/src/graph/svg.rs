@@ -1,11 +1,11 @@
-//! The few shapes of the figure, as SVG.
+//! Writes the shapes of the figure as SVG.
 
 use std::fmt::{Arguments, Write};
 
-/// A point or a size (px).
+/// A point or a size, in px.
 pub(super) type Point = (f64, f64);
 
-/// Width of a letter: the figure is written in a font whose letters have one width.
+/// Width of a character: the figure uses a monospaced font.
 pub(super) const LETTER: f64 = 7.3;
 
 /// A figure.
@@ -28,7 +28,7 @@ impl Svg {
     }
 
     fn put(&mut self, line: Arguments<'_>) {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(self.0, "{line}");
     }
 
@@ -42,7 +42,7 @@ impl Svg {
         self.put(format_args!("<path d=\"M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}\" stroke=\"#adb5bd\"/>"));
     }
 
-    /// A link that leaves and arrives level; `bends` say how far it goes on so at both ends.
+    /// Draws a link with horizontal ends; `bends` are the lengths of its horizontal parts at both ends.
     pub(super) fn link(&mut self, (x, y): Point, (to_x, to_y): Point, bends: Point, is_dashed: bool) {
         let (first, last) = (x + bends.0, to_x + bends.1);
         let dashes = if is_dashed { " stroke-dasharray=\"5 4\"" } else { "" };
@@ -66,7 +66,7 @@ impl Svg {
     }
 }
 
-/// How wide a text is.
+/// Returns the width of a text.
 pub(super) fn width(text: &str) -> f64 {
     text.chars().count() as f64 * LETTER
 }

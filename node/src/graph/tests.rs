@@ -1,4 +1,4 @@
-//! Links, circles and the figure of small cells.
+//! Tests links, loops and the figure of small cells.
 
 use super::links::{Port, ports};
 use super::{circles, draw};
@@ -6,7 +6,7 @@ use crate::cell::Cell;
 use lineshaft_core::config::MachineConfig;
 use std::path::Path;
 
-/// Axes x and y, an encoder, inputs, outputs and memory, with these functions.
+/// Returns a machine with axes x and y, an encoder, inputs, outputs and memory, and these functions.
 fn machine(functions: &str) -> MachineConfig {
     let axis = |address: u8| {
         format!(
@@ -28,7 +28,7 @@ fn machine(functions: &str) -> MachineConfig {
     Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}")).machine
 }
 
-/// The ports of a slot: what it is called, what is there, whether that is the last cycle's.
+/// Returns the ports of a slot: label, name, and whether the value is that of the last cycle.
 fn said(machine: &MachineConfig, slot: u16) -> Vec<String> {
     let say = |port: Port| {
         let way = if port.is_output { "->" } else { "<-" };
@@ -72,11 +72,11 @@ fn what_a_higher_slot_writes_is_the_last_cycles() {
 #[test]
 fn a_watch_reads_the_axes_of_its_set() {
     let machine = machine("  a: {slot: 0, type: sidiff, sink: feed, outputs: [lamp], aw_mask: 129, display_aw: 2}\n");
-    // The eighth axis is none of the cell.
+    // The cell has no eighth axis.
     assert_eq!(said(&machine, 0), ["AW1 <- x (late)", "AW2 <- y (late)", "sink -> feed", "A1 -> lamp"]);
 }
 
-/// Where a drive is, it has told before the slots; and two words are two links.
+/// A drive reports its position before the slots are executed; two words are two links.
 #[test]
 fn positions_that_are_watched_are_this_cycles_and_each_word_is_a_link() {
     let functions = "  a: {slot: 0, type: fgen, fct: 4, aw_mask: 2, cycle_increments: 1, accel: 1}\n  \
@@ -86,12 +86,13 @@ fn positions_that_are_watched_are_this_cycles_and_each_word_is_a_link() {
     assert_eq!(said(&machine, 0), ["AW2 <- y"]);
     assert_eq!(said(&machine, 1), [""; 0], "without bits 1 and 2 of fct it watches none");
     assert_eq!(said(&machine, 2), ["source <- feed", "word <- a.sink", "word <- c.sink (late)"]);
-    // A generator that watches what it moves reads itself nowhere.
+    // A generator that monitors the axis that it moves makes no loop.
     let moved = "  a: {slot: 0, type: fgen, sink: x, fct: 7, aw_mask: 1, cycle_increments: 1, accel: 1}\n";
     assert_eq!(circles(&self::machine(moved)), [""; 0]);
 }
 
-/// Each member is a link of its own: an encoder is this cycle's, a command the last one's. What a master shows is the last cycle's.
+/// Each member is a separate link: an encoder has the value of this cycle, a command that of the last one. The signals
+/// of a master are those of the last cycle.
 #[test]
 fn a_slot_that_reads_a_master_of_several_reads_its_members() {
     let machine = machine(
@@ -137,7 +138,7 @@ fn a_slot_that_reads_itself_is_told_with_its_way() {
         told("  a: {slot: 0, type: dcopy, source: x.following_error, sink: x}\n"),
         ["function a reads itself: a -> x -> a; a sees x as of the cycle before"]
     );
-    // Through the level of an output, which an input shows a cycle later.
+    // Through an output that an input reads one cycle later.
     assert_eq!(
         told("  a: {slot: 0, type: ecopy, source: go, sink: feed, inputs: [back], outputs: [lamp]}\n"),
         ["function a reads itself: a -> lamp -> back -> a; back sees lamp as of the cycle before"]
@@ -239,7 +240,7 @@ fn links_meet_boxes_and_are_dashed_where_they_are_late() {
     let svg = draw(&machine(MANY), "c.yaml").expect("there are functions");
     let frames = frames(&svg);
     let links: Vec<&str> = svg.lines().filter(|line| line.contains("marker-end")).collect();
-    // Ports: 5 + 2 + 2 + 4 + 1; the input that shows an output; 2 of the legend.
+    // Ports: 5 + 2 + 2 + 4 + 1; the input that reads an output; 2 of the legend.
     assert_eq!(links.len(), 14 + 1 + 2, "{svg}");
     let at_edge = |x: f64, y: f64| {
         frames.iter().any(|[left, top, width, height]| {
@@ -252,11 +253,11 @@ fn links_meet_boxes_and_are_dashed_where_they_are_late() {
         let numbers = numbers_of(line);
         assert!(at_edge(numbers[0], numbers[1]) && at_edge(numbers[6], numbers[7]), "{line}");
     }
-    // `flag` of a higher slot, the output behind `back`, and the line of the legend.
+    // `flag` of a higher slot, the output that `back` reads, and the line of the legend.
     assert_eq!(links.iter().filter(|line| line.contains("stroke-dasharray")).count(), 2 + 1);
 }
 
-/// The numbers of a path.
+/// Returns the numbers of a path.
 fn numbers_of(line: &str) -> Vec<f64> {
     let path = line.split('"').nth(1).unwrap_or_default();
     let numbers = path.split(|c: char| !c.is_ascii_digit() && c != '.' && c != '-').filter(|text| !text.is_empty());
@@ -276,7 +277,8 @@ fn a_title_is_a_text_and_no_markup() {
     assert!(svg.contains("<title>a&lt;b&gt;&amp;.yaml</title>"), "{svg}");
 }
 
-/// docs/images/function_graph.svg is the figure of an example. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib graph` draws it anew.
+/// docs/images/function_graph.svg is the figure of an example. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib graph`
+/// draws it again.
 #[test]
 fn the_figure_in_docs_is_the_one_that_the_program_draws() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

@@ -1,4 +1,4 @@
-//! The blocks of docs/interfaces.md that are made of the tables.
+//! Generates the blocks of docs/interfaces.md from the tables.
 
 use super::{kind_text, qos_text, short};
 use lineshaft_core::parameter::{Applies, ROWS as CATALOGUE, Storage, System};
@@ -7,29 +7,29 @@ use lineshaft_msgs::about::{Interface, Section};
 use lineshaft_ros::surface::table::{Kind, PARAMETERS, ROWS};
 use std::fmt::Write;
 
-/// A block of the page: its name in the marks around it, and what makes it.
+/// A block of the page: its name in the marks around it, and the function that generates it.
 type Block = (&'static str, fn() -> String);
 
-/// In the order of the page.
+/// Blocks in the order of the page.
 const BLOCKS: [Block; 3] = [("endpoints", endpoints), ("parameters", parameters), ("types", types)];
 
-/// All blocks, one after the other.
+/// Returns all blocks, one after the other.
 pub fn markdown() -> String {
     BLOCKS.map(|(_, make)| make()).join("\n")
 }
 
-/// The page with its blocks made anew; what stands around them stays.
+/// Returns the page with regenerated blocks; the text around them is unchanged.
 ///
 /// # Errors
-/// The marks of a block are not there.
+/// Returns an error if the marks of a block are missing.
 pub fn renewed(page: &str) -> Result<String, String> {
     BLOCKS.into_iter().try_fold(page.to_owned(), |page, (name, make)| replaced(&page, name, &make()))
 }
 
-/// A page with one block made anew, between `<!-- begin NAME .. -->` and `<!-- end NAME -->`.
+/// Returns a page with one replaced block, between `<!-- begin NAME .. -->` and `<!-- end NAME -->`.
 ///
 /// # Errors
-/// The marks of the block are not there.
+/// Returns an error if the marks of the block are missing.
 pub(crate) fn replaced(page: &str, name: &str, made: &str) -> Result<String, String> {
     let (begin, end) = (format!("<!-- begin {name}"), format!("<!-- end {name} -->"));
     let missing = || format!("the page has no `{begin} .. -->` with `{end}` below it");
@@ -55,7 +55,7 @@ fn parameters() -> String {
     let mut text = "| names | parameters | of |\n| --- | --- | --- |\n".to_owned();
     for system in [System::Native, System::Macs, System::Amc, System::Saia, System::Wf] {
         for (of_machine, name) in [(false, "<axis>"), (true, "machine")] {
-            // What lives in a signal is no parameter.
+            // A row that is stored as a signal is no parameter.
             let rows =
                 CATALOGUE.iter().filter(|row| row.system == system && !matches!(row.storage, Storage::Signal(_)));
             let count = rows.filter(|row| (row.applies == Applies::Machine) == of_machine).count();
@@ -88,7 +88,7 @@ fn interface(interface: &Interface) -> String {
 fn section(text: &mut String, section: &Section) {
     let Section { name, doc, constants, fields } = section;
     if !name.is_empty() {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "\n**{name}**");
     }
     if !doc.is_empty() {
@@ -113,7 +113,7 @@ fn line(text: &mut String, cells: &[&str]) {
     let _ = writeln!(text, "| {} |", cells.join(" | "));
 }
 
-/// A comment of a file as Markdown: what would be markup there stands for itself; what stands in back quotes is code already.
+/// Escapes a comment of a file for Markdown, except text in backquotes, which is code already.
 fn escaped(comment: &str) -> String {
     let mut out = String::new();
     let mut code = false;

@@ -1,7 +1,7 @@
-//! Topics, services, actions and types as people read them: in a terminal, and as docs/interfaces.md.
+//! Describes topics, services, actions and types: in a terminal, and in docs/interfaces.md.
 //!
-//! All of it is made of the tables that the program uses: what the surface opens, the catalogue of parameters, and the
-//! interface files.
+//! The texts are made from the tables that the program uses: the interfaces of the surface, the catalogue of
+//! parameters, and the interface files.
 
 mod markdown;
 mod terminal;
@@ -13,7 +13,7 @@ pub use terminal::{details, listing, meant};
 use lineshaft_ros::layer::Qos;
 use lineshaft_ros::surface::table::Kind;
 
-/// As in the first column of the page.
+/// Returns the text of the first column of the page.
 fn kind_text(kind: Kind) -> &'static str {
     match kind {
         Kind::Publisher => "pub",
@@ -23,7 +23,7 @@ fn kind_text(kind: Kind) -> &'static str {
     }
 }
 
-/// In the words of ROS 2: reliability, durability, depth; lifespan, where there is one.
+/// Returns the QoS in ROS 2 terms: reliability, durability, depth; lifespan, if there is one.
 fn qos_text(qos: Qos) -> String {
     let reliability = if qos.reliable { "reliable" } else { "best effort" };
     let durability = if qos.latched { "transient local" } else { "volatile" };
@@ -31,7 +31,7 @@ fn qos_text(qos: Qos) -> String {
     format!("{reliability}, {durability}, {}{lifespan}", qos.depth)
 }
 
-/// `lineshaft_msgs/action/MoveAxis` as it is said: without its middle.
+/// Returns the short name of `lineshaft_msgs/action/MoveAxis`, without its middle part.
 pub(crate) fn short(interface: &str) -> String {
     match interface.split('/').collect::<Vec<_>>().as_slice() {
         [package, _, name] => format!("{package}/{name}"),

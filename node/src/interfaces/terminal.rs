@@ -1,4 +1,4 @@
-//! What `lineshaft interfaces` prints.
+//! Formats the output of `lineshaft interfaces`.
 
 use super::{kind_text, qos_text, short};
 use crate::parameters::wrap;
@@ -8,14 +8,14 @@ use lineshaft_msgs::about::{Interface, Section};
 use lineshaft_ros::surface::table::{Kind, ROWS, Row};
 use std::fmt::Write;
 
-/// Before what is said about something.
+/// Indentation of a description.
 const INDENT: usize = 8;
-/// Names up to this width are in one column with their types after them; what is longer is ahead of its type.
+/// Maximum width of names in the column before their types; a longer name has its type on the next line.
 const COLUMN: usize = 32;
-/// However narrow the terminal is.
+/// Minimum width, even if the terminal is narrower.
 const NARROWEST: usize = 30;
 
-/// Every topic, service and action, `width` columns wide.
+/// Returns every topic, service and action, `width` columns wide.
 pub fn listing(width: usize) -> String {
     let name = ROWS.iter().map(|row| row.name.len()).filter(|name| *name <= COLUMN).max().unwrap_or(0);
     ROWS.iter().map(|row| endpoint(row, name, width)).collect()
@@ -33,8 +33,8 @@ fn endpoint(row: &Row, name: usize, width: usize) -> String {
     text
 }
 
-/// A type of lineshaft_msgs with all that its file says, or the type of a topic, a service or an action; `None`: there is none
-/// of that name.
+/// Returns a type of lineshaft_msgs with the whole content of its file, or the type of a topic, a service or an action;
+/// `None` if there is none of that name.
 pub fn details(name: &str, width: usize) -> Option<String> {
     let row = ROWS.iter().find(|row| is_called(row, name));
     let wanted = row.map_or(name, |row| row.interface);
@@ -55,7 +55,7 @@ pub fn details(name: &str, width: usize) -> Option<String> {
             let _ = writeln!(text, "{}", found.name);
             found.sections.iter().for_each(|part| section(&mut text, part, width));
         }
-        // Of another package: its own documentation tells.
+        // A type of another package is described in its own documentation.
         None => {
             let _ = writeln!(text, "{wanted} belongs to another package: `ros2 interface show {wanted}`");
         }
@@ -63,18 +63,18 @@ pub fn details(name: &str, width: usize) -> Option<String> {
     Some(text)
 }
 
-/// Is it the row's name: with `~/`, without, or as it is in the graph?
-/// The topic, service, action or type that is most like a name which none has.
+/// Returns the topic, service, action or type that is most similar to an unknown name.
 pub fn meant(name: &str) -> Option<&'static str> {
     let own = |name: &'static str| name.rsplit('/').next().unwrap_or(name);
     let all = ROWS.iter().map(|row| row.name).chain(INTERFACES.iter().map(|interface| interface.name));
     nearest(name, all.map(own))
 }
 
+/// Whether it is the name of the row: with `~/`, without, or as in the graph.
 fn is_called(row: &Row, name: &str) -> bool {
     let own = row.name.trim_start_matches("~/").trim_start_matches('/');
     let before = name.strip_suffix(own);
-    // Of controller_manager the last word is enough.
+    // For the controller manager, the last part of the name is sufficient.
     own.rsplit('/').next() == Some(name)
         || before.is_some_and(|before| {
             before.is_empty() || before == "~/" || before.starts_with('/') && before.ends_with('/')

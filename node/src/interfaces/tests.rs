@@ -1,12 +1,12 @@
-//! The interfaces as they are shown.
+//! Tests the descriptions of interfaces.
 
 use super::{details, listing, markdown, meant, qos_text, renewed};
 use lineshaft_msgs::INTERFACES;
 use lineshaft_ros::layer::Qos;
 use lineshaft_ros::surface::table::{PARAMETERS, ROWS};
 
-/// The blocks of docs/interfaces.md are what the program makes. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib interfaces`
-/// writes them anew.
+/// The blocks of docs/interfaces.md must be the generated ones.
+/// `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib interfaces` regenerates them.
 #[test]
 fn the_page_in_docs_holds_what_the_program_makes() {
     crate::page::check("interfaces.md", "interfaces", |page| renewed(page).unwrap());

@@ -1,10 +1,12 @@
-//! Limits of joints as MoveIt's `joint_limits.yaml`: written from a cell, read into one.
+//! Converts limits of joints between a cell and MoveIt's `joint_limits.yaml`.
 //!
-//! Law      `min_position`, `max_position`, `max_velocity` and `max_jerk` are those of the axis in SI units; `max_acceleration` is the lower of its
-//!          `max_acceleration` and `max_deceleration`, as MoveIt has one limit for both. What is written and read back changes nothing
+//! Law      `min_position`, `max_position`, `max_velocity` and `max_jerk` are those of the axis in SI units;
+//!          `max_acceleration` is the lower of its `max_acceleration` and `max_deceleration`, because MoveIt has one
+//!          limit for both. Writing and reading a file changes nothing
 //! Reads    a cell; a file of limits
 //! Writes   a file of limits; parameters to be set in the cell ([`cell_file`](crate::cell_file))
-//! Refuses  what MoveIt would not read, or read otherwise, and what the axis cannot have; all of it at once, by line
+//! Refuses  values that MoveIt would not read, or would read with another meaning, and values that the axis does not
+//!          permit; all at once, with their lines
 //! Source   moveit_ros `robot_model_loader.cpp`, which reads these keys below `robot_description_planning`
 
 mod read;
@@ -17,7 +19,8 @@ use crate::cell::Cell;
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::parameter::{ConvertError, ParameterInput, Row, Value, convert};
 
-/// What MoveIt may limit of a joint, with the key of the axis. Positions have no key `has_..` that MoveIt reads: they count where they stand.
+/// Rates of a joint that MoveIt may limit, with the keys of the axis. For positions MoveIt ignores the key `has_..`:
+/// their limits apply if they are given.
 const RATES: [(&str, &str); 3] = [
     ("has_velocity_limits", "max_velocity"),
     ("has_acceleration_limits", "max_acceleration"),
@@ -25,10 +28,11 @@ const RATES: [(&str, &str); 3] = [
 ];
 const POSITIONS: [&str; 2] = ["min_position", "max_position"];
 
-/// The joints of a cell, or of one of its groups: places of their axes. Virtual axes are none, as they are in no message of joint states.
+/// Returns the joints of a cell, or of one of its groups, as indices of axes. Virtual axes are no joints, because no
+/// joint state message has them.
 ///
 /// # Errors
-/// There is no such group: a sentence.
+/// Returns an error message if there is no such group.
 pub fn joints(cell: &Cell, group: Option<&str>) -> Result<Vec<usize>, String> {
     let is_joint = |place: &usize| cell.machine.axes.get(*place).is_some_and(|axis| axis.drive.is_some());
     let Some(name) = group else { return Ok((0..cell.machine.axes.len()).filter(is_joint).collect()) };
@@ -41,16 +45,16 @@ pub fn joints(cell: &Cell, group: Option<&str>) -> Result<Vec<usize>, String> {
     Ok(group.axes.iter().map(|place| usize::from(*place)).collect())
 }
 
-/// What ROS calls the axis at that place.
+/// Returns the joint name of the axis with that index.
 fn joint_name(cell: &Cell, place: usize) -> &str {
     u16::try_from(place).map_or("", |place| cell.joint_names.get(place))
 }
 
-/// A limit of an axis in SI units, as it is written; none where it has none.
+/// Returns a limit of an axis in SI units for the file; `None` if the axis has none.
 fn limit(axis: &AxisConfig, key: &str) -> Option<f64> {
     let parameters = &axis.parameters;
     let rate = |rate: f64, order: u8| {
-        // The shortest number that reads as this rate; in rad there need not be one.
+        // The shortest number that is read back as this rate; in rad there may be none.
         let exact = axis.scale.rate_to_si(rate);
         let mut rounded = (0..=16).filter_map(|digits| format!("{exact:.digits$e}").parse().ok());
         rounded.find(|number| axis.scale.rate_from_si(*number, order) == Ok(rate)).unwrap_or(exact)
@@ -66,7 +70,7 @@ fn limit(axis: &AxisConfig, key: &str) -> Option<f64> {
     }
 }
 
-/// A limit in SI units as a parameter of an axis.
+/// Converts a limit in SI units to a parameter of an axis.
 fn value_of(axis: &AxisConfig, key: &str, number: f64) -> Result<Value, ConvertError> {
     let (_, row) = Row::find(key).ok_or_else(|| ConvertError::Type(key.to_owned()))?;
     convert(row, &axis.scale, &ParameterInput::Number(number))

@@ -1,4 +1,4 @@
-//! The file as it is read.
+//! Reads a file of limits.
 
 use super::{POSITIONS, RATES, joint_name, limit, value_of};
 use crate::cell::{Cell, contradictions};
@@ -10,17 +10,17 @@ use lineshaft_core::parameter::{self, AxisParameters, ConvertError, Refused, Row
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, UnitError, excerpt};
 
-/// Shares of the limits that plans use: for MoveIt alone.
+/// Scaling factors for plans, which only MoveIt uses.
 const SCALING: [&str; 2] = ["default_velocity_scaling_factor", "default_acceleration_scaling_factor"];
-/// Two limits that are equal on paper may differ by their rounding, of pi above all.
+/// Relative difference of two limits that counts as rounding, mainly of pi.
 const ROUNDING: f64 = 1e-12;
-/// Limits that some programs have in this file, and neither MoveIt nor an axis.
+/// Limits that some programs write into this file, and that neither MoveIt nor an axis uses.
 const OTHERS: [&str; 2] = ["has_effort_limits", "max_effort"];
 
-/// The parameters that a file of limits gives the axes at these places of a cell, and that they do not have.
+/// Returns the parameters that a file of limits changes, for the axes with these indices.
 ///
 /// # Errors
-/// All that is wrong with it, by line and column.
+/// Returns all errors of the file, with line and column.
 pub fn read_limits(document: Document, cell: &Cell, places: &[usize]) -> Result<Vec<Setting>, Problems> {
     let settings = document.root("the file of joint limits").and_then(|root| Reader { cell, places }.read(&root));
     match settings {
@@ -37,7 +37,7 @@ struct Reader<'c> {
 impl<'c> Reader<'c> {
     fn read(&self, root: &Value<'_>) -> Option<Vec<Setting>> {
         let mut map = root.map("the file of joint limits")?;
-        // As parameters of a node MoveIt has them there.
+        // MoveIt has the limits there if they are parameters of a node.
         if let Some(section) = map.optional("robot_description_planning") {
             map.finish();
             return self.section(section.map("robot_description_planning")?);
@@ -58,7 +58,7 @@ impl<'c> Reader<'c> {
         Some(settings.into_iter().flatten().collect())
     }
 
-    /// The joint that the file names, with its axis.
+    /// Returns the joint that the file names, with its axis.
     fn axis(&self, name: &Value<'_>) -> Option<(&'c str, &'c AxisConfig)> {
         let given = name.text()?;
         let names = || self.places.iter().map(|place| joint_name(self.cell, *place));
@@ -75,7 +75,7 @@ impl<'c> Reader<'c> {
     }
 }
 
-/// Limits of one joint that stand in the file.
+/// Limits of one joint in the file.
 struct Joint<'a, 'd> {
     name: &'a str,
     axis: &'a AxisConfig,
@@ -95,7 +95,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         Some(joint)
     }
 
-    /// MoveIt reads them wherever they stand.
+    /// Reads position limits, which MoveIt reads in any case.
     fn positions(&mut self, map: &mut Map<'d>) {
         let name = self.name;
         let has = map.optional("has_position_limits").map(|has| (has.boolean(), has));
@@ -123,7 +123,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         }
     }
 
-    /// MoveIt reads them where `has_..` is true; where it is false the file gives no such limit.
+    /// Reads a rate limit, which MoveIt reads if `has_..` is true; if it is false, the file gives no such limit.
     fn rate(&mut self, map: &mut Map<'d>, has: &str, key: &'static str) {
         let name = self.name;
         let flag = map.optional(has);
@@ -146,7 +146,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         }
     }
 
-    /// What is to be set in the cell. Notes a problem where it returns `None`.
+    /// Returns the values to set in the cell. Reports a problem if it returns `None`.
     fn settings(&self, cycle_ns: u64) -> Option<Vec<Setting>> {
         let scale = si(&self.axis.scale);
         let mut after = self.axis.parameters;
@@ -164,7 +164,8 @@ impl<'a, 'd> Joint<'a, 'd> {
         Some(settings)
     }
 
-    /// The keys of a cell that a limit is for. A lower deceleration follows the one limit of MoveIt; a higher one, which stops use, stays.
+    /// Returns the keys of a cell for a limit. A lower deceleration limit is raised to the single limit of MoveIt; a
+    /// higher one, which stops use, is kept.
     fn keys(&self, key: &'static str, number: f64) -> Vec<&'static str> {
         let asked = self.axis.scale.rate_from_si(number, 2);
         let is_lower = |limit: f64| asked.as_ref().is_ok_and(|asked| limit < *asked);
@@ -205,13 +206,13 @@ fn error_text(error: &ConvertError) -> String {
     }
 }
 
-/// The unit of a row in SI.
+/// Returns the unit of a row in SI.
 fn unit(scale: &Scale, row: &Row) -> String {
     let order = row.measure.order().unwrap_or(0);
     scale.kind().dimension(order).si_unit().to_string()
 }
 
-/// The scale with m or rad as its unit, in which the file is written.
+/// Returns the scale with the unit m or rad, which the file uses.
 fn si(scale: &Scale) -> Scale {
     scale.with_unit(scale.kind().dimension(0).si_unit()).unwrap_or(*scale)
 }

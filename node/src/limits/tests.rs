@@ -1,4 +1,4 @@
-//! Files of limits, written and read.
+//! Tests writing and reading files of limits.
 
 use super::*;
 use crate::cell_file::{EditError, Edited, edited};
@@ -34,7 +34,7 @@ axes:
 groups: {robot: [arm], both: [lift, arm]}
 ";
 
-/// pi / 180 of the degrees of the cell.
+/// Degrees of the cell times pi / 180.
 const JOINTS: &str = "\
 joint_limits:
   arm:
@@ -72,7 +72,7 @@ fn read(text: &str, file: &str) -> Result<Edited, String> {
     edited(Path::new("cell.yaml"), text, &settings).map_err(|error| error.to_string())
 }
 
-/// The text of the cell once the file was read.
+/// Checks the text of the cell after the file was read.
 #[track_caller]
 fn becomes(file: &str, expected: &str) {
     assert_eq!(read(CELL, file).unwrap().text, expected);
@@ -167,7 +167,7 @@ fn limits_are_set_in_their_places_and_comments_stay() {
     );
 }
 
-/// MoveIt's own files switch off what they do not know, with a value of 0 beside.
+/// MoveIt's own files switch off unknown limits, with a value of 0.
 #[test]
 fn a_limit_that_is_off_leaves_that_of_the_cell() {
     let off = "has_velocity_limits: false, max_velocity: 0, has_acceleration_limits: false, max_acceleration: 0, has_jerk_limits: false";
@@ -185,7 +185,7 @@ fn the_one_acceleration_of_moveit_is_the_lower_of_both() {
     becomes(&acceleration(5.0), &both("5 rad/s^2", "300 deg/s^2"));
     becomes(&acceleration(5.5), &both("5.5 rad/s^2", "5.5 rad/s^2"));
     becomes(&acceleration(9.0), &both("9 rad/s^2", "9 rad/s^2"));
-    // Left out it follows.
+    // The default of the deceleration is the acceleration.
     let file = "joint_limits: {lift: {has_acceleration_limits: true, max_acceleration: 3}}";
     becomes(file, &CELL.replace("2 m/s^2", "3 m/s^2"));
     for value in [5.0, 5.5, 9.0] {
@@ -293,7 +293,7 @@ fn any_cell() -> impl Strategy<Value = String> {
     })
 }
 
-/// The numbers of a file, by joint and key.
+/// Returns the numbers of a file, by joint and key.
 fn numbers(text: &str) -> Vec<(String, f64)> {
     let lines = text.lines().filter_map(|line| line.strip_prefix("    ")?.split_once(": "));
     lines.filter_map(|(key, value)| Some((key.to_owned(), value.parse().ok()?))).collect()
@@ -308,7 +308,7 @@ proptest! {
         prop_assert_eq!(read(&text, &file).unwrap().text, text);
     }
 
-    /// A file of one cell read into another one with the same axes: then that has the same file, and its comments.
+    /// A file is read into another cell with the same axes; that cell then has the same limits, and its comments.
     #[test]
     fn limits_that_were_read_are_written_again(text in any_cell(), velocity in 1e-3..10.0_f64, acceleration in 1e-3..100.0_f64, jerk in 1e-3..1e3_f64) {
         let rates = [("velocity", velocity), ("acceleration", acceleration), ("jerk", jerk)];
@@ -319,7 +319,7 @@ proptest! {
         let again = numbers(&written(&new.cell));
         let rates = |numbers: Vec<(String, f64)>| numbers.into_iter().filter(|(key, _)| !key.ends_with("position")).collect::<Vec<_>>();
         for ((key, given), (_, again)) in rates(numbers(&file)).into_iter().zip(rates(again)) {
-            // The velocity of an axis is a double in inc/s: it may differ in its last digits.
+            // The velocity of an axis is a double in inc/s: its last digits may differ.
             prop_assert!((again / given - 1.0).abs() < 1e-15, "{key}: {given} becomes {again}");
         }
         prop_assert_eq!(read(&new.text, &file).unwrap().text, new.text);

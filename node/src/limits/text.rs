@@ -1,11 +1,11 @@
-//! The file as it is written.
+//! Writes a file of limits.
 
 use super::{POSITIONS, RATES, joint_name, limit};
 use crate::cell::Cell;
 use lineshaft_core::config::AxisConfig;
 use std::fmt::Write;
 
-/// Words that a reader of YAML 1.1 takes for something else than a name.
+/// Words that a YAML 1.1 reader does not treat as names.
 const WORDS: [&str; 9] = ["true", "false", "yes", "no", "on", "off", "null", "y", "n"];
 
 const HEAD: &str = "\
@@ -19,7 +19,7 @@ default_acceleration_scaling_factor: 0.1
 joint_limits:
 ";
 
-/// `joint_limits.yaml` of axes, given by their places.
+/// Returns `joint_limits.yaml` of the axes with these indices.
 pub fn limits_text(cell: &Cell, places: &[usize]) -> String {
     let mut text = HEAD.to_owned();
     for (place, axis) in places.iter().filter_map(|place| Some((*place, cell.machine.axes.get(*place)?))) {
@@ -29,7 +29,7 @@ pub fn limits_text(cell: &Cell, places: &[usize]) -> String {
 }
 
 fn joint(text: &mut String, name: &str, axis: &AxisConfig) {
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     let _ = writeln!(text, "  {}:", name_text(name));
     let positions = POSITIONS.map(|key| (key, limit(axis, key)));
     let has_positions = positions.iter().any(|(_, limit)| limit.is_some());
@@ -48,17 +48,18 @@ fn line(text: &mut String, key: &str, limit: Option<f64>) {
     }
 }
 
-/// A key of YAML.
+/// Formats a YAML key.
 pub(super) fn name_text(name: &str) -> String {
     let is_plain = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || "_/-.".contains(c))
         && !WORDS.iter().any(|word| word.eq_ignore_ascii_case(name));
-    // No joint name has a control character.
+    // Joint names have no control characters.
     let quoted = || format!("\"{}\"", name.replace('\\', "\\\\").replace('"', "\\\""));
     if is_plain { name.to_owned() } else { quoted() }
 }
 
-/// With a point always: a parameter of ROS without one is an integer, which MoveIt refuses; and with a sign in the exponent, which YAML 1.1 asks for.
+/// Formats a number, always with a decimal point, because a ROS parameter without one is an integer, which MoveIt
+/// refuses; and with a sign in the exponent, as YAML 1.1 requires.
 pub(super) fn number_text(number: f64) -> String {
     let text = format!("{number:?}");
     let Some((mantissa, exponent)) = text.split_once('e') else { return text };

@@ -1,4 +1,4 @@
-//! The catalogue as a person reads it in a terminal: a table of rows, or all that one row says.
+//! Formats the catalogue for a terminal: a table of rows, or the full description of one row.
 
 use super::words::{default_text, effect_text, range_words, source_text, storage_text, unit_text, views_of};
 use crate::scenario::nearest;
@@ -7,14 +7,14 @@ use lineshaft_core::parameter::{ROWS, Row, System};
 use lineshaft_core::unit::excerpt;
 use std::fmt::Write;
 
-/// Blanks between columns.
+/// Number of spaces between columns.
 const GAP: usize = 2;
-/// A narrower description stands below its row.
+/// Minimum width of the description column; in a narrower table the description is below its row.
 const NARROWEST: usize = 34;
-/// Widest unit, range, default and effect; more is wrapped.
+/// Maximum widths of unit, range, default and effect; longer texts are wrapped.
 const WIDEST: [usize; 4] = [13, 24, 16, 16];
 
-/// Which rows are wanted.
+/// Filter of rows.
 #[derive(Clone, Debug, Default)]
 pub struct Filter {
     name: Option<GlobMatcher>,
@@ -22,10 +22,10 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Names that match a pattern, in capitals or not, of one source; left out: all.
+    /// Creates a filter for names that match a pattern, ignoring case, and for one source; `None` selects all.
     ///
     /// # Errors
-    /// A pattern that is none, in a sentence.
+    /// Returns an error message for an invalid pattern.
     pub fn new(pattern: Option<&str>, system: Option<System>) -> Result<Self, String> {
         let glob = |pattern: &str| {
             let glob = GlobBuilder::new(pattern).case_insensitive(true).build();
@@ -35,26 +35,26 @@ impl Filter {
         Ok(Self { name: name.map(|glob| glob.compile_matcher()), system })
     }
 
-    /// By its key, or the source's own name for it?
+    /// Whether it selects a row by its key or by the original name of its source.
     pub fn takes(&self, row: &Row) -> bool {
         let is_named = |glob: &GlobMatcher| glob.is_match(row.key) || glob.is_match(row.mnemonic);
         self.system.is_none_or(|system| row.system == system) && self.name.as_ref().is_none_or(is_named)
     }
 
-    /// Also by the name that it has on an object: `x.max_velocity`.
+    /// Does the same, also by the name with an object: `x.max_velocity`.
     pub fn takes_of(&self, object: &str, row: &Row) -> bool {
         let is_system = self.system.is_none_or(|system| row.system == system);
         let is_named = |glob: &GlobMatcher| glob.is_match(format!("{object}.{}", row.key));
         self.takes(row) || is_system && self.name.as_ref().is_some_and(is_named)
     }
 
-    /// The rows that it takes, in the order of the catalogue.
+    /// Returns the selected rows, in the order of the catalogue.
     pub fn rows(&self) -> Vec<&'static Row> {
         ROWS.iter().filter(|row| self.takes(row)).collect()
     }
 }
 
-/// What a pattern without a match may have meant: a key that is like it, or a pattern for those that hold it.
+/// Returns a suggestion for a pattern without a match: a similar key, or a pattern for keys that contain it.
 pub fn meant(pattern: &str) -> Option<String> {
     let small = pattern.to_lowercase();
     if !small.is_empty() && ROWS.iter().any(|row| row.key.contains(&small)) {
@@ -63,7 +63,7 @@ pub fn meant(pattern: &str) -> Option<String> {
     nearest(&small, ROWS.iter().map(|row| row.key)).map(str::to_owned)
 }
 
-/// A table of rows, `width` columns wide.
+/// Returns a table of rows, `width` columns wide.
 pub fn listing(rows: &[&Row], width: usize) -> String {
     let head = ["name", "unit", "range", "default", "effective"].map(str::to_owned);
     let cells = rows.iter().map(|row| {
@@ -99,7 +99,7 @@ pub fn listing(rows: &[&Row], width: usize) -> String {
     text
 }
 
-/// Writes columns beside each other.
+/// Appends columns next to each other.
 fn lay(text: &mut String, columns: &[(Vec<String>, usize)]) {
     let height = columns.iter().map(|(lines, _)| lines.len()).max().unwrap_or(0);
     for row in 0..height {
@@ -112,7 +112,7 @@ fn lay(text: &mut String, columns: &[(Vec<String>, usize)]) {
     }
 }
 
-/// A text in lines of at most `width`, broken at blanks; a longer word stands alone.
+/// Wraps a text at spaces into lines of at most `width`; a longer word has its own line.
 pub(crate) fn wrap(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -127,14 +127,14 @@ pub(crate) fn wrap(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// What a row is for, and whether it works.
+/// Returns the purpose of a row, and whether it is implemented.
 fn first_sentence(row: &Row) -> String {
     let first = row.description.split_once(". ").map_or(row.description, |(first, _)| first);
     let first = first.trim_end_matches('.');
     if row.missing.is_empty() { first.to_owned() } else { format!("{first} (not yet: {})", row.missing) }
 }
 
-/// All that a row says, `width` columns wide.
+/// Returns the full description of a row, `width` columns wide.
 pub fn details(row: &Row, width: usize) -> String {
     const LABEL: usize = 14;
     let view = if row.is_view() { format!("another view of {}", row.view_of) } else { views_of(row).join(", ") };

@@ -1,4 +1,4 @@
-//! docs/parameters.md: the catalogue as a page, made of its rows.
+//! Generates docs/parameters.md from the rows of the catalogue.
 
 use super::words::{default_text, effect_text, range_words, storage_text, unit_text, views_of};
 use lineshaft_core::parameter::{Effect, Group, Here, ROWS, Row, System, Word};
@@ -90,12 +90,12 @@ const EFFECTS: [Effect; 6] = [
     Effect::Start,
 ];
 
-/// The whole page.
+/// Returns the content of the page.
 pub fn markdown() -> String {
     let mut page = INTRODUCTION.to_owned();
     page.push_str("\n## When a value takes effect\n\nColumn *effective*:\n\n| | |\n|-|-|\n");
     for effect in EFFECTS {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(page, "| {} | {} |", effect_text(effect), effect.text());
     }
     for system in SYSTEMS {
@@ -113,7 +113,7 @@ pub fn markdown() -> String {
     page
 }
 
-/// Where each word of a source lives.
+/// Returns the table with the key of each word of the sources.
 fn words() -> String {
     let mut text = String::from(WORDS);
     for system in SYSTEMS {
@@ -155,7 +155,7 @@ fn line(row: &Row) -> String {
     format!("| {} |\n", cells.join(" | "))
 }
 
-/// Description, views, what is missing, what was decided, requirements.
+/// Returns description, views, missing parts, decisions and requirements of a row.
 fn what(row: &Row) -> String {
     let mut text = row.description.to_owned();
     if row.is_view() {

@@ -1,5 +1,4 @@
-//! Sets of parameters as text: what a bag holds, what is exported and imported, what is stored; and the catalogue as people
-//! read it.
+//! Parameter sets as text: in bags, exported, imported and stored; and the description of the catalogue.
 
 mod catalogue;
 mod markdown;

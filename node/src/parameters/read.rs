@@ -1,7 +1,8 @@
-//! Changes from a text of lines `x.max_velocity: 0.8 m/s`: what is exported, imported and stored.
+//! Reads changes from a text with lines `x.max_velocity: 0.8 m/s`, as it is exported, imported and stored.
 //!
-//! All problems of a text are told at once, by line and column: names, units, ranges, two views of one value. A text may be
-//! of old days: names as MACS writes them (`x.VELMAX`), and as its manual misprints them, are read too, and a PROFTIME in us.
+//! All problems of a text are reported at once, with line and column: names, units, ranges, two views of one value.
+//! Older files are accepted too: names in the spelling of MACS (`x.VELMAX`), also as misprinted in its manual, and
+//! PROFTIME in us.
 
 mod names;
 
@@ -15,13 +16,13 @@ use lineshaft_core::signal::Directory;
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, excerpt};
 
-/// PROFTIME in us, as some firmware keeps it.
+/// PROFTIME in us, the unit of some firmware.
 const PROFTIME_US: std::ops::RangeInclusive<i64> = 1000..=5000;
 
-/// The changes that a text asks for, in its order. `label` names the text in problems.
+/// Returns the changes of a text, in its order. `label` is the name of the text in problems.
 ///
 /// # Errors
-/// All that is wrong with it, by line and column. What contradicts the values in force is found by the machine.
+/// Returns all errors with line and column. The machine checks for contradictions to the values in force.
 pub fn read_changes(
     label: &str,
     text: &str,
@@ -34,21 +35,21 @@ pub fn read_changes(
     if document.problems().is_empty() { Ok(changes) } else { Err(document.into_problems()) }
 }
 
-/// What a file of parameters would do to a machine that has just started.
+/// Effect of a file of parameters on a machine that has just started.
 #[derive(Debug)]
 pub struct Import {
-    /// What the file asks for.
+    /// Changes of the file.
     pub changes: Box<[Change]>,
-    /// The parameters of each axis afterwards.
+    /// Parameters of each axis after the import.
     pub parameters: Vec<AxisParameters>,
-    /// The parameters of the machine afterwards.
+    /// Parameters of the machine after the import.
     pub machine: MachineParameters,
 }
 
-/// Checks a file of parameters against a cell, without a machine.
+/// Checks a file of parameters with a cell, without a machine.
 ///
 /// # Errors
-/// All that is wrong with it, by line and column; also what contradicts the cell.
+/// Returns all errors with line and column, including contradictions to the cell.
 pub fn check_import(document: Document, config: &MachineConfig, directory: &Directory) -> Result<Import, Problems> {
     let lines = Lines::read(&document, config, directory);
     let mut parameters: Vec<AxisParameters> = config.axes.iter().map(|axis| axis.power_on()).collect();
@@ -56,7 +57,7 @@ pub fn check_import(document: Document, config: &MachineConfig, directory: &Dire
         let Some(after) = parameters.get_mut(index) else { continue };
         let changes: Vec<Change> = lines.of(index).map(|line| line.change).collect();
         for change in in_order(&changes) {
-            // What its row refuses is told already.
+            // A refusal by the row was reported before.
             let _ = change.row().map(|row| row.change(after, change.value));
         }
         let set = lines.of(index).filter_map(|line| Some((line.change.row()?, line.change.value, &line.value)));
@@ -67,7 +68,7 @@ pub fn check_import(document: Document, config: &MachineConfig, directory: &Dire
     for (index, (axis, after)) in std::iter::zip(&config.axes, &parameters).enumerate() {
         let (interface, given) = (axis.drive.map(|_| axis.interface), lines.given(index));
         refuse_senses(interface, after, &given);
-        // Outputs that the axis has no use for are refused as such.
+        // Outputs that the axis cannot use are refused separately.
         let missing = IoCounts::of(config).check_axis(after).err();
         refuse_missing(missing.filter(|missing| missing.key != "revers" || may_tell_sign(interface, after)), &given);
     }
@@ -86,7 +87,7 @@ struct Line<'d> {
     value: Value<'d>,
 }
 
-/// The lines that stand for a change.
+/// Lines that are changes.
 struct Lines<'d>(Vec<Line<'d>>);
 
 impl<'d> Lines<'d> {
@@ -126,11 +127,11 @@ impl<'d> Lines<'d> {
         self.0.iter().filter(move |line| usize::from(line.change.axis) == axis)
     }
 
-    /// The parameters of the machine afterwards; an input or output that the cell has not is a problem.
+    /// Returns the parameters of the machine after the import; an input or output that the cell lacks is a problem.
     fn machine(&self, config: &MachineConfig) -> MachineParameters {
         let mut after = config.global.power_on();
         for line in self.of(usize::from(MACHINE)) {
-            // What its row refuses is told already.
+            // A refusal by the row was reported before.
             let _ = line.change.row().map(|row| row.assign_to_machine(&mut after, line.change.value));
         }
         let given = self.given(usize::from(MACHINE));
@@ -156,13 +157,13 @@ impl<'d> Lines<'d> {
         }
     }
 
-    /// The keys of an axis, with their values.
+    /// Returns the keys of an axis, with their values.
     fn given(&self, axis: usize) -> Vec<(&'static str, Value<'d>)> {
         self.of(axis).filter_map(|line| Some((line.change.row()?.key, line.value.clone()))).collect()
     }
 
-    /// Is the limit off whose place the view keeps? Then both stand in an export. In inverted units that is the other limit;
-    /// in which sense the machine counts by then, the text need not say.
+    /// Whether the limit is off whose position the view stores; an export then has both. In inverted units it is the
+    /// opposite limit; the text need not contain the direction of rotation.
     fn is_off(&self, axis: usize, view: &Row) -> bool {
         let is_off = |line: &Line<'_>| {
             let is_limit = line.change.row().is_some_and(|row| !row.is_view() && row.key.ends_with("_position"));
@@ -172,7 +173,7 @@ impl<'d> Lines<'d> {
     }
 }
 
-/// What a line asks for; a value that its row does not take is a problem.
+/// Returns the change of a line; a value that its row refuses is a problem.
 fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Change> {
     let name = names::canonical(key.text()?);
     let change = parameter_change(&name, key, value, config, directory)?;
@@ -187,8 +188,8 @@ fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory:
     Some(change)
 }
 
-/// Is it a change that moves nothing by itself? A velocity of the virtual master is no line of a text but 0, which is none of a start either: it is
-/// passed over, and any other one is a problem.
+/// Whether it is a change that starts no motion. The velocity of the virtual master may only be 0, which starts no
+/// motion either and is ignored; any other value is a problem.
 fn starts_nothing(change: &Change, value: &Value<'_>) -> bool {
     let Some(row) = change.row().filter(|row| row.moves_virtual_master()) else { return true };
     if let parameter::Value::Int(number @ (..=-1 | 1..)) = change.value {
@@ -199,7 +200,7 @@ fn starts_nothing(change: &Change, value: &Value<'_>) -> bool {
     false
 }
 
-/// PROFTIME in ms, also where it was written in us; what is no whole number of ms is a problem.
+/// Converts PROFTIME to ms if it is given in us; a value that is no integer in ms is a problem.
 fn of_old_days(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<parameter::Value> {
     match given {
         parameter::Value::Int(us) if row.key == "proftime" && PROFTIME_US.contains(&us) => {
@@ -215,11 +216,11 @@ fn of_old_days(row: &Row, given: parameter::Value, value: &Value<'_>) -> Option<
     }
 }
 
-/// The changes that a mapping of a document asks for, one for each entry. Notes a problem where it returns `None`.
+/// Returns the changes of a mapping, one for each entry. Reports a problem if it returns `None`.
 pub(crate) fn changes(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Box<[Change]>> {
     let entries = value.entries()?;
     let change = |(key, value): &(Value<'_>, Value<'_>)| parameter_change(key.text()?, key, value, config, directory);
-    // All of them, so that every problem is noted.
+    // All entries are read, so that every problem is reported.
     let changes: Vec<Option<Change>> = entries.iter().map(change).collect();
     changes.into_iter().collect()
 }

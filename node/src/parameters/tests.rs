@@ -1,4 +1,4 @@
-//! Every row at every door, files that are imported, and the catalogue as it is shown.
+//! Tests every row with every interface, imported files, and the description of the catalogue.
 
 mod doors;
 mod import;

@@ -1,4 +1,4 @@
-//! The parameters in force as a text: what stands in a bag, and what is exported.
+//! Formats the parameters in force as text, for bags and exports.
 
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::object::AxisSet;
@@ -6,16 +6,17 @@ use lineshaft_core::parameter::{AxisParameters, MachineParameters, Measure, Para
 use lineshaft_ros::surface::host::Listing;
 use std::fmt::Write;
 
-/// Every parameter of the machine and of every axis in increments, exactly: a line `x.max_velocity: 125829120 inc/s` for each.
-/// What is left out is `~`, with what that means.
+/// Returns every parameter of the machine and of every axis in increments, exactly, one line
+/// `x.max_velocity: 125829120 inc/s` for each. An unset value is `~`, with its meaning.
 pub fn parameters_text(config: &MachineConfig, machine: &MachineParameters, axes: &[AxisParameters]) -> String {
     machine_lines(machine, |_| true) + &lines(config, axes, |_, _| true)
 }
 
-/// The parameters in force of some axes, as [`read_changes`](super::read_changes) takes them; without what moves the virtual master.
+/// Returns the parameters in force of some axes, in the format of [`read_changes`](super::read_changes); without those
+/// that move the virtual master.
 pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet, what: Listing) -> String {
     let defaults = AxisParameters::new(0.0, 0.0);
-    // Reading the text begins with the sense of rotation.
+    // Reading the text begins with the direction of rotation.
     let before = |index: usize, row: &Row, other: &AxisParameters| match image.effective.get(index) {
         Some(now) if row.key != "posdrct" => row.value(&other.in_sense_of(now)),
         _ => row.value(other),
@@ -24,7 +25,7 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
         let now = image.effective.get(index).map(|parameters| row.value(parameters));
         let other = match what {
             Listing::All => None,
-            // What a cell must give has no default.
+            // Required parameters of a cell have no default.
             Listing::NotDefault => Some(row.value(&defaults)).filter(|_| !row.required),
             Listing::NotCell => config.axes.get(index).map(|axis| before(index, row, &axis.parameters)),
             Listing::NotSaved => image.user.get(index).map(|user| before(index, row, user)),
@@ -42,11 +43,11 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
         Listing::NotSaved => Some(*user),
     };
     let differs = |row: &Row| other.is_none_or(|other| row.machine_value(&other) != row.machine_value(now));
-    // Who reads the text back sets what it says, and that would start the virtual master.
+    // Reading the text would start the virtual master.
     machine_lines(now, |row| differs(row) && !row.moves_virtual_master()) + &text
 }
 
-/// A line for each parameter of the machine that `takes`.
+/// Returns a line for each parameter of the machine that `takes` selects.
 fn machine_lines(now: &MachineParameters, takes: impl Fn(&Row) -> bool) -> String {
     let mut text = String::new();
     for row in ROWS.iter().filter(|row| row.is_kept_by_machine() && takes(row)) {
@@ -57,19 +58,19 @@ fn machine_lines(now: &MachineParameters, takes: impl Fn(&Row) -> bool) -> Strin
     text
 }
 
-/// A line for each parameter that was given by its row, and that `takes`.
+/// Returns a line for each parameter that was set by its row, and that `takes` selects.
 fn lines(config: &MachineConfig, parameters: &[AxisParameters], takes: impl Fn(usize, &Row) -> bool) -> String {
     let mut text = String::new();
     for (index, (axis, parameters)) in config.axes.iter().zip(parameters).enumerate() {
         for row in ROWS.iter().filter(|row| row.applies.to(axis) && parameters.gives(row) && takes(index, row)) {
-            // Writing to a text cannot fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(text, "{}.{}: {}", axis.name, row.key, exact_text(row, parameters));
         }
     }
     text
 }
 
-/// The value of a row as it is read back, exactly.
+/// Returns the exact value of a row in the format that is read back.
 pub(crate) fn exact_text(row: &Row, parameters: &AxisParameters) -> String {
     let unit = match row.measure {
         Measure::Position | Measure::Distance => " inc",
@@ -86,7 +87,7 @@ pub(crate) fn exact_text(row: &Row, parameters: &AxisParameters) -> String {
             .and_then(|place| names.get(place))
             .map_or_else(|| value.to_string(), |name| (*name).to_owned()),
         (Value::Int(value), _) => format!("{value}{unit}"),
-        // The shortest decimal that reads back as the same number.
+        // The shortest decimal that is read back as the same number.
         (Value::Real(value), _) => format!("{value}{unit}"),
     }
 }
@@ -125,7 +126,7 @@ mod tests {
         for (axis, parameters) in cell.machine.axes.iter().zip(defaults(&cell)) {
             let rows = ROWS.iter().filter(|row| row.applies.to(axis) && row.is_stored());
             let lines = text.lines().filter(|line| line.starts_with(&format!("{}.", axis.name)));
-            // A limit that is off is given by what it was, too.
+            // A limit that is off also has its former value.
             let off = [parameters.min_position, parameters.max_position].iter().filter(|limit| limit.is_none()).count();
             assert_eq!(lines.count(), rows.count() + off);
         }
@@ -142,7 +143,7 @@ mod tests {
         }
     }
 
-    /// What stands behind the colon is what `set_parameters` and a cell take, so nothing is lost in the text.
+    /// `set_parameters` and a cell accept the text after the colon, so that nothing is lost.
     #[test]
     fn the_text_gives_the_same_parameters_again() {
         use lineshaft_core::parameter::{ParameterInput, convert};

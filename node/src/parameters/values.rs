@@ -1,4 +1,4 @@
-//! The parameters of a cell's axes: what they are, and what a file would change.
+//! Lists the parameters of the axes of a cell, and the changes of a file.
 
 use super::catalogue::Filter;
 use super::read::Import;
@@ -9,8 +9,8 @@ use lineshaft_core::text::value_text;
 use lineshaft_core::unit::Scale;
 use std::fmt::Write;
 
-/// A line for each parameter that applies, of the machine and of each axis, `*` where it is not at its default; with `changed` only those, each by the name by
-/// which it was given.
+/// Returns a line for each parameter of the machine and of each axis, with `*` if it is not at its default; with
+/// `changed` only those, each with the name by which it was set.
 pub fn values(config: &MachineConfig, parameters: &[AxisParameters], filter: &Filter, changed: bool) -> String {
     let defaults = AxisParameters::new(0.0, 0.0);
     let mut lines = Vec::new();
@@ -49,7 +49,7 @@ pub fn values(config: &MachineConfig, parameters: &[AxisParameters], filter: &Fi
     text
 }
 
-/// What a file changes: a line `x.max_velocity: 1200 mm/s -> 800 mm/s` for each.
+/// Returns the changes of a file, one line `x.max_velocity: 1200 mm/s -> 800 mm/s` for each.
 pub fn differences(config: &MachineConfig, import: &Import) -> String {
     let mut text = String::new();
     let before = config.global.power_on();
@@ -83,7 +83,7 @@ fn machine_value(row: &Row, parameters: &MachineParameters) -> String {
     with_unit(row, row.machine_value(parameters), &Scale::increments())
 }
 
-/// In the axis unit or the row's own.
+/// Formats a value in the axis unit or in the unit of the row.
 fn value(row: &Row, parameters: &AxisParameters, axis: &AxisConfig) -> String {
     with_unit(row, row.value(parameters), &axis.scale)
 }
@@ -94,7 +94,7 @@ fn with_unit(row: &Row, value: Value, scale: &Scale) -> String {
     if is_plain && value != Value::Unset { format!("{text} {}", row.unit) } else { text }
 }
 
-/// What a person wants to know beside the value.
+/// Returns a remark about a value for people.
 fn remark(row: &Row, differs: bool) -> String {
     match row.storage {
         _ if row.is_view() => format!("view of {}", row.view_of),

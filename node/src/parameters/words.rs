@@ -1,15 +1,15 @@
-//! What a row says, in words that need no axis: for the terminal and for docs/parameters.md.
+//! Texts about a row that do not depend on an axis: for the terminal and for docs/parameters.md.
 
 use lineshaft_core::parameter::{Bare, Effect, Measure, ROWS, Range, Row, Storage, Value};
 use lineshaft_core::text::{range_text, value_text};
 use lineshaft_core::unit::Scale;
 
-/// Positions reach that far either way (inc).
+/// Maximum position in each direction, in inc.
 const LARGEST_POSITION: i64 = (1 << 62) - 1;
-/// From here on a number is written with its exponent.
+/// Value from which a number is written with its exponent.
 const LARGE: f64 = 1e9;
 
-/// The unit of a bare number.
+/// Returns the unit of a number without unit.
 pub(crate) fn unit_text(row: &Row) -> String {
     let order = match row.measure {
         Measure::Position | Measure::Distance => "",
@@ -26,7 +26,7 @@ pub(crate) fn unit_text(row: &Row) -> String {
     }
 }
 
-/// One value, in increments.
+/// Formats a value in increments.
 fn value_words(row: &Row, value: Value) -> String {
     let scale = Scale::increments();
     match (value, row.measure) {
@@ -39,7 +39,7 @@ fn value_words(row: &Row, value: Value) -> String {
     }
 }
 
-/// What it may be.
+/// Returns the permitted values.
 pub(crate) fn range_words(row: &Row) -> String {
     match (row.range, row.measure) {
         (_, Measure::Choice(names)) => names.join(", "),
@@ -50,7 +50,7 @@ pub(crate) fn range_words(row: &Row) -> String {
     }
 }
 
-/// What it is where nobody gives it.
+/// Returns the default.
 pub(crate) fn default_text(row: &Row) -> String {
     match row.default {
         _ if row.required => "required".to_owned(),
@@ -59,7 +59,7 @@ pub(crate) fn default_text(row: &Row) -> String {
     }
 }
 
-/// When it takes effect, in a table.
+/// Returns when a change takes effect, for a table.
 pub(super) fn effect_text(effect: Effect) -> &'static str {
     match effect {
         Effect::AtOnce => "at once",
@@ -73,7 +73,7 @@ pub(super) fn effect_text(effect: Effect) -> &'static str {
     }
 }
 
-/// Where its value is kept.
+/// Returns where the value is stored.
 pub(super) fn storage_text(storage: Storage) -> String {
     match storage {
         Storage::User => "saved".to_owned(),
@@ -84,7 +84,7 @@ pub(super) fn storage_text(storage: Storage) -> String {
     }
 }
 
-/// What its source calls it.
+/// Returns the name in its source.
 pub(super) fn source_text(row: &Row) -> String {
     match (row.mnemonic, row.number) {
         ("", "") => row.system.name().to_owned(),
@@ -94,7 +94,7 @@ pub(super) fn source_text(row: &Row) -> String {
     }
 }
 
-/// Keys of the other views of a native value.
+/// Returns the keys of the other views of a native value.
 pub(super) fn views_of(row: &Row) -> Vec<&'static str> {
     ROWS.iter().filter(|view| view.view_of == row.key).map(|view| view.key).collect()
 }

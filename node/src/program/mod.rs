@@ -1,4 +1,5 @@
-//! Programs of the user as files and texts: modules beside a cell, in a recording, and what `lineshaft program` writes.
+//! Programs of the user as files and texts: modules next to a cell, modules in a recording, and files that
+//! `lineshaft program` writes.
 
 mod template;
 mod trial;
@@ -12,13 +13,13 @@ use lineshaft_program::MOST_BYTES;
 use std::io::Read;
 use std::path::Path;
 
-/// What stands before a module in a text.
+/// Prefix of a module in a text.
 const BEFORE: &str = "data:application/wasm;base64,";
 
-/// The bytes of a file, no more than a module may have.
+/// Reads a file, at most one byte more than a module may have.
 ///
 /// # Errors
-/// Why it cannot be read.
+/// Returns the reason why it cannot be read.
 pub(crate) fn load(path: &Path) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let read = std::fs::File::open(path).and_then(|file| file.take(MOST_BYTES as u64 + 1).read_to_end(&mut bytes));
@@ -30,12 +31,12 @@ pub(crate) fn load(path: &Path) -> Result<Vec<u8>, String> {
     }
 }
 
-/// A module as a text.
+/// Encodes a module as text.
 pub(crate) fn encode(module: &[u8]) -> String {
     format!("{BEFORE}{}", STANDARD.encode(module))
 }
 
-/// The module of a text; none where it holds none.
+/// Decodes the module of a text; `None` if it has none.
 pub(crate) fn decode(text: &str) -> Option<Vec<u8>> {
     STANDARD.decode(text.strip_prefix(BEFORE)?).ok()
 }

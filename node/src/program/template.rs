@@ -1,4 +1,4 @@
-//! What `lineshaft program new` writes: a crate of Rust, or a program in C with its header.
+//! Files that `lineshaft program new` writes: a Rust crate, or a C program with its header.
 
 use std::fs;
 use std::io;
@@ -13,7 +13,7 @@ pub(crate) enum Language {
     C,
 }
 
-/// Files of a new program, by their paths in its folder.
+/// Returns the files of a new program, by their paths in its folder.
 fn files(language: Language) -> &'static [(&'static str, &'static str)] {
     match language {
         Language::Rust => &[
@@ -32,10 +32,10 @@ fn files(language: Language) -> &'static [(&'static str, &'static str)] {
     }
 }
 
-/// Writes a new program into a folder that does not exist yet; what was written.
+/// Writes a new program into a folder that does not exist yet; returns the files.
 ///
 /// # Errors
-/// A folder that exists, a name that no crate may have, what the system says.
+/// Returns an error if the folder exists, if its name is invalid for a crate, or if the operating system fails.
 pub(crate) fn write(folder: &Path, language: Language) -> io::Result<Vec<PathBuf>> {
     let refuse = |kind, sentence: String| Err(io::Error::new(kind, sentence));
     let name = folder.file_name().and_then(|name| name.to_str()).unwrap_or_default();

@@ -1,7 +1,7 @@
-//! A program tried without a machine: a CSV of inputs, a table of what it makes of them.
+//! Runs a program without a machine: reads inputs from a CSV file, and returns a table of the results.
 //!
-//! Law      one call in each row; sink, outputs and memory cells go on from call to call as in a slot
-//! Refuses  columns that no image has, values that are no numbers, with line and column
+//! Law      one call per row; sink, outputs and memory cells are kept from call to call as in a slot
+//! Refuses  unknown columns, and values that are no numbers, with line and column
 
 use crate::document::Place;
 use lineshaft_core::unit::excerpt;
@@ -10,24 +10,24 @@ use lineshaft_program::{Command, Image, Instance, Module, PARAMETERS, Trap, WORD
 /// A column of the inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Column {
-    /// 0, 1 or 255.
+    /// Values 0, 1 or 255.
     Command,
     /// E1 in bit 0 to E8 in bit 7.
     Inputs,
     Source,
     Travel,
-    /// A signal that is read, from 0.
+    /// Index of a signal that is read.
     Read(usize),
-    /// A parameter, from 0.
+    /// Index of a parameter.
     Parameter(usize),
 }
 
-/// Names of the columns that stand once.
+/// Names of the columns that occur once.
 const COLUMNS: [(&str, Column); 4] =
     [("command", Column::Command), ("inputs", Column::Inputs), ("source", Column::Source), ("travel", Column::Travel)];
 
 impl Column {
-    /// By its name.
+    /// Returns the column with this name.
     fn find(name: &str) -> Option<Self> {
         let nth = |before: &str, most: usize| {
             let nth = name.strip_prefix(before)?.parse::<usize>().ok()?;
@@ -40,14 +40,14 @@ impl Column {
     }
 }
 
-/// What is wrong with the inputs.
+/// Error in the inputs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct TrialError {
     pub place: Place,
     pub sentence: String,
 }
 
-/// A value of a cell in the inputs: a signal that is read may be a real, with a point or an exponent.
+/// Parses a value: a signal may be a real, with a decimal point or an exponent.
 fn value(column: Column, text: &str) -> Result<u64, String> {
     let whole = |least: i64, most: i64| match text.parse::<i64>() {
         Ok(number) if (least..=most).contains(&number) => Ok(number.cast_unsigned()),
@@ -69,21 +69,21 @@ fn value(column: Column, text: &str) -> Result<u64, String> {
     }
 }
 
-/// What a call came to.
+/// Result of a call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Row {
     pub line: usize,
     pub command: u8,
     pub sink: i64,
     pub outputs: u8,
-    /// Memory cells, as many as were asked for.
+    /// Values of the requested memory cells.
     pub writes: Vec<u64>,
     pub fuel: u32,
-    /// Why it did not come to its end.
+    /// Reason why the call did not finish.
     pub trap: Option<Trap>,
 }
 
-/// A program and what it was given so far.
+/// A program and its state.
 pub(crate) struct Trial<'m> {
     module: &'m Module,
     instance: Instance,
@@ -93,13 +93,13 @@ pub(crate) struct Trial<'m> {
 }
 
 impl<'m> Trial<'m> {
-    /// With at most so many instructions of a call.
+    /// Creates a trial with a maximum number of instructions per call.
     pub(crate) fn new(module: &'m Module, fuel: u32) -> Self {
         let instance = Instance::new(module, module.pages());
         Self { module, instance, fuel, columns: Vec::new(), has_begun: false }
     }
 
-    /// Runs all rows of a text up to a trap, and gives each to `tell`.
+    /// Runs all rows of a text until a trap, and passes each to `tell`.
     pub(crate) fn run(&mut self, text: &str, call_ns: u64, mut tell: impl FnMut(&Row)) -> Result<(), TrialError> {
         for (number, line) in (1..).zip(text.lines()) {
             let data = line.split('#').next().unwrap_or_default();
@@ -160,11 +160,11 @@ impl<'m> Trial<'m> {
     }
 }
 
-/// Writes the values of a row.
+/// Writes the values of a row into the image.
 fn give(image: &mut Image<'_>, values: &[(Column, u64)]) {
     let find = |wanted| values.iter().find(|(column, _)| *column == wanted).map_or(0, |(_, value)| value.cast_signed());
     image.set_source(find(Column::Source), find(Column::Travel));
-    // 0 to 255.
+    // In range 0 to 255.
     image.set_inputs(find(Column::Inputs) as u8);
     for (column, value) in values {
         match column {
@@ -175,7 +175,7 @@ fn give(image: &mut Image<'_>, values: &[(Column, u64)]) {
     }
 }
 
-/// Values between commas, with the column in which each begins, from 1.
+/// Splits a line at commas; returns the parts with their columns, from 1.
 fn parts(data: &str) -> Vec<(usize, &str)> {
     let mut parts = Vec::new();
     let mut from = 0;

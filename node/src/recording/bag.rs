@@ -1,12 +1,14 @@
 //! Writes a bag: MCAP files in rosbag2's profile, and metadata.yaml (contract section 6).
 //!
-//! Law      the same cycles give the same bytes; a file begins only at a key cycle, and stands for itself
-//! Refuses  a place that is taken; after an error of the disk, everything: what was flushed before it stays readable
+//! Law      the same cycles give the same bytes; each file begins at a key cycle and can be read without the other
+//!          files
+//! Refuses  a path that is in use; after a disk error, every call: data flushed before it stays readable
 //!
 //! Log times of a bag begin with the system time of its first cycle and then follow the monotonic clock, in all of its files.
 //!
-//! A bag in a folder goes on in a new file at a key cycle whose state was kept, once the present one is too large or too
-//! long. What is missing is counted: cycle numbers tell it, or who gives the cycles does.
+//! A bag in a folder continues in a new file once the current one is too large or too long. The new file begins at a
+//! key cycle with a stored machine state. Missing cycles are counted, either by their cycle numbers or as reported by
+//! the caller.
 
 mod disk;
 mod file;
@@ -31,89 +33,89 @@ use std::path::{Path, PathBuf};
 use topics::Offered;
 pub(crate) use topics::repeats_events;
 
-/// Where a bag goes, and when it goes on in a new file.
+/// Location of a bag, and the limits after which it continues in a new file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BagOptions {
-    /// `NAME.mcap`: that file. Else a new folder.
+    /// `NAME.mcap`: a single file with that name. Any other path: a new folder.
     pub path: PathBuf,
-    /// A new file begins once the present one is as large as this (bytes). Folders only.
+    /// Maximum size of a file, in bytes; a new file begins once it is reached. Folders only.
     pub max_size: Option<u64>,
-    /// A new file begins once the present one is as long as this (ns). Folders only.
+    /// Maximum duration of a file, in ns; a new file begins once it is reached. Folders only.
     pub max_duration_ns: Option<u64>,
 }
 
 impl BagOptions {
-    /// A bag that goes on in new files; 0: never.
+    /// Returns the options of a bag that continues in new files; 0 means no limit.
     pub fn split(path: PathBuf, max_size: u64, max_duration_ns: u64) -> Self {
         let limit = |most: u64| Some(most).filter(|&most| most > 0);
         Self { path, max_size: limit(max_size), max_duration_ns: limit(max_duration_ns) }
     }
 }
 
-/// What is recorded.
+/// Content of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subject {
     /// Text of the cell file.
     pub cell: String,
-    /// Parameters in force before cycle 0, of [`parameters_text`]; a later file has those of its first cycle.
+    /// Parameters in force before cycle 0, from [`parameters_text`]; a later file has those of its first cycle.
     pub parameters: String,
-    /// CSV files of its tables and modules of its programs, of [`Cell::files_text`]; nothing where it has none.
+    /// CSV files of the tables and modules of the programs, from [`Cell::files_text`]; `None` if the cell has none.
     pub files: Option<String>,
-    /// Names of its programs, with the SHA-256 of each module.
+    /// Names of the programs, with the SHA-256 of each module.
     pub programs: Vec<(String, String)>,
-    /// What was saved when the machine started, of [`store_text`]; nothing where nothing was.
+    /// Values that were stored when the machine started, from [`store_text`]; `None` if there were none.
     pub store: Option<String>,
-    /// Whose topics they are.
+    /// Name of the node that owns the topics.
     pub node: NodeName,
-    /// Length of a cycle (ns).
+    /// Cycle time, in ns.
     pub cycle_ns: u64,
-    /// Of this program.
+    /// Version of this program.
     pub version: String,
-    /// Name of the scenario that is played, for the titles of figures; nothing where none is played.
+    /// Name of the scenario that is played, for the titles of figures; `None` if none is played.
     pub scenario: Option<String>,
-    /// Buses on CAN whose frames the bag keeps.
+    /// CAN buses whose frames are recorded.
     pub buses: Vec<String>,
-    /// Topics that the node publishes, apart from those of the cycles.
+    /// Topics that the node publishes in addition to those of the cycles.
     pub published: Vec<TappedTopic>,
 }
 
-/// Why a bag cannot be written.
+/// Reason why a bag cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum BagError {
-    /// A place that is taken, or options that do not fit it: a sentence.
+    /// The path is in use, or the options do not fit it: an error message.
     #[error("{0}")]
     Refused(String),
-    /// The system.
+    /// An I/O error of the operating system.
     #[error("cannot write {}: {error}", .path.display())]
     Write {
-        /// What could not be written.
+        /// File that could not be written.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// An error came before.
+    /// An earlier error has ended the bag.
     #[error("{}: nothing more is written after the error before", .0.display())]
     Ended(PathBuf),
 }
 
-/// How a bag stands.
+/// Summary of a bag.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Summary {
-    /// As it was given.
+    /// Path as given in the options.
     pub path: PathBuf,
-    /// In the order of their cycles.
+    /// Files in the order of their cycles.
     pub files: Vec<PathBuf>,
-    /// Cycles in it.
+    /// Number of cycles in the bag.
     pub cycles: u64,
-    /// On the disk, without metadata.yaml (bytes).
+    /// Size on the disk without metadata.yaml, in bytes.
     pub size: u64,
-    /// Cycles that are missing between the first and the last one.
+    /// Number of cycles missing between the first and the last one.
     pub lost: u64,
-    /// The bag begins where a replay can begin, and nothing is missing.
+    /// Whether the bag begins with a state for replay and no cycle is missing.
     pub replayable: bool,
 }
 
-/// A file that has ended.
+/// A finished file.
 struct Ended {
     path: PathBuf,
     counts: Counts,
@@ -123,37 +125,38 @@ struct Ended {
 /// Opens a file of a bag.
 type Open = Box<dyn Fn(&Place, &Path) -> io::Result<Box<dyn Medium>> + Send>;
 
-/// A bag that is being written. Dropped without [`Bag::finish`] it has no metadata.yaml, and its last file no record
-/// `lineshaft_end`, as if the program had been killed.
+/// A bag that is being written. If it is dropped without [`Bag::finish`], it has no metadata.yaml, and its last file
+/// has no record `lineshaft_end`, as after a kill of the program.
 pub struct Bag {
     options: BagOptions,
     place: Place,
     subject: Subject,
     cell_sha256: String,
     topics: Vec<Offered>,
-    /// Latched messages so far: each further file begins with them.
+    /// Latched messages so far; each new file begins with them.
     retained: Retained,
-    /// Messages that the node has published after the last cycle.
+    /// Messages that the node published after the last cycle.
     late: Vec<TappedMessage>,
     open: Open,
     ended: Vec<Ended>,
     file: Option<BagFile>,
-    /// Cycle that comes next, in a file that has begun.
+    /// Expected number of the next cycle, once a file has begun.
     next: Option<u64>,
-    /// What is added to log times (ns), so that those of the bag begin with the system time; `None` before its first cycle.
+    /// Offset added to log times, in ns, so that those of the bag begin with the system time; `None` before its first
+    /// cycle.
     shift_ns: Option<i64>,
-    /// Where the present file can be replayed from its beginning on.
+    /// Whether the current file can be replayed from its beginning.
     is_start_known: bool,
-    /// Of the present file.
+    /// Lost cycles of the current file.
     lost: Lost,
-    /// Of the files before.
+    /// Number of lost cycles in the files before.
     lost_before: u64,
-    /// All files before can be replayed.
+    /// Whether all files before can be replayed.
     replayable_before: bool,
     is_broken: bool,
 }
 
-/// Cycles that are missing in a file: by their numbers, and as was said.
+/// Missing cycles of a file: by their numbers, and as reported.
 #[derive(Clone, Copy, Debug, Default)]
 struct Lost {
     gaps: u64,
@@ -169,14 +172,15 @@ impl Lost {
 /// Attachment with the CSV files of tables and the modules of programs.
 pub(crate) const TABLES: &str = "tables.json";
 
-/// Key of the record `lineshaft`: how far stamps are ahead of log times in the first cycle of the file (ns). Without it they are equal.
+/// Key of the record `lineshaft`: time by which stamps are ahead of log times in the first cycle of the file, in ns.
+/// Without it they are equal.
 pub(crate) const STAMPS_AHEAD: &str = "stamps_ahead_ns";
 
-/// Key of the record `lineshaft`: name of the scenario that is played; missing without one.
+/// Key of the record `lineshaft`: name of the scenario that is played; absent without one.
 pub(crate) const SCENARIO: &str = "scenario";
 
 impl Subject {
-    /// A machine of that cell before its cycle 0, shown as `node`.
+    /// Returns the subject for a machine of that cell before its cycle 0, recorded as `node`.
     pub fn new(cell: &Cell, node: &NodeName) -> Self {
         let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.power_on()).collect();
         Self {
@@ -196,7 +200,7 @@ impl Subject {
 }
 
 impl BagError {
-    /// The system's number of the error, 0 where there is none.
+    /// Returns the error number of the operating system, or 0 if there is none.
     pub fn system_error(&self) -> i32 {
         match self {
             Self::Write { error, .. } => error.raw_os_error().unwrap_or(0),
@@ -206,10 +210,10 @@ impl BagError {
 }
 
 impl Bag {
-    /// Begins a bag. A folder `options.path` must not exist, a file of that name must be empty.
+    /// Begins a bag. The folder `options.path` must not exist; a file of that name must be empty.
     ///
     /// # Errors
-    /// A place that is taken or cannot be made; a limit for a bag of one file.
+    /// Returns an error if the path is in use or cannot be created, or if a bag of one file has a limit.
     pub fn create(options: &BagOptions, subject: Subject) -> Result<Self, BagError> {
         Self::create_on(options, subject, Box::new(|place, path| Ok(Box::new(place.open(path)?))))
     }
@@ -249,10 +253,10 @@ impl Bag {
         Ok(bag)
     }
 
-    /// Writes a cycle. What comes before the first key cycle is left out.
+    /// Writes a cycle. Cycles before the first key cycle are left out.
     ///
     /// # Errors
-    /// The disk's; from then on nothing is written, and what was flushed before can be read.
+    /// Returns the disk error. After it nothing is written; data flushed before it can be read.
     pub fn write(&mut self, encoded: &Encoded) -> Result<(), BagError> {
         if self.is_broken {
             return Err(BagError::Ended(self.options.path.clone()));
@@ -281,18 +285,18 @@ impl Bag {
         self.on_file(|file| file.write(encoded, log_ns))
     }
 
-    /// Time of a cycle in this bag.
+    /// Returns the time of a cycle in this bag.
     fn time(&self, encoded: &Encoded) -> CycleTime {
         let shift_ns = self.shift_ns.unwrap_or(encoded.time.ahead_ns());
         CycleTime { log_ns: encoded.time.log_ns.saturating_add_signed(shift_ns), ..encoded.time }
     }
 
-    /// Notes cycles that were lost on their way here.
+    /// Adds cycles that were lost before they reached the bag.
     pub fn note_lost(&mut self, cycles: u64) {
         self.lost.noted = self.lost.noted.saturating_add(cycles);
     }
 
-    /// Takes messages that the node has published after the last cycle: the bag ends with them.
+    /// Adds messages that the node published after the last cycle; the bag ends with them.
     pub fn add_late(&mut self, messages: Vec<TappedMessage>) {
         self.late.extend(messages);
     }
@@ -300,7 +304,7 @@ impl Bag {
     /// Ends the bag.
     ///
     /// # Errors
-    /// The disk's, or one that came before; what was flushed before it can be read.
+    /// Returns the disk error, or an earlier one; data flushed before it can be read.
     pub fn finish(mut self) -> Result<Summary, BagError> {
         if self.is_broken {
             return Err(BagError::Ended(self.options.path.clone()));
@@ -315,17 +319,17 @@ impl Bag {
         Ok(self.summary())
     }
 
-    /// As it was given.
+    /// Returns the path as given in the options.
     pub fn path(&self) -> &Path {
         &self.options.path
     }
 
-    /// Bytes on the disk so far, without metadata.yaml.
+    /// Returns the size on the disk so far, without metadata.yaml, in bytes.
     pub fn size(&self) -> u64 {
         self.ended.iter().map(|file| file.size).sum::<u64>() + self.file.as_ref().map_or(0, BagFile::size)
     }
 
-    /// How it stands: what is on the disk.
+    /// Returns a summary of the data on the disk.
     pub fn summary(&self) -> Summary {
         let file = self.file.as_ref();
         let ended = self.ended.iter().map(|file| file.path.clone());
@@ -375,7 +379,8 @@ impl Bag {
         Ok(())
     }
 
-    /// Writes what comes before the first cycle; without a cycle, the bag has no more than [late messages](Self::add_late).
+    /// Writes the part of a file before the first cycle. Without a cycle, the bag has only [late
+    /// messages](Self::add_late).
     fn begin_file(&mut self, first: Option<&Encoded>) -> Result<(), BagError> {
         if let Some(first) = first {
             self.shift_ns.get_or_insert(first.time.ahead_ns());
@@ -424,7 +429,7 @@ impl Bag {
         written
     }
 
-    /// `continued`: the bag goes on in a further file.
+    /// Ends the current file; `continued`: the bag continues in a further file.
     fn end_file(&mut self, continued: bool) -> Result<(), BagError> {
         let replayable = self.is_file_replayable();
         let lost = self.lost.count();
@@ -439,7 +444,7 @@ impl Bag {
         Ok(())
     }
 
-    /// Puts the present file to those that have ended, with what of it is on the disk.
+    /// Adds the current file to the finished ones, with the counts of its data on the disk.
     fn keep_file(&mut self) {
         if let Some(file) = self.file.take() {
             self.ended.push(Ended { counts: file.safe().clone(), size: file.size(), path: file.path });
@@ -452,7 +457,7 @@ impl Bag {
         act(file).map_err(|error| self.fail(path, error))
     }
 
-    /// Ends everything after an error: a file without a cycle is taken away, metadata.yaml tells of what is there.
+    /// Ends the bag after an error: deletes a file without a cycle; metadata.yaml lists the rest.
     fn fail(&mut self, path: PathBuf, error: io::Error) -> BagError {
         self.is_broken = true;
         match self.file.take_if(|file| file.safe().cycles == 0) {
@@ -466,7 +471,7 @@ impl Bag {
         if self.ended.is_empty() {
             self.place.release();
         } else {
-            // On a full disk it may fail too; then there is none, and never a part of one.
+            // On a full disk this may fail too; metadata.yaml is then missing, never partial.
             let _ = self.write_metadata(false);
         }
         BagError::Write { path, error }

@@ -1,34 +1,34 @@
-//! The cycles whose states are told, on topics and in bags alike.
+//! Selects the cycles in which states are published and recorded.
 
 use std::ops::Range;
 
-/// Which cycles a rate takes: k where floor(k T rate) differs from that of k - 1, and cycle 0.
+/// Cycles selected by a rate: each cycle k in which floor(k T rate) differs from its value at k - 1, and cycle 0.
 ///
-/// T rate is the reduced fraction `share / whole` of exact integers.
+/// The product T rate is the exact reduced fraction `share / whole`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cadence {
     share: u128,
     whole: u128,
-    /// Cycles of which none is due: divisions of 128 bits are made once for each that is.
+    /// Range of cycles in which none is due. It limits 128-bit divisions to one per due cycle.
     pause: Range<u64>,
 }
 
 impl Cadence {
-    /// A rate (1/s) to the nearest 1e-9, in cycles of that length (ns).
+    /// Creates the cadence of a rate in 1/s, rounded to the nearest 1e-9, for a cycle time in ns.
     pub fn new(rate: f64, cycle_ns: u64) -> Self {
-        // The cast saturates: below 2^64, as is the cycle.
+        // The cast saturates below 2^64; the cycle time is below 2^64 too.
         let share = u128::from((rate * 1e9).round() as u64) * u128::from(cycle_ns);
         let whole = 1_000_000_000_000_000_000;
         let divisor = greatest_common_divisor(share, whole);
         Self { share: share / divisor, whole: whole / divisor, pause: 0..0 }
     }
 
-    /// The part of all cycles that it takes, 0 to 1.
+    /// Returns the fraction of cycles that are due, 0 to 1.
     pub fn share(&self) -> f64 {
         (self.share as f64 / self.whole as f64).min(1.0)
     }
 
-    /// Does the rate take this cycle?
+    /// Returns true if the cycle is due.
     pub fn is_due(&mut self, cycle: u64) -> bool {
         if self.pause.contains(&cycle) {
             return false;
@@ -37,14 +37,14 @@ impl Cadence {
         self.takes(cycle)
     }
 
-    /// The first cycle behind that one that may be due.
+    /// Returns the first cycle after `cycle` that may be due.
     fn next_after(&self, cycle: u64) -> u64 {
         match self.share {
             0 => return u64::MAX,
             share if share >= self.whole => return cycle.saturating_add(1),
             _ => {}
         }
-        // The step behind floor(k share / whole), below 2^64: with share < whole < 2^60 no product reaches 2^128.
+        // The step after floor(k share / whole), below 2^64: with share < whole < 2^60 no product reaches 2^128.
         let step = u128::from(cycle) * self.share / self.whole + 1;
         u64::try_from((step * self.whole).div_ceil(self.share)).unwrap_or(u64::MAX)
     }
@@ -53,8 +53,8 @@ impl Cadence {
         if cycle == 0 || self.share >= self.whole {
             return true;
         }
-        // With share < whole <= 10^18 no product comes near 2^128, and floor(k share / whole) has just stepped up
-        // exactly where the remainder is smaller than the step.
+        // With share < whole <= 10^18 no product reaches 2^128, and floor(k share / whole) has just increased exactly
+        // if the remainder is smaller than the step.
         u128::from(cycle) % self.whole * self.share % self.whole < self.share
     }
 }

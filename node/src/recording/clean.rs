@@ -1,18 +1,18 @@
-//! Foreign text on a terminal.
+//! Escapes text from outside before it is printed on a terminal.
 //!
-//! Law      what is printed is one line, and nothing in it steers the terminal or turns the direction of writing
+//! Law      the result is one line; none of its characters controls the terminal or changes the writing direction
 
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// The text with everything escaped that is no letter for people: `\u{1b}` instead of an escape.
+/// Returns the text with control characters escaped, such as `\u{1b}` for the escape character.
 pub(crate) fn clean(text: &str) -> Cow<'_, str> {
     if !text.contains(is_bad) {
         return Cow::Borrowed(text);
     }
     let mut cleaned = String::with_capacity(text.len());
     for letter in text.chars() {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = match letter {
             bad if is_bad(bad) => write!(cleaned, "{}", bad.escape_default()),
             good => write!(cleaned, "{good}"),
@@ -21,17 +21,17 @@ pub(crate) fn clean(text: &str) -> Cow<'_, str> {
     Cow::Owned(cleaned)
 }
 
-/// As [`clean`], of a text that may have several lines.
+/// Does the same as [`clean`] for each line of a text.
 pub(crate) fn clean_lines(text: &str) -> String {
     text.split('\n').map(clean).collect::<Vec<_>>().join("\n")
 }
 
-/// JSON without line breaks in which no character steers the terminal: it is written as `\u009b`. The value stays the same, as such
-/// characters are in strings only.
+/// Returns JSON without line breaks and without control characters: they are written as `\u009b`. The value stays the
+/// same, because such characters occur only in strings.
 pub(crate) fn escape_json(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
-        // Writing to a text cannot fail. None of these characters is beyond U+FFFF.
+        // Writing to a string cannot fail. None of these characters exceeds U+FFFF.
         let _ = match letter {
             bad if is_bad(bad) => write!(escaped, "\\u{:04x}", u32::from(bad)),
             good => write!(escaped, "{good}"),
@@ -40,7 +40,7 @@ pub(crate) fn escape_json(text: &str) -> String {
     escaped
 }
 
-/// Controls, breaks of lines, and what turns the direction of writing.
+/// Returns true for control characters, line breaks and characters that change the writing direction.
 fn is_bad(letter: char) -> bool {
     letter.is_control()
         || matches!(letter, '\u{2028}' | '\u{2029}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')

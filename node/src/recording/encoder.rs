@@ -1,11 +1,11 @@
-//! The messages of a cycle, as they stand in a bag.
+//! Encodes a cycle as messages of a bag.
 //!
-//! Law      the same cycles give the same bytes: nothing here looks at a clock or a thread
-//! Reads    a [`Cycle`]; of the cell the rates of the state topics
-//! Writes   in the order of [`Topic`]: a message per command and one for setpoints, the inputs, a message per event, the signals, and in the
-//!          cycles of their rate axis_states and joint_states
+//! Law      the same cycles give the same bytes: no clock and no thread is used
+//! Reads    a [`Cycle`], and the rates of the state topics from the cell
+//! Writes   in the order of [`Topic`]: a message per command and one for setpoints, the inputs, a message per event,
+//!          the signals; and at their rate axis_states and joint_states
 //!
-//! ~/signals holds all words in a key cycle, else those that differ from the cycle that was encoded before.
+//! ~/signals has all values in a key cycle, otherwise only those that differ from the previous encoded cycle.
 
 use super::cadence::Cadence;
 use super::{Cycle, Encoded, Topic, Way, key_cycles};
@@ -24,7 +24,7 @@ use lineshaft_ros::surface::JointNames;
 use lineshaft_ros::surface::messages::{self, AxisView};
 use serde::Serialize;
 
-/// Makes the messages of one cycle after the other.
+/// Encodes one cycle after the other.
 #[derive(Clone, Debug)]
 pub struct Encoder {
     config: MachineConfig,
@@ -33,16 +33,17 @@ pub struct Encoder {
     axis_states: Cadence,
     joint_states: Cadence,
     signals: Vec<Signal>,
-    /// Words of the cycle before; empty before the first one.
+    /// Values of the previous cycle; empty before the first one.
     words: Vec<u64>,
     inputs: CycleInputs,
     changed: Signals,
-    /// Size of the last cycle (bytes).
+    /// Size of the last cycle, in bytes.
     size: usize,
 }
 
 impl Encoder {
-    /// An encoder for a machine of `config`, whose signals are those of `directory`. The cell gives the rates and the joint names.
+    /// Creates an encoder for a machine of `config` with the signals of `directory`. The cell gives the rates and the
+    /// joint names.
     pub fn new(cell: &Cell, config: &MachineConfig, directory: &Directory) -> Self {
         Self {
             views: AxisView::all(config, directory),
@@ -58,7 +59,7 @@ impl Encoder {
         }
     }
 
-    /// The messages of a cycle; those of a key cycle tell all signals.
+    /// Returns the messages of a cycle; in a key cycle they contain all signals.
     pub fn encode(&mut self, cycle: &Cycle<'_>) -> Encoded {
         let number = cycle.inputs.cycle;
         let is_key = number.is_multiple_of(key_cycles(self.config.cycle_ns));
@@ -76,7 +77,7 @@ impl Encoder {
         }
         if let Some(set) = cycle.stream {
             let (source, command) = (set.source.name().to_owned(), verb::setpoints_to_json(set, &self.config));
-            // A set is no command: it has no number and is not answered.
+            // A stream of setpoints is no command: it has no sequence number and gets no answer.
             encoded.push(Topic::Commands, &AppliedCommand { cycle: number, sequence: 0, source, command });
         }
         inputs::fill(&mut self.inputs, cycle.inputs, &self.config);
@@ -109,7 +110,7 @@ impl Encoder {
         for (&signal, before) in self.signals.iter().zip(&mut self.words) {
             let word = cycle.board.word(signal);
             if is_key || is_first || word != *before {
-                // Places of signals are u32 on the board.
+                // Indices of signals on the board are u32.
                 message.index.push(signal.index() as u32);
                 message.word.push(word);
                 *before = word;
@@ -118,8 +119,8 @@ impl Encoder {
     }
 }
 
-/// What an event says. A request that was refused in itself brings its sentence with it, among the commands of the
-/// cycle.
+/// Returns the text of an event. A request that was invalid in itself has its own message, stored among the commands of
+/// the cycle.
 pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Command>, config: &MachineConfig) -> String {
     let refused = |command: &Command| match &command.action {
         Action::Refuse(sentence) if command.sequence == event.command => Some(sentence.to_string()),
@@ -131,7 +132,7 @@ pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Comman
 }
 
 impl Encoded {
-    /// Takes a frame that went over the bus at this place, `offset_ns` behind the beginning of the cycle.
+    /// Adds a frame of the bus with this index, transmitted `offset_ns` after the beginning of the cycle.
     pub fn add_frame(&mut self, bus: usize, way: Way, offset_ns: i64, frame: &lineshaft_can::Frame) {
         let mut data = [0; 8];
         for (to, from) in data.iter_mut().zip(frame.bytes()) {

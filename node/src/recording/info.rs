@@ -1,4 +1,4 @@
-//! What a run holds, in a few lines.
+//! Summary of a run in a few lines.
 
 mod fields;
 
@@ -11,43 +11,44 @@ use lineshaft_msgs::msg::CycleInputs;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Most topics that are listed.
+/// Maximum number of topics that are listed.
 const MAX_TOPICS: usize = 1000;
-/// Most names of attachments that are listed.
+/// Maximum number of attachment names that are listed.
 const MAX_ATTACHMENTS: usize = 100;
 
-/// What a run holds. Its text is for people.
+/// Content of a run. Its text is for people.
 #[derive(Debug)]
 pub struct Info {
     files: Vec<(String, u64)>,
     profile: String,
-    /// Time of the first and of the last message (ns).
+    /// Time of the first and of the last message, in ns.
     span: Option<(u64, u64)>,
-    /// How many messages, by topic, type and encoding.
+    /// Number of messages, by topic, type and encoding.
     topics: BTreeMap<[String; 3], u64>,
     /// Metadata `lineshaft`.
     lineshaft: Option<BTreeMap<String, String>>,
-    /// File, name and size (bytes).
+    /// File, name and size in bytes.
     attachments: Vec<(usize, String, u64)>,
     cycles: Cycles,
-    /// Cycles that the recorder lost, and whether it thinks that the run can be replayed; where all files were finished.
+    /// Lost cycles, and whether the recorder reports that the run can be replayed; `None` unless all files were
+    /// finished.
     end: Option<End>,
     cuts: Vec<String>,
-    /// Its files tell of one cell.
+    /// Whether all files belong to one run.
     is_one_run: bool,
     error: Option<SeriesError>,
 }
 
-/// Which cycles the inputs are of.
+/// Cycle numbers of the inputs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cycles {
     first_and_last: Option<(u64, u64)>,
     missing: u64,
-    /// A cycle that does not come after the one before it.
+    /// Whether a cycle is not after the previous one.
     is_mixed: bool,
 }
 
-/// What the recorder said at the end.
+/// Report of the recorder at the end.
 #[derive(Clone, Copy, Debug)]
 struct End {
     lost: u64,
@@ -55,7 +56,7 @@ struct End {
 }
 
 impl Info {
-    /// Reads a run to its end, or to where it is damaged.
+    /// Reads a run to its end, or to the first damage.
     pub fn of(run: &mut Run) -> Self {
         let files: Vec<(String, u64)> = run.files().iter().map(|file| (file.name.clone(), file.bytes)).collect();
         let attachments = run.files().iter().enumerate().flat_map(|(place, file)| {
@@ -78,15 +79,15 @@ impl Info {
         info
     }
 
-    /// What is wrong with the run, if anything: then the rest tells of what stands before it.
+    /// Returns the defect of the run, if any. The other fields then describe the part before it.
     pub fn error(&self) -> Option<&SeriesError> {
         self.error.as_ref()
     }
 
-    /// Can the run be replayed? Otherwise, why not.
+    /// Checks whether the run can be replayed.
     ///
     /// # Errors
-    /// The reason, as a part of a sentence.
+    /// Returns the reason why not, as a part of a sentence.
     pub fn replayable(&self) -> Result<(), String> {
         let has = |name: &str| self.attachments.iter().any(|(_, attached, _)| attached == name);
         let has_state = self.attachments.iter().any(|(file, attached, _)| *file == 0 && attached == "machine_state");
@@ -119,7 +120,7 @@ impl Info {
         }
     }
 
-    /// A line for each name: how large it is, and in how many files.
+    /// Returns a line for each name, with its size and number of files.
     fn attachment_lines(&self) -> Vec<String> {
         let mut names: Vec<(&str, u64, u64, usize)> = Vec::new();
         let mut more = 0_u64;
@@ -155,7 +156,7 @@ impl Info {
             };
             let (first, last) = self.span.unwrap_or((message.log_time, message.log_time));
             self.span = Some((first.min(message.log_time), last.max(message.log_time)));
-            // Names are copied once each, not for every message.
+            // Each name is copied once, not for every message.
             let known = counts.get_mut(message.topic).and_then(|kinds| kinds.get_mut(message.kind));
             match known.and_then(|encodings| encodings.get_mut(message.encoding)) {
                 Some(count) => *count += 1,
@@ -194,7 +195,7 @@ impl Cycles {
     }
 }
 
-/// What the recorder said at the end of all files; none where one of them was not finished.
+/// Returns the report of the recorder over all files, or `None` if one of them was not finished.
 fn end(run: &Run) -> Option<End> {
     let mut end = End { lost: 0, replayable: true };
     for file in run.files() {
@@ -244,7 +245,7 @@ impl fmt::Display for Info {
             f,
             "Cut",
             self.cuts.iter().enumerate().map(|(place, cut)| {
-                // Whatever is lost, the last cycle of all stands in the last file.
+                // Even if cycles are lost, the last cycle of the run is in the last file.
                 if Some(place) == end { format!("{cut}{last}") } else { cut.clone() }
             }),
         )
@@ -257,7 +258,7 @@ fn row(f: &mut fmt::Formatter<'_>, name: &str, text: &str) -> fmt::Result {
     writeln!(f, "{:WIDTH$}{}", format!("{name}:"), clean(text))
 }
 
-/// Several lines, of which the first one has the name; none without any.
+/// Writes lines, the first one with the name; nothing without lines.
 fn rows(f: &mut fmt::Formatter<'_>, name: &str, texts: impl Iterator<Item = String>) -> fmt::Result {
     let mut name = format!("{name}:");
     for text in texts {
@@ -267,7 +268,7 @@ fn rows(f: &mut fmt::Formatter<'_>, name: &str, texts: impl Iterator<Item = Stri
     Ok(())
 }
 
-/// As `ros2 bag info` writes it.
+/// Formats a size as `ros2 bag info` does.
 fn size(bytes: u64) -> String {
     let units = ["KiB", "MiB", "GiB", "TiB"];
     let mut size = bytes as f64;
@@ -289,9 +290,9 @@ fn decimal_seconds(time: u64) -> String {
     text[..trimmed.len().max(shortest)].to_owned()
 }
 
-/// ISO 8601.
+/// Formats a time in UTC by ISO 8601.
 ///
-/// Law      days are counted in eras of 400 years that begin on March 1: a leap day is then the last of its year
+/// Law      days are counted in eras of 400 years that begin on March 1, so that a leap day is the last day of its year
 fn utc(time: u64) -> String {
     const DAY: u64 = 86_400;
     let seconds = time / 1_000_000_000;

@@ -1,7 +1,7 @@
-//! `Inputs` as the message `CycleInputs`, and back.
+//! Converts `Inputs` to the message `CycleInputs` and back.
 //!
-//! Law      reading what was written gives the same inputs, bit by bit, NaN among them
-//! Refuses  arrays that do not have the shape of the machine, latches of unknown objects or without age and position
+//! Law      reading a written message gives the same inputs, bit by bit, including NaN
+//! Refuses  arrays that do not fit the machine, latches of unknown objects or without age and position
 
 use super::run::Message;
 use lineshaft_core::config::{IoKind, MachineConfig};
@@ -11,7 +11,7 @@ use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::cdr::decode_with_header;
 use lineshaft_msgs::msg::CycleInputs;
 
-/// The message of a cycle's inputs, in the memory of one that is there.
+/// Fills the message with the inputs of a cycle and reuses its memory.
 pub(super) fn fill(message: &mut CycleInputs, inputs: &Inputs, config: &MachineConfig) {
     message.cycle = inputs.cycle;
     message.missed = inputs.missed;
@@ -72,13 +72,13 @@ fn bus_number(state: BusState) -> u8 {
     }
 }
 
-/// The message in a recording, also in one of before the last array existed, or the last four.
+/// Decodes a message of a recording, also of an older one without the last array or the last four.
 ///
 /// # Errors
-/// A sentence: it is not in CDR, or not what its type says.
+/// Returns a message if it is not valid CDR or does not match its type.
 pub(super) fn decode(message: &Message<'_>) -> Result<CycleInputs, String> {
     message.decode().or_else(|error| {
-        // Each of them has a length of four bytes.
+        // An empty array is a length of four bytes.
         let cdr = message.cdr()?;
         let padded = |missing: &[u8]| decode_with_header::<CycleInputs>(&[cdr, missing].concat()).ok();
         let without_last = padded(&[0; 4]).filter(|inputs| inputs.drive_unacknowledged.is_empty());
@@ -90,10 +90,10 @@ fn is_of_before(message: &CycleInputs) -> bool {
     message.drive_bus.is_empty() && message.drive_has_emergency.is_empty() && message.drive_emergency.is_empty()
 }
 
-/// Reads the message of a cycle's inputs into `inputs`, in its memory. After an error they are of no use.
+/// Reads a message into `inputs` and reuses their memory. After an error their content is undefined.
 ///
 /// # Errors
-/// A sentence that says what does not fit the machine.
+/// Returns a message that names the value that does not fit the machine.
 pub fn read_inputs(message: &CycleInputs, config: &MachineConfig, inputs: &mut Inputs) -> Result<(), String> {
     check_shape(message, config)?;
     inputs.cycle = message.cycle;
@@ -116,7 +116,7 @@ pub fn read_inputs(message: &CycleInputs, config: &MachineConfig, inputs: &mut I
     Ok(())
 }
 
-/// With it every array holds a value at each place that is read.
+/// Checks that every array has a value at each index that is read.
 fn check_shape(message: &CycleInputs, config: &MachineConfig) -> Result<(), String> {
     let (encoders, drives, latches) = (config.encoders.len(), config.count_drives(), message.latch_object.len());
     let added = if is_of_before(message) { 0 } else { drives };
@@ -169,7 +169,7 @@ fn encoder(message: &CycleInputs, place: usize) -> Result<EncoderInput, String> 
     })
 }
 
-/// The index pulse of the encoder or drive at `place`.
+/// Returns the index pulse of the encoder or drive with this index.
 fn index(what: &str, place: usize, has: &[bool], counts: &[i64]) -> Result<Option<i64>, String> {
     optional(has[place], counts[place])
         .ok_or_else(|| format!("{what}_index[{place}] is not 0, though {what}_has_index is false"))
@@ -235,7 +235,7 @@ fn latch(message: &CycleInputs, place: usize, config: &MachineConfig) -> Result<
     Ok(Latch { object, edge, age_ns, position })
 }
 
-/// A value that may be left out; nothing where one stands though it should not.
+/// Returns an optional value; `None` if a value is given although the flag is false.
 fn optional<T: PartialEq + Default>(has: bool, value: T) -> Option<Option<T>> {
     match has {
         true => Some(Some(value)),
@@ -243,7 +243,7 @@ fn optional<T: PartialEq + Default>(has: bool, value: T) -> Option<Option<T>> {
     }
 }
 
-/// What can latch, by its name.
+/// Finds an object that can latch by its name.
 fn find(name: &str, config: &MachineConfig) -> Option<Object> {
     let io = || config.io.iter().position(|entry| entry.name == name).map(|place| Object::Io(place as u16));
     let encoder =

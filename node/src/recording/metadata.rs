@@ -8,19 +8,19 @@ use std::path::Path;
 
 /// Its file name.
 pub const FILE_NAME: &str = "metadata.yaml";
-/// Version of its form.
+/// Version of the format.
 const VERSION: u32 = 9;
-/// How rosbag2 writes a time without end.
+/// Infinite duration as rosbag2 writes it.
 const WITHOUT_END: (u64, u64) = (9_223_372_036, 854_775_807);
 
-/// What a bag consists of.
+/// Content of metadata.yaml.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Metadata {
-    /// In the order of their cycles.
+    /// Files in the order of their cycles.
     pub files: Vec<FileInformation>,
-    /// In the order of the bag.
+    /// Topics in the order of the bag.
     pub topics: Vec<TopicInformation>,
-    /// Names and values of one's own.
+    /// Custom names and values.
     pub custom: Vec<(&'static str, String)>,
 }
 
@@ -29,9 +29,9 @@ pub struct Metadata {
 pub struct FileInformation {
     /// File name, without folder.
     pub name: String,
-    /// First and last time (ns); none without messages.
+    /// First and last time, in ns; `None` without messages.
     pub span: Option<(u64, u64)>,
-    /// How many messages.
+    /// Number of messages.
     pub messages: u64,
 }
 
@@ -40,16 +40,16 @@ pub struct FileInformation {
 pub struct TopicInformation {
     /// Full name.
     pub name: String,
-    /// As `lineshaft_msgs/msg/Event`.
+    /// Message type, such as `lineshaft_msgs/msg/Event`.
     pub type_name: &'static str,
-    /// How it is offered.
+    /// QoS of the publisher.
     pub qos: Qos,
-    /// How many messages.
+    /// Number of messages.
     pub messages: u64,
 }
 
 impl Metadata {
-    /// The text of the file.
+    /// Returns the text of the file.
     pub fn text(&self) -> String {
         let mut text = format!(
             "rosbag2_bagfile_information:\n  version: {VERSION}\n  storage_identifier: mcap\n{}  message_count: {}\n",
@@ -82,10 +82,10 @@ impl Metadata {
         Some((spans().map(|(first, _)| first).min()?, spans().map(|(_, last)| last).max()?))
     }
 
-    /// Writes the file at a path: whole, or not at all. An older one is replaced.
+    /// Writes the file at a path, whole or not at all. An existing file is replaced.
     ///
     /// # Errors
-    /// What the system says; nothing is left behind then.
+    /// Returns the error of the operating system; no partial file remains.
     pub fn write(&self, path: &Path) -> io::Result<()> {
         WholeFile::write(path, self.text().as_bytes(), None).and_then(WholeFile::take_place)
     }
@@ -114,7 +114,7 @@ impl TopicInformation {
     }
 }
 
-/// A list of one quality of service, as it stands in metadata.yaml and at the channels of a file.
+/// Returns a list of one QoS profile, as in metadata.yaml and in the channels of a file.
 pub(super) fn qos_text(qos: Qos, indent: usize) -> String {
     let time = |name: &str, (sec, nsec): (u64, u64)| format!("  {name}:\n    sec: {sec}\n    nsec: {nsec}\n");
     let lifespan = qos.lifespan.map_or(WITHOUT_END, |age| (age.as_secs(), age.subsec_nanos().into()));
@@ -131,13 +131,13 @@ pub(super) fn qos_text(qos: Qos, indent: usize) -> String {
     text.lines().map(|line| format!("{:indent$}{line}\n", "")).collect()
 }
 
-/// A text in double quotes, with what would end or bend it escaped.
+/// Returns a text in double quotes, with special characters escaped.
 pub(super) fn quoted(text: &str) -> String {
     let mut out = String::from("\"");
     for c in text.chars() {
         match c {
             '"' | '\\' => out.extend(['\\', c]),
-            // Line ends of Unicode and the byte order mark are none of a plain text, as YAML sees it.
+            // YAML does not allow Unicode line ends and the byte order mark in a plain text.
             '\u{2028}' | '\u{2029}' | '\u{feff}' => {
                 let _ = write!(out, "\\u{:04x}", u32::from(c));
             }
@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// Every scalar of a YAML text.
+    /// Returns every scalar of a YAML text.
     fn scalars(text: &str) -> Vec<String> {
         let events = Parser::new_from_str(text).map(|event| event.unwrap_or_else(|error| panic!("{error} in\n{text}")));
         events

@@ -1,9 +1,10 @@
-//! Recordings: runs kept as rosbag2 bags (MCAP), and read again (contract section 6).
+//! Recordings: writes runs as rosbag2 bags (MCAP) and reads them again (contract section 6).
 //!
-//! What a cycle did is a [`Cycle`]. An [`Encoder`](encoder::Encoder) makes the messages of it that stand in a bag, an
-//! [`Encoded`] cycle; a [`Bag`](bag::Bag) writes them. [`Run`](run::Run) reads bags of this program and of any other recorder.
+//! A [`Cycle`] has all data of one cycle. An [`Encoder`](encoder::Encoder) converts it to an [`Encoded`] cycle with the
+//! messages of a bag; a [`Bag`](bag::Bag) writes them. [`Run`](run::Run) reads bags of this program and of any other
+//! recorder.
 //!
-//! The room knows no thread and no clock: [`run`](crate::run) drives it for a machine in real time.
+//! This module uses no thread and no clock: [`run`](crate::run) drives it for a machine in real time.
 
 pub mod bag;
 pub mod cadence;
@@ -37,56 +38,57 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write;
 use std::ops::Range;
 
-/// The files of tables that are attached to a run, as [`Cell::parse_recorded`](crate::cell::Cell::parse_recorded) takes them.
+/// Returns the attached files of tables, in the form that [`Cell::parse_recorded`](crate::cell::Cell::parse_recorded)
+/// reads.
 pub(crate) fn attached_files(run: &run::Run) -> Result<Option<String>, run::RunError> {
     let bytes = run.attachment(bag::TABLES)?;
     Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
 }
 
-/// The system clock was set where its time changes by more than this (ns); a smaller difference is followed smoothly.
+/// Minimum change of the system clock that counts as a step, in ns; a smaller difference is followed smoothly.
 pub const CLOCK_STEP_NS: u64 = 50_000_000;
 
-/// t_k of a cycle, since the Unix epoch or since the start of a simulation.
+/// Time t_k of a cycle, since the Unix epoch or since the start of a simulation.
 ///
 /// Both times are equal until the system clock is set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CycleTime {
-    /// Log time (ns). It never goes back.
+    /// Log time, in ns. It never decreases.
     pub log_ns: u64,
-    /// System time (ns), as stamps of messages show it.
+    /// System time, in ns, as in the stamps of messages.
     pub stamp_ns: u64,
 }
 
 impl CycleTime {
-    /// A cycle whose log time is its system time (ns).
+    /// Returns the time of a cycle whose log time is its system time, in ns.
     pub fn same(ns: u64) -> Self {
         Self { log_ns: ns, stamp_ns: ns }
     }
 
-    /// How far the stamp is ahead of the log time (ns).
+    /// Returns the time by which the stamp is ahead of the log time, in ns.
     pub fn ahead_ns(self) -> i64 {
         self.stamp_ns.wrapping_sub(self.log_ns).cast_signed()
     }
 }
 
-/// What one cycle took and did.
+/// Inputs and results of one cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Cycle<'a> {
-    /// t_k.
+    /// Time t_k.
     pub time: CycleTime,
-    /// As the machine took them; tells k.
+    /// Inputs as read by the machine; they contain the cycle number k.
     pub inputs: &'a Inputs,
-    /// In the order in which they applied.
+    /// Commands in the order in which they were applied.
     pub commands: &'a [Command],
-    /// Streamed setpoints that were new, if any.
+    /// New streamed setpoints, if any.
     pub stream: Option<&'a Setpoints>,
-    /// In their order.
+    /// Events in their order.
     pub events: &'a [Event],
-    /// At the end of the cycle.
+    /// Signal values at the end of the cycle.
     pub board: &'a Board,
 }
 
-/// The topics of a bag, in the order in which a cycle writes them.
+/// Topics of a bag, in the order in which a cycle writes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Topic {
     /// ~/commands
@@ -103,7 +105,7 @@ pub enum Topic {
     JointStates,
 }
 
-/// Which way a frame went.
+/// Direction of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// From this program to the bus.
@@ -113,10 +115,10 @@ pub enum Way {
 }
 
 impl Way {
-    /// Both, in the order of their topics.
+    /// Both directions, in the order of their topics.
     pub const ALL: [Self; 2] = [Self::Sent, Self::Received];
 
-    /// The last part of the name of its topic.
+    /// Returns the last part of the topic name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sent => "sent",
@@ -128,38 +130,39 @@ impl Way {
 /// The messages of one cycle, serialized.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Encoded {
-    /// k
+    /// Cycle number k.
     pub cycle: u64,
-    /// t_k.
+    /// Time t_k.
     pub time: CycleTime,
-    /// The message on ~/signals holds all signals: a file may begin here.
+    /// Whether the message on ~/signals has all signals, so that a file may begin here.
     pub is_key: bool,
-    /// The state of the machine before this cycle, where it was kept; only key cycles have it.
+    /// State of the machine before this cycle, if stored; only key cycles have it.
     pub state: Option<Vec<u8>>,
-    /// The parameters in force before this cycle, as text; with the state.
+    /// Parameters in force before this cycle, as text; present with the state.
     pub parameters: Option<String>,
-    /// Where the messages stand in `bytes`.
+    /// Ranges of the messages in `bytes`.
     parts: Vec<(Topic, Range<usize>)>,
-    /// Frames on CAN: the place of the bus, which way, and where the message stands in `bytes`.
+    /// CAN frames: index of the bus, direction, and range of the message in `bytes`.
     frames: Vec<(usize, Way, Range<usize>)>,
-    /// What the node has published since the cycle before: the place of its topic in [`Subject`](bag::Subject), and where the
-    /// message is in `bytes`.
+    /// Messages that the node published since the previous cycle: index of the topic in [`Subject`](bag::Subject), and
+    /// range of the message in `bytes`.
     published: Vec<(usize, Range<usize>)>,
     bytes: Vec<u8>,
 }
 
 impl Encoded {
-    /// May a file of a bag begin with it? Then a replay can.
+    /// Returns true if a file of a bag, and so a replay, can begin with this cycle.
     pub fn can_begin(&self) -> bool {
         self.is_key && (self.cycle == 0 || self.state.is_some())
     }
 
-    /// The messages, each with the CDR header of 4 bytes.
+    /// Returns the messages, each with the CDR header of 4 bytes.
     pub fn messages(&self) -> impl Iterator<Item = (Topic, &[u8])> {
         self.parts.iter().map(|(topic, range)| (*topic, &self.bytes[range.clone()]))
     }
 
-    /// All messages, frames behind the others, each with the place of its topic in a bag: those of [`Topic::ALL`], then two for each bus.
+    /// Returns all messages, frames after the others, each with the index of its topic in a bag: those of
+    /// [`Topic::ALL`], then two for each bus.
     fn places(&self) -> impl Iterator<Item = (usize, &[u8])> {
         let frames = self.frames.iter().map(|(bus, way, range)| {
             let place = Topic::ALL.len() + bus * Way::ALL.len() + *way as usize;
@@ -168,28 +171,28 @@ impl Encoded {
         self.messages().map(|(topic, message)| (topic as usize, message)).chain(frames)
     }
 
-    /// Takes a message that the node has published, with the CDR header of 4 bytes.
+    /// Adds a message that the node published, with the CDR header of 4 bytes.
     pub fn add_published(&mut self, topic: usize, message: &[u8]) {
         let start = self.bytes.len();
         self.bytes.extend_from_slice(message);
         self.published.push((topic, start..self.bytes.len()));
     }
 
-    /// What the node has published, each with the place of its topic in [`Subject`](bag::Subject).
+    /// Returns the messages that the node published, each with the index of its topic in [`Subject`](bag::Subject).
     pub(crate) fn published(&self) -> impl Iterator<Item = (usize, &[u8])> {
         self.published.iter().map(|(topic, range)| (*topic, self.bytes.get(range.clone()).unwrap_or_default()))
     }
 
-    /// The same with the state of the machine before it.
+    /// Returns the cycle with the state of the machine before it.
     pub fn with_state(self, state: &State, config: &MachineConfig) -> Self {
         let parameters: Vec<AxisParameters> = state.parameters().copied().collect();
         let text = crate::parameters::parameters_text(config, state.machine_parameters(), &parameters);
-        // Nothing in a state has no serialized form; without one no file would begin here.
+        // Every state can be serialized; without one, no file would begin here.
         let bytes = postcard::to_allocvec(state).ok();
         Self { state: bytes, parameters: Some(text), ..self }
     }
 
-    /// Memory that it takes (bytes).
+    /// Returns the memory in use, in bytes.
     pub fn memory(&self) -> usize {
         let texts = self.state.as_ref().map_or(0, Vec::capacity) + self.parameters.as_ref().map_or(0, String::capacity);
         let frames = self.frames.capacity() * size_of::<(usize, Way, Range<usize>)>();
@@ -197,27 +200,27 @@ impl Encoded {
         size_of::<Self>() + self.bytes.capacity() + size_of_val(self.parts.as_slice()) + frames + published + texts
     }
 
-    /// Bytes of all messages.
+    /// Returns the size of all messages, in bytes.
     pub fn size(&self) -> usize {
         self.bytes.len()
     }
 }
 
-/// Cycles between two key cycles: a second.
+/// Returns the number of cycles between two key cycles: those of one second.
 pub fn key_cycles(cycle_ns: u64) -> u64 {
     (1_000_000_000 / cycle_ns.max(1)).max(1)
 }
 
-/// SHA-256 as 64 hexadecimal digits.
+/// Returns the SHA-256 as 64 hexadecimal digits.
 pub(crate) fn sha256(bytes: impl AsRef<[u8]>) -> String {
     Sha256::digest(bytes).iter().fold(String::new(), |mut digits, byte| {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = write!(digits, "{byte:02x}");
         digits
     })
 }
 
-/// Date and time (UTC) for names of files: `20261121_152804`.
+/// Returns date and time in UTC for file names: `20261121_152804`.
 pub fn date_and_time(stamp_ns: u64) -> String {
     Timestamp::from_nanosecond(stamp_ns.into())
         .map_or_else(|_| stamp_ns.to_string(), |stamp| stamp.strftime("%Y%m%d_%H%M%S").to_string())

@@ -1,35 +1,36 @@
-//! Packs inputs and signals of a cycle into few bytes: only the words that are not as predicted.
+//! Compresses inputs and signals of a cycle: stores only values that differ from their prediction.
 //!
-//! Law      unpacking gives the packed words bit by bit, from a key cycle on and without a gap
-//! Reads    [`Inputs`] without their latches, and a [`Board`]; both keep their shape
-//! Writes   for each word that is not as predicted: the number of words before it that are (LEB128); one byte with the numbers of zero
-//!          bytes at the upper and at the lower end of the difference, 3 bits each; the bytes in between. A key cycle is packed relative
-//!          to zeros
+//! Law      unpacking restores the values bit by bit, from a key cycle on and without a missing cycle
+//! Reads    [`Inputs`] without their latches, and a [`Board`]; their numbers of values must not change
+//! Writes   for each word that differs from its prediction: the number of correctly predicted words before it (LEB128);
+//!          one byte with the numbers of zero bytes at the upper and at the lower end of the difference, 3 bits each;
+//!          the bytes in between. In a key cycle all predictions are zero
 //!
-//! A word is predicted from its last values (`History`). All arithmetic wraps. Packing takes no memory.
+//! A word is predicted from its last values (`History`). All arithmetic wraps. Packing does not allocate.
 
 use lineshaft_core::drive::{BusState, DriveInput, Emergency, EncoderInput, Inputs};
 use lineshaft_core::signal::Board;
 
-/// Words of a drive and of an encoder.
+/// Number of words of a drive and of an encoder.
 const DRIVE: usize = 7;
 const ENCODER: usize = 3;
-/// Maximum number of bytes of a word: 3 for the number before it, which is below 2^21, 1 and 8.
+/// Maximum number of bytes of a word: 3 for the number before it, which is below 2^21, then 1 and 8.
 const MOST: usize = 12;
-/// Number of words that are compared together.
+/// Number of words that are compared in one step.
 const TOGETHER: usize = 8;
 
-/// The last values of a word, and what they predict.
+/// Last values of a word, from which the next one is predicted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct History {
     value: u64,
-    /// Its last change, and the one before.
+    /// Last change, and the one before.
     change: u64,
     before: u64,
 }
 
 impl History {
-    /// A word that has changed twice in a row goes on as a parabola does, in the bits of a float too; any other one stays.
+    /// Returns the predicted value. A word that changed twice in a row is extrapolated as a parabola, also in the bits
+    /// of a float; any other word is predicted to stay.
     fn predicted(self) -> u64 {
         let Self { value, change, before } = self;
         if change == 0 || before == 0 {
@@ -42,7 +43,7 @@ impl History {
         *self = Self { value, change: value.wrapping_sub(self.value), before: self.change };
     }
 
-    /// Whether it does not change now, and has not changed in the last two cycles.
+    /// Whether the word does not change now and has not changed in the last two cycles.
     fn rests(self, value: u64) -> bool {
         self == Self { value, ..Self::default() }
     }
@@ -52,13 +53,13 @@ impl History {
 #[derive(Debug)]
 pub struct Packer {
     words: Vec<History>,
-    /// Words of the inputs of this cycle.
+    /// Words of the inputs of the current cycle.
     inputs: Vec<u64>,
     bytes: Vec<u8>,
 }
 
 impl Packer {
-    /// A packer for inputs and boards of this shape.
+    /// Creates a packer for inputs and boards of this shape.
     pub fn new(inputs: &Inputs, board: &Board) -> Self {
         let of_inputs = input_words(inputs);
         let words = of_inputs + board.len();
@@ -66,12 +67,12 @@ impl Packer {
         Self { inputs: vec![0; of_inputs], bytes: Vec::with_capacity(MOST * words.len()), words }
     }
 
-    /// Maximum number of bytes of a cycle.
+    /// Returns the maximum number of bytes of a cycle.
     pub fn most(&self) -> usize {
         MOST * self.words.len()
     }
 
-    /// Packs a cycle. The next one is packed relative to it.
+    /// Packs a cycle, relative to the previous one.
     pub fn pack(&mut self, inputs: &Inputs, board: &Board, is_key: bool) -> &[u8] {
         if is_key {
             self.words.fill(History::default());
@@ -85,7 +86,7 @@ impl Packer {
     }
 }
 
-/// Packs words that follow `same` words that are as predicted. Returns the number of such words at the end.
+/// Packs words that follow `same` correctly predicted words. Returns the number of such words at the end.
 fn pack_words(words: &mut [History], values: &[u64], mut same: usize, bytes: &mut Vec<u8>) -> usize {
     for (words, values) in words.chunks_mut(TOGETHER).zip(values.chunks(TOGETHER)) {
         if words.iter().zip(values).all(|(word, value)| word.rests(*value)) {
@@ -115,7 +116,7 @@ fn push_number(mut number: usize, bytes: &mut Vec<u8>) {
 }
 
 fn push_difference(difference: u64, bytes: &mut Vec<u8>) {
-    // The sign goes to the lowest bit, so that a small negative number has zero bytes at its upper end too.
+    // The sign is moved to the lowest bit, so that a small negative number has zero bytes at its upper end too.
     let folded = difference << 1 ^ (difference.cast_signed() >> 63).cast_unsigned();
     let (upper, lower) = (folded.leading_zeros() / 8, folded.trailing_zeros() / 8);
     // Both are below 8, because the difference is not 0.
@@ -127,17 +128,17 @@ fn push_difference(difference: u64, bytes: &mut Vec<u8>) {
 #[derive(Clone, Debug)]
 pub struct Unpacker {
     words: Vec<History>,
-    /// The values of the newest cycle.
+    /// Values of the newest cycle.
     values: Vec<u64>,
     of_inputs: usize,
-    /// Of the newest cycle, without its latches.
+    /// Inputs of the newest cycle, without latches.
     pub inputs: Inputs,
-    /// Of the newest cycle.
+    /// Board of the newest cycle.
     pub board: Board,
 }
 
 impl Unpacker {
-    /// An unpacker for inputs and boards of this shape.
+    /// Creates an unpacker for inputs and boards of this shape.
     pub fn new(inputs: &Inputs, board: &Board) -> Self {
         let of_inputs = input_words(inputs);
         let words = of_inputs + board.len();
@@ -145,7 +146,7 @@ impl Unpacker {
         Self { words, values, of_inputs, inputs: inputs.clone(), board: board.clone() }
     }
 
-    /// Unpacks the cycle that follows the newest one, or a key cycle.
+    /// Unpacks the cycle after the newest one, or a key cycle.
     pub fn unpack(&mut self, cycle: u64, bytes: &[u8], is_key: bool) {
         if is_key {
             self.words.fill(History::default());
@@ -175,7 +176,7 @@ fn unpack_words(words: &mut [History], values: &mut [u64], mut bytes: &[u8]) {
     }
 }
 
-/// Takes the number of words that are as predicted, and the difference of the one after them.
+/// Reads the number of correctly predicted words, and the difference of the word after them.
 fn take_word(bytes: &mut &[u8]) -> Option<(usize, u64)> {
     take_number(bytes).zip(take_difference(bytes))
 }
@@ -205,7 +206,7 @@ fn take_difference(bytes: &mut &[u8]) -> Option<u64> {
     Some(folded >> 1 ^ (folded & 1).wrapping_neg())
 }
 
-/// Number of words of inputs.
+/// Returns the number of words of the inputs.
 fn input_words(inputs: &Inputs) -> usize {
     1 + inputs.digital.len() + inputs.analog.len() + ENCODER * inputs.encoder.len() + DRIVE * inputs.drive.len()
 }

@@ -1,4 +1,4 @@
-//! A recorded run of the demo cell, for tests.
+//! Recorded run of the demo cell, for tests.
 
 use super::encoder::Encoder;
 use super::{Cycle, CycleTime, Encoded};
@@ -9,7 +9,7 @@ use lineshaft_core::event::Event;
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::signal::Board;
 
-/// All axes are switched on; x, y and the turret move to and fro; a request is refused.
+/// All axes are switched on; x, y and the turret move back and forth; one request is refused.
 pub(crate) const MOVING: &str = "
 scenario: moving
 cycles: CYCLES
@@ -24,7 +24,7 @@ steps:
   - {at: 200, do: {move_axis: {axis: x, position: 9 m}}, refused: max_position}
 ";
 
-/// What a run gave, cycle by cycle.
+/// Results of a run, cycle by cycle.
 #[derive(Default)]
 pub(crate) struct Recorded {
     pub encoded: Vec<Encoded>,
@@ -33,7 +33,7 @@ pub(crate) struct Recorded {
     pub events: Vec<Vec<Event>>,
 }
 
-/// Runs `scenario` on `cell`; a key cycle comes every second, and has a state beside it. Cycle 0 is at `start_ns`.
+/// Runs `scenario` on `cell`; there is one key cycle per second, with a state. Cycle 0 is at `start_ns`.
 pub(crate) fn record(cell: &Cell, scenario: &str, cycles: u64, start_ns: u64) -> Recorded {
     let scenario = scenario.replace("CYCLES", &cycles.to_string());
     let scenario = Scenario::parse("rig.yaml", &scenario, cell).unwrap_or_else(|problems| panic!("{problems}"));

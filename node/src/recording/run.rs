@@ -1,12 +1,12 @@
-//! Recorded runs, of this program and of any other recorder that writes MCAP in the profile of rosbag2.
+//! Reads recorded runs of this program and of any other recorder that writes MCAP in the profile of rosbag2.
 //!
-//! Law      the messages of all files, file after file, in the order in which they stand; only what is whole is read: a chunk
-//!          whose checksum is wrong gives no message
+//! Law      messages are returned file by file in the order of the file; only complete data is read: a chunk with a
+//!          wrong checksum gives no message
 //! Reads    one file, a folder, or the metadata.yaml of a bag
-//! Refuses  other formats, folders of several runs, and everything that no memory would be taken for; see [`RunError`]
+//! Refuses  other formats, folders of several runs, and sizes that would need too much memory; see [`RunError`]
 //!
-//! Of a run of any length no more than one chunk is in memory. A file that was cut off anywhere, because its recorder was
-//! killed or the disk was full, is read up to its last whole chunk or record; [`Run::cuts`] tells of it.
+//! At most one chunk of a run is in memory, whatever its length. A file that was cut off, because its recorder was
+//! killed or the disk was full, is read up to its last complete chunk or record; [`Run::cuts`] reports it.
 //!
 //! ```no_run
 //! # use lineshaft::recording::run::{Run, RunError};
@@ -44,64 +44,64 @@ use std::path::Path;
 /// A recorded message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Message<'a> {
-    /// Name of its topic.
+    /// Topic name.
     pub topic: &'a str,
-    /// Its type in ROS 2, as `lineshaft_msgs/msg/Event`; empty where the file does not tell.
+    /// ROS 2 type, such as `lineshaft_msgs/msg/Event`; empty if the file does not name it.
     pub kind: &'a str,
-    /// When it was recorded (ns).
+    /// Log time, in ns.
     pub log_time: u64,
-    /// When it was published (ns).
+    /// Publish time, in ns.
     pub publish_time: u64,
-    /// Its number among those of its topic, as the recorder gave it.
+    /// Sequence number within its topic, given by the recorder.
     pub sequence: u32,
-    /// How it is encoded: `cdr` where a recorder of ROS 2 wrote it.
+    /// Encoding; `cdr` from a ROS 2 recorder.
     pub encoding: &'a str,
-    /// As it stands; in CDR with its header of 4 bytes.
+    /// Encoded data; in CDR with its header of 4 bytes.
     pub data: &'a [u8],
-    /// Place of its file in [`Run::files`].
+    /// Index of its file in [`Run::files`].
     pub file: usize,
 }
 
 impl<'a> Message<'a> {
-    /// Is it in CDR?
+    /// Returns true if the message is in CDR.
     pub fn is_cdr(&self) -> bool {
         self.encoding == "cdr"
     }
 
-    /// Its bytes, where they are in CDR.
+    /// Returns the data of a message in CDR.
     ///
     /// # Errors
-    /// A sentence that tells its encoding.
+    /// Returns a message that names the encoding if it is not CDR.
     pub fn cdr(&self) -> Result<&'a [u8], String> {
         let sentence = || format!("it is encoded as `{}`; only cdr is read", excerpt(self.encoding));
         self.is_cdr().then_some(self.data).ok_or_else(sentence)
     }
 
-    /// Its content.
+    /// Decodes the message.
     ///
     /// # Errors
-    /// A sentence: it is not in CDR, or not what its type says.
+    /// Returns a message if the data is not CDR or does not match its type.
     pub fn decode<T: DeserializeOwned>(&self) -> Result<T, String> {
         cdr::decode_with_header(self.cdr()?).map_err(|error| error.to_string())
     }
 }
 
-/// A recorded run, at the message that comes next.
+/// A recorded run, with the position of the next message.
 pub struct Run {
     files: Vec<Outline>,
-    /// The file that is being read.
+    /// Reader of the current file.
     reader: Option<Messages>,
-    /// The one that comes after it.
+    /// Index of the file after it.
     next_file: usize,
-    /// Messages that were read.
+    /// Number of messages read.
     messages: u64,
     progress: Option<ProgressSink>,
 }
 
-/// Is called with the bytes that were read so far, and with those of all files.
+/// Callback with the number of bytes read so far and the number of bytes of all files.
 type ProgressSink = Box<dyn FnMut(u64, u64) + Send>;
 
-/// Messages from one call of [`ProgressSink`] to the next.
+/// Number of messages between two calls of [`ProgressSink`].
 const PROGRESS_MESSAGES: u64 = 256;
 
 impl std::fmt::Debug for Run {
@@ -111,40 +111,41 @@ impl std::fmt::Debug for Run {
 }
 
 impl Run {
-    /// Opens a run and looks through its files; their messages are not read yet.
+    /// Opens a run and scans its files; their messages are not read yet.
     ///
     /// # Errors
-    /// What is no run, and what is wrong with it as far as that shows without unpacking its messages.
+    /// Returns an error if the path is no run, or if the files have a defect that shows without unpacking their
+    /// messages.
     pub fn open(path: &Path) -> Result<Self, RunError> {
         let run = Self::open_any(path)?;
         places::check_related(path, &run.files)?;
         Ok(run)
     }
 
-    /// As [`Run::open`], also a folder whose files are of several runs: to tell what they hold.
+    /// Opens a run like [`Run::open`], and also a folder with files of several runs, to report their content.
     ///
     /// # Errors
-    /// As [`Run::open`].
+    /// Same errors as [`Run::open`].
     pub fn open_any(path: &Path) -> Result<Self, RunError> {
         Ok(Self { files: places::outlines(path)?, reader: None, next_file: 0, messages: 0, progress: None })
     }
 
-    /// Do the files of the run tell of one cell?
+    /// Returns true if all files of the run were recorded with the same cell.
     pub fn is_of_one_cell(&self) -> bool {
         places::unrelated(&self.files).is_none()
     }
 
-    /// The files in their order; at least one.
+    /// Returns the files in their order; at least one.
     pub fn files(&self) -> &[Outline] {
         &self.files
     }
 
-    /// What is missing of the files that were cut off.
+    /// Returns the missing parts of files that were cut off.
     pub fn cuts(&self) -> impl Iterator<Item = &Cut> {
         self.files.iter().filter_map(|file| file.cut.as_ref())
     }
 
-    /// What is wrong behind the data of its files, of which no message is lost.
+    /// Returns defects after the data of files; they cost no message.
     pub fn flaws(&self) -> impl Iterator<Item = RunError> {
         self.files.iter().filter_map(|file| {
             let (at, damage) = file.flaw.clone()?;
@@ -152,10 +153,10 @@ impl Run {
         })
     }
 
-    /// The next message; none at the end of the run.
+    /// Returns the next message, or `None` at the end of the run.
     ///
     /// # Errors
-    /// What is wrong with the record or the chunk that comes next. Then nothing more is read.
+    /// Returns an error if the next record or chunk is damaged. Nothing more is read after that.
     pub fn next_message(&mut self) -> Result<Option<Message<'_>>, RunError> {
         self.report_progress();
         let place = loop {
@@ -194,13 +195,13 @@ impl Run {
         }))
     }
 
-    /// Calls `progress` now and then while messages are read, with the bytes that were read so far and with those of all files, until
-    /// the end of the run or [`Run::end_progress`].
+    /// Calls `progress` at intervals while messages are read, with the number of bytes read so far and the number of
+    /// bytes of all files, until the end of the run or [`Run::end_progress`].
     pub fn set_progress(&mut self, progress: impl FnMut(u64, u64) + Send + 'static) {
         self.progress = Some(Box::new(progress));
     }
 
-    /// Ends the calls of [`Run::set_progress`].
+    /// Stops the calls of [`Run::set_progress`].
     pub fn end_progress(&mut self) {
         self.progress = None;
     }
@@ -213,20 +214,20 @@ impl Run {
         }
         let begun: u64 = self.files.iter().take(self.next_file).map(|file| file.bytes).sum();
         let current = self.next_file.checked_sub(1).and_then(|place| self.files.get(place));
-        // Of the file that is open only a part was read.
+        // Only a part of the open file was read.
         let rest = self.reader.as_ref().zip(current).map_or(0, |(reader, file)| file.bytes.saturating_sub(reader.at()));
         progress(begun.saturating_sub(rest), self.files.iter().map(|file| file.bytes).sum());
     }
 
-    /// Goes back to the first message.
+    /// Returns to the first message.
     pub fn rewind(&mut self) {
         (self.reader, self.next_file) = (None, 0);
     }
 
-    /// The bytes of the first attachment of that name, in the first file that has one.
+    /// Returns the bytes of the first attachment of that name, in the first file that has one.
     ///
     /// # Errors
-    /// As [`Run::attachment_of`].
+    /// Same errors as [`Run::attachment_of`].
     pub fn attachment(&self, name: &str) -> Result<Option<Vec<u8>>, RunError> {
         for file in 0..self.files.len() {
             if let Some(bytes) = self.attachment_of(file, name)? {
@@ -236,10 +237,10 @@ impl Run {
         Ok(None)
     }
 
-    /// The bytes of the first attachment of that name in a file, by its place.
+    /// Returns the bytes of the first attachment of that name in the file with this index.
     ///
     /// # Errors
-    /// Bytes that are not those that were written, and what no memory is taken for.
+    /// Returns an error if the bytes are damaged or would need too much memory.
     pub fn attachment_of(&self, file: usize, name: &str) -> Result<Option<Vec<u8>>, RunError> {
         let Some(outline) = self.files.get(file) else { return Ok(None) };
         let Some(attachment) = outline.attachments.iter().find(|attachment| attachment.name == name) else {
@@ -253,14 +254,14 @@ impl Run {
         data_of(name, &body).map(|data| Some(data.to_vec())).map_err(|damage| records.damaged(frame.at, damage))
     }
 
-    /// The first record of metadata of that name, in the first file that has one.
+    /// Returns the first metadata record of that name, in the first file that has one.
     pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
         let mut all = self.files.iter().flat_map(|file| &file.metadata);
         all.find(|(known, _)| known == name).map(|(_, map)| map)
     }
 }
 
-/// The data of an attachment.
+/// Returns the data of an attachment.
 fn data_of<'b>(name: &str, body: &'b [u8]) -> Result<&'b [u8], Damage> {
     let mut fields = Fields::new(body);
     let _times = (fields.u64()?, fields.u64()?);
@@ -275,7 +276,7 @@ fn data_of<'b>(name: &str, body: &'b [u8]) -> Result<&'b [u8], Damage> {
     Ok(data)
 }
 
-/// A whole number in groups of three digits: `12 345`.
+/// Formats an integer in groups of three digits: `12 345`.
 pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let first = digits.len() % 3;

@@ -1,13 +1,14 @@
-//! The signals of a run over time, for plots and comparisons.
+//! Loads the signals of a run over time, for plots and comparisons.
 //!
-//! Law      a point where a value changes, and one before it where the old value held until then: a line through the points is
-//!          the signal, but for its gaps, in which nothing is known; times are those of the cycles in a bag of this program (log
-//!          times), and of any other recorder the stamps of the messages, not when they were received
-//! Reads    ~/signals with the attached cell: every signal of the board in every cycle. Without them joint_states and
-//!          axis_states of any recorder, found by type. In both cases the events as marks
-//! Refuses  messages that do not decode, patterns that match nothing, more points than memory should hold
+//! Law      a series has a point at each change of a value, and one before it, at the last time of the old value: a
+//!          line through the points is the signal, except in gaps, in which the value is unknown. Times are those of
+//!          the cycles (log times) in a bag of this program, and the stamps of the messages, not the times of
+//!          reception, in a bag of any other recorder
+//! Reads    ~/signals with the attached cell: every signal of the board in every cycle. Without them, joint_states and
+//!          axis_states of any recorder, found by type. In both cases the events, as marks
+//! Refuses  messages that cannot be decoded, patterns that match nothing, more points than the memory limit
 //!
-//! Positions and their derivatives are in the unit of their axis where the cell is attached, else in SI.
+//! Positions and their derivatives are in the unit of their axis if the cell is attached, otherwise in SI.
 
 mod board;
 mod gaps;
@@ -35,7 +36,7 @@ use serde::de::DeserializeOwned;
 use std::fmt::{self, Display, Formatter};
 use topics::Topics;
 
-/// How the values of a series are read.
+/// Type of the values of a series.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// f64
@@ -44,11 +45,11 @@ pub enum Kind {
     Int,
     /// 0 or 1
     Bit,
-    /// A number with names: the number is the place in the list.
+    /// Enumeration: the value is the index of its name in the list.
     Enum(Vec<String>),
-    /// Unsigned bits.
+    /// Unsigned bit field.
     Word,
-    /// A [`Code`](lineshaft_core::code::Code), 0 for none.
+    /// A [`Code`](lineshaft_core::code::Code); 0 for none.
     Code,
 }
 
@@ -68,61 +69,61 @@ impl Kind {
 /// One signal over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// As `x.command.position`.
+    /// Name, such as `x.command.position`.
     pub name: String,
-    /// As `mm/s`; empty without one, `SI` where only the message tells.
+    /// Unit, such as `mm/s`; empty for none, `SI` if the unit is known only from the message.
     pub unit: String,
-    /// How its values are read.
+    /// Type of the values.
     pub kind: Kind,
-    /// Where it was recorded.
+    /// Topic on which it was recorded.
     pub topic: String,
-    /// Times (s) from the start of the run, and values, in order of time.
+    /// Times from the start of the run, in s, and values; in order of time.
     pub points: Vec<(f64, f64)>,
-    /// From when to when (s) nothing is known, in order of time: cycles are missing, or no sample came for much longer than
-    /// usual. Both ends of each are points.
+    /// Start and end, in s, of each time without known values, in order of time: cycles are missing, or no sample came
+    /// for much longer than usual. Both ends are points.
     pub gaps: Vec<(f64, f64)>,
 }
 
 /// An event of the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// When (s), from the start of the run.
+    /// Time from the start of the run, in s.
     pub time: f64,
     /// 0 info, 1 warning, 2 error.
     pub severity: u8,
-    /// As `refused`.
+    /// Kind, such as `refused`.
     pub kind: String,
-    /// Object, or `machine`.
+    /// Name of the object, or `machine`.
     pub source: String,
-    /// One sentence.
+    /// Message of one sentence.
     pub text: String,
 }
 
-/// What a run holds.
+/// Signals and events of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
-    /// In the order of the board; those of other recorders in the order in which they come.
+    /// Signals in the order of the board; those of other recorders in the order of their first messages.
     pub series: Vec<Series>,
-    /// In the order of their recording.
+    /// Events in the order of the recording.
     pub marks: Vec<Mark>,
-    /// Stamp of the first value (ns).
+    /// Time of the first value, in ns.
     pub start_ns: u64,
-    /// Stamp of the last value (ns).
+    /// Time of the last value, in ns.
     pub end_ns: u64,
-    /// What is missing of files that were cut off.
+    /// Missing parts of files that were cut off.
     pub cuts: Vec<Cut>,
-    /// Topics whose stamps go back.
+    /// Topics with decreasing stamps.
     pub late: Vec<Late>,
 }
 
-/// Messages of a topic whose stamp lies before that of a message before them.
+/// Messages of a topic whose stamp is before that of an earlier message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Late {
-    /// The topic.
+    /// Name of the topic.
     pub topic: String,
-    /// How many of them, at least.
+    /// Minimum number of such messages.
     pub messages: u64,
-    /// Such messages are missing in the series; else they stand at the latest time before them.
+    /// Whether such messages are missing in the series; otherwise they have the latest time before them.
     pub are_left_out: bool,
 }
 
@@ -137,45 +138,45 @@ impl Display for Late {
     }
 }
 
-/// Why the signals of a run cannot be told.
+/// Reason why the signals of a run cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum SeriesError {
-    /// The files.
+    /// The files cannot be read.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// The names that were asked for.
+    /// The names of the signals are wrong.
     #[error(transparent)]
     Select(#[from] SelectError),
-    /// A message that is not what its type says.
+    /// A message does not match its type.
     #[error("{file}: message on {topic} at {}: {reason}", seconds(*.log_time))]
     Message {
         /// Name of the file.
         file: String,
-        /// Its topic.
+        /// Topic of the message.
         topic: String,
-        /// When it was recorded (ns).
+        /// Log time, in ns.
         log_time: u64,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
     /// The attached cell has errors.
     #[error("the attached cell has errors:\n{0}")]
     Cell(Problems),
-    /// The attached cell makes no machine.
+    /// No machine can be made from the attached cell.
     #[error("the attached cell makes no machine: {0}")]
     Machine(#[from] ConfigError),
-    /// Nothing to tell.
+    /// The run has no signals.
     #[error("{0}: the run holds neither ~/signals with the cell, nor joint_states, nor axis_states")]
     Nothing(String),
-    /// Too much to hold.
+    /// The signals need too much memory.
     #[error("the signals have more than {} points; choose fewer of them", track::MAX_POINTS)]
     TooMany,
 }
 
-/// Loads the signals that one of the patterns (as `x.*`) matches; without patterns all of them.
+/// Loads the signals that match at least one of the patterns (such as `x.*`); without patterns, all signals.
 ///
 /// # Errors
-/// What is wrong with the run, a message or the attached cell; a pattern that matches nothing.
+/// Returns an error if the run, a message or the attached cell is wrong, or if a pattern matches nothing.
 pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError> {
     run.rewind();
     let mut select = Select::new(patterns)?;
@@ -191,7 +192,7 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
                 let board = match &mut board {
                     Some(board) => board,
                     None => {
-                        // From here on the board tells everything, and more exactly.
+                        // From here on the board has all values, with more precision.
                         topics = Topics::default();
                         select.start_again();
                         budget = Budget::default();
@@ -238,7 +239,7 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
     Ok(Recorded { cuts, late, ..recorded(tracks, events) })
 }
 
-/// What is late on each topic.
+/// Returns the late messages of each topic.
 fn late(tracks: &[Track]) -> Vec<Late> {
     let mut all: Vec<Late> = Vec::new();
     for track in tracks.iter().filter(|track| track.late > 0) {
@@ -279,7 +280,7 @@ fn recorded(tracks: Vec<Track>, events: Vec<(u64, Event)>) -> Recorded {
     Recorded { series, marks, start_ns, end_ns, cuts: Vec::new(), late: Vec::new() }
 }
 
-/// The points, with one at both ends of each gap: a value that stays the same has none there.
+/// Returns the points, with one added at each end of a gap, because a value that stays the same has none there.
 fn with_ends(points: Vec<(u64, f64)>, gaps: &[(u64, u64)]) -> Vec<(u64, f64)> {
     if gaps.is_empty() {
         return points;
@@ -299,45 +300,45 @@ fn with_ends(points: Vec<(u64, f64)>, gaps: &[(u64, u64)]) -> Vec<(u64, f64)> {
     all
 }
 
-/// Seconds from `start`, also before it.
+/// Returns the time since `start`, in s; negative before it.
 fn since(time: u64, start: u64) -> f64 {
     time.wrapping_sub(start).cast_signed() as f64 / 1e9
 }
 
-/// A time for a sentence.
+/// Formats a time, in ns, for a message.
 pub(crate) fn seconds(time: u64) -> String {
     format!("{}.{:09} s", time / 1_000_000_000, time % 1_000_000_000)
 }
 
-/// Whether this program recorded a run: then log times are those of the cycles.
+/// Whether this program recorded the run; log times are then those of the cycles.
 fn is_of_this_program(run: &Run) -> bool {
     run.metadata("lineshaft").is_some()
 }
 
-/// A stamp (ns).
+/// Returns a stamp in ns.
 pub(crate) fn stamp(time: &Time) -> Result<u64, String> {
     let seconds =
         u64::try_from(time.sec).map_err(|_| format!("the stamp is {} s; 0 and above is allowed", time.sec))?;
     Ok(seconds * 1_000_000_000 + u64::from(time.nanosec))
 }
 
-/// The content of a message.
+/// Decodes the content of a message.
 pub(crate) fn decode<T: DeserializeOwned>(message: &Message<'_>, file: &str) -> Result<T, SeriesError> {
     message.decode().map_err(|reason| refused(message, file, reason))
 }
 
-/// Why the content of a message is not taken.
+/// Returns the error for a message with invalid content.
 pub(crate) fn refused(message: &Message<'_>, file: &str, reason: String) -> SeriesError {
     let topic = excerpt(message.topic);
     SeriesError::Message { file: file.to_owned(), topic, log_time: message.log_time, reason }
 }
 
-/// Why a message is not taken.
+/// Reason why a message is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// What is wrong with it.
+    /// Error message.
     Reason(String),
-    /// There is no room for more.
+    /// The maximum number of points is reached.
     TooMany,
 }
 

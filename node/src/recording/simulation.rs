@@ -1,4 +1,4 @@
-//! Recording where nobody waits for a clock: each cycle is encoded and written at once.
+//! Records a simulation that does not run in real time: each cycle is encoded and written immediately.
 
 use super::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use super::encoder::Encoder;
@@ -8,7 +8,7 @@ use lineshaft_core::command::{Command, Commands};
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::machine::{Machine, State};
 
-/// A simulation that is recorded. Time is t_k from 0.
+/// Recorder of a simulation. Time is t_k, from 0.
 pub struct SimulationRecorder {
     bag: Bag,
     encoder: Encoder,
@@ -19,10 +19,11 @@ pub struct SimulationRecorder {
 }
 
 impl SimulationRecorder {
-    /// Begins a bag for a machine of `cell` before its first cycle. `scenario` is the name of the scenario that it plays, if any.
+    /// Begins a bag for a machine of `cell` before its first cycle. `scenario` is the name of the scenario that is
+    /// played, if any.
     ///
     /// # Errors
-    /// The bag cannot be begun.
+    /// Returns an error if the bag cannot be created.
     pub fn new(cell: &Cell, machine: &Machine, options: &BagOptions, scenario: Option<&str>) -> Result<Self, BagError> {
         let subject = Subject { scenario: scenario.map(str::to_owned), ..Subject::new(cell, &cell.ros.node_name()) };
         let cycle_ns = machine.config().cycle_ns;
@@ -36,16 +37,16 @@ impl SimulationRecorder {
         })
     }
 
-    /// Keeps the state before a key cycle.
+    /// Stores the state before a key cycle.
     pub fn before(&mut self, machine: &Machine) {
         let is_key = machine.next_cycle().is_multiple_of(self.key_cycles);
         self.state = is_key.then(|| machine.state().clone());
     }
 
-    /// Writes the cycle that has just run.
+    /// Writes the last cycle.
     ///
     /// # Errors
-    /// The disk's.
+    /// Returns the error of the disk.
     pub fn after(&mut self, inputs: &Inputs, commands: Commands<'_>, machine: &Machine) -> Result<(), BagError> {
         self.commands.clear();
         self.commands.extend(commands.iter().cloned());
@@ -67,7 +68,7 @@ impl SimulationRecorder {
     /// Ends the bag.
     ///
     /// # Errors
-    /// The disk's.
+    /// Returns the error of the disk.
     pub fn finish(self) -> Result<Summary, BagError> {
         self.bag.finish()
     }

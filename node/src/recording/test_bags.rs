@@ -1,4 +1,4 @@
-//! Bags for tests, written with the crate `mcap`.
+//! Creates bags for tests with the crate `mcap`.
 
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
@@ -18,13 +18,13 @@ pub(crate) struct TestBag {
     sequence: u32,
 }
 
-/// How a recorder of ROS 2 writes: in chunks, compressed.
+/// Returns the options of a ROS 2 recorder: in chunks, compressed.
 pub(crate) fn options() -> WriteOptions {
     WriteOptions::new().profile("ros2").library("test").compression(Some(Compression::Zstd)).chunk_size(None)
 }
 
 impl TestBag {
-    /// A bag in which only [`TestBag::end_chunk`] ends a chunk.
+    /// Creates a bag in which only [`TestBag::end_chunk`] ends a chunk.
     pub(crate) fn new() -> Self {
         Self::with(options())
     }
@@ -34,7 +34,7 @@ impl TestBag {
         Self { writer, channels: BTreeMap::new(), sequence: 0 }
     }
 
-    /// A message of any kind and encoding.
+    /// Adds a message of any type and encoding.
     pub(crate) fn raw(&mut self, topic: &str, kind: &str, encoding: &str, log_time: u64, data: &[u8]) {
         let channel = match self.channels.get(topic) {
             Some(channel) => *channel,

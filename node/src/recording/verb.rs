@@ -1,16 +1,17 @@
-//! Commands as text: one scenario verb as JSON, and back bit for bit (contract sections 6 and 7).
+//! Converts commands to text, one scenario verb as JSON, and back without loss (contract sections 6 and 7).
 //!
-//! Law      from_json(to_json(command)) is the command's action, for every action that a door can make: f64 by their bits
-//! Writes   the verb's arguments by their ROS names, in a fixed order; what stands at its default is left out. Positions and
-//!          rates are in increments, times in ns, so that no scale takes part; the id of a goal is the sequence number of
-//!          its command. JSON is YAML: the text does the same as the `do` of a scenario's step, where the ids that it
-//!          cancels are carried
-//! Reads    the same, by the scenario's own reader, and two verbs that no scenario has: `refuse`, a request that never became
-//!          a command, and `note`, a notice from the recorder or a backend
-//! Refuses  everything else, with one sentence. Actions that no door makes (of an axis that does not exist, NaN) are written
-//!          so that they are refused here
+//! Law      from_json(to_json(command)) is the action of the command, bit by bit, for every action that an interface
+//!          can create
+//! Writes   the arguments of the verb by their ROS names, in a fixed order; default values are left out. Positions and
+//!          rates are in increments, times in ns, so that no scale is involved; the ID of a goal is the sequence number
+//!          of its command. JSON is YAML: a `do` of a scenario step with this text has the same effect, if the IDs that
+//!          it cancels are kept
+//! Reads    the same, with the reader of scenarios, and two verbs that scenarios do not have: `refuse`, a request that
+//!          was refused before it became a command, and `note`, a message from the recorder or a backend
+//! Refuses  everything else, with one error message. Actions that no interface creates (an axis that does not exist,
+//!          NaN) are written in a form that is refused here
 //!
-//! A position is given by ten decimals: multiples of 2^-32 lie 2.3e-10 apart, and none but the meant one is as near.
+//! A position has ten decimals: multiples of 2^-32 are 2.3e-10 apart, so the nearest one is unique.
 
 mod saia;
 mod trajectory;
@@ -23,17 +24,17 @@ use lineshaft_core::command::{Action, Command, Setpoints, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::signal::Directory;
 
-/// The command as one verb. `config` is that of the machine that it is for.
+/// Returns the command as one verb. `config` is that of its machine.
 pub fn to_json(command: &Command, config: &MachineConfig) -> String {
     write::verb(command, config)
 }
 
-/// Setpoints as one verb.
+/// Returns setpoints as one verb.
 pub fn setpoints_to_json(set: &Setpoints, config: &MachineConfig) -> String {
     write::setpoints(set, config)
 }
 
-/// What a verb stands for.
+/// Meaning of a verb.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant, reason = "nearly all are commands, and each is used at once")]
 pub enum Applied {
@@ -43,11 +44,11 @@ pub enum Applied {
     Stream(Setpoints),
 }
 
-/// The action of a verb that [`to_json`] wrote, or that a scenario could give as one command. `directory` is that of a machine
-/// of `config`.
+/// Returns the action of a verb that [`to_json`] wrote, or that a scenario could give as one command. `directory` is
+/// that of a machine of `config`.
 ///
 /// # Errors
-/// What is wrong with it, in one sentence.
+/// Returns an error message of one sentence.
 pub fn from_json(json: &str, config: &MachineConfig, directory: &Directory) -> Result<Action, String> {
     match applied_from_json(json, Source::Scenario, config, directory)? {
         Applied::Command(action) => Ok(action),
@@ -55,10 +56,10 @@ pub fn from_json(json: &str, config: &MachineConfig, directory: &Directory) -> R
     }
 }
 
-/// As [`from_json`], of what `source` gave, setpoints among it.
+/// Does the same as [`from_json`] for a verb of `source`, including setpoints.
 ///
 /// # Errors
-/// What is wrong with it, in one sentence.
+/// Returns an error message of one sentence.
 pub fn applied_from_json(
     json: &str,
     source: Source,

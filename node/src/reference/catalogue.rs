@@ -1,24 +1,24 @@
-//! All keys of a file with their paths step by step: those of the reference, and those that have tables of their own in the core.
+//! Lists all keys of a file with their paths: those of the reference, and those of tables in the core.
 
 use super::markdown::is_key;
 use super::{File, Shape};
 use lineshaft_core::function::TYPES;
 use lineshaft_core::parameter::{Applies, Group, Measure, ROWS, Row};
 
-/// Sections of an axis whose keys may be written flat, too: `amc.master`.
+/// Sections of an axis whose keys may also be written with a prefix: `amc.master`.
 const FLAT: [&str; 2] = ["axes.*.amc.", "axes.*.compensation."];
 
 /// A key.
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
-    /// Key by key; `*` for a name of the user's own, `[]` for an entry of a list.
+    /// Path as a list of keys; `*` for a name chosen by the user, `[]` for an entry of a list.
     pub path: Vec<String>,
     pub shapes: Vec<Shape>,
     pub is_required: bool,
     pub meaning: String,
 }
 
-/// The keys of a file.
+/// Returns the keys of a file.
 pub(super) fn entries(file: File) -> Vec<Entry> {
     let mut entries = Vec::new();
     for key in file.keys() {
@@ -42,7 +42,7 @@ pub(super) fn entries(file: File) -> Vec<Entry> {
     entries
 }
 
-/// `groups.*[]` step by step.
+/// Splits a path such as `groups.*[]` into its steps.
 pub(super) fn steps(path: &str) -> Vec<String> {
     let mut steps = Vec::new();
     for part in path.split('.') {
@@ -56,7 +56,7 @@ pub(super) fn steps(path: &str) -> Vec<String> {
     steps
 }
 
-/// A parameter: by its whole name, and in its section.
+/// Returns the entries of a parameter: by its full name, and in its section.
 fn of_row(row: &'static Row) -> Vec<Entry> {
     let entry = |path: Vec<String>| Entry {
         path,
@@ -80,7 +80,7 @@ fn of_row(row: &'static Row) -> Vec<Entry> {
     entries
 }
 
-/// The kinds of value of a parameter.
+/// Returns the shapes of a parameter.
 fn shapes(row: &Row) -> Vec<Shape> {
     const WHOLE: Shape = Shape::Integer(i64::MIN as i128, i64::MAX as i128);
     match row.measure {
@@ -96,7 +96,7 @@ fn shapes(row: &Row) -> Vec<Shape> {
     }
 }
 
-/// Fields and words of function types; several types have fields of one name.
+/// Returns fields and words of function types; several types have fields of the same name.
 fn of_functions() -> Vec<Entry> {
     let mut entries = Vec::new();
     let path = |name: &str| vec!["functions".to_owned(), "*".to_owned(), name.to_owned()];

@@ -1,6 +1,6 @@
 //! Keys of cells.
 //!
-//! The four texts of a key are its range (empty if its shape says it), its default, its meaning and an example.
+//! The four texts of a key are its range (empty if its shape defines it), its default, its meaning and an example.
 
 mod axes;
 mod devices;
@@ -12,7 +12,7 @@ mod sim;
 use super::Shape::{Boolean, Choice, Integer, List, Map, Names, Number, Quantity, Text};
 use super::{File, Key, Shape};
 
-/// All of them, in the order of the reference.
+/// All keys, in the order of the reference.
 pub(super) const KEYS: &[&[Key]] = &[
     general::GENERAL,
     general::ROS,
@@ -49,14 +49,14 @@ const BOOLEAN: &[Shape] = &[Boolean];
 const NUMBER: &[Shape] = &[Number];
 const TIME: &[Shape] = &[Quantity("time")];
 const FREQUENCY: &[Shape] = &[Quantity("frequency")];
-/// Of the axis or encoder: a length of a linear one, an angle of a rotary one.
+/// Length of a linear axis or encoder, angle of a rotary one.
 const LENGTH: &[Shape] = &[Quantity("length, angle or increments")];
 const TORQUE: &[Shape] = &[Quantity("torque")];
 const SEED: &[Shape] = &[Integer(0, u64::MAX as i128)];
 const NODE: &[Shape] = &[Integer(1, 127)];
 const OPTIONAL_TIME: &[Shape] = &[Quantity("time"), Choice(&["none"])];
 const U32: &[Shape] = &[Integer(0, u32::MAX as i128)];
-/// What a value of a table may be.
+/// Range of a value of a table.
 const I32: (i128, i128) = (i32::MIN as i128, i32::MAX as i128);
 const KIND: &[Shape] = &[Choice(&["linear", "rotary"])];
 

@@ -12,7 +12,7 @@ const fn key(path: &'static str, shapes: &'static [Shape], texts: [&'static str;
     Key::new(File::Table, path, shapes, texts)
 }
 
-/// All of them, in the order of the reference.
+/// All keys, in the order of the reference.
 pub(super) const KEYS: &[&[Key]] = &[&[
     key(
         "form",

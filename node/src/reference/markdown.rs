@@ -1,4 +1,4 @@
-//! docs/keys.md: the reference as a page.
+//! Generates docs/keys.md from the reference.
 
 use super::{FIRST, File, Key, Shape};
 use crate::parameters::{default_text, range_words, unit_text};
@@ -36,13 +36,13 @@ The schema knows keys, kinds of values and names with a fixed list. `lineshaft c
 and what depends on other keys.
 ";
 
-/// The whole page.
+/// Returns the content of the page.
 pub fn markdown() -> String {
     let mut page = INTRODUCTION.to_owned();
     for file in File::ALL {
         let name = file.name();
         let title = name.get(..1).unwrap_or_default().to_uppercase() + name.get(1..).unwrap_or_default();
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(page, "\n## {title}");
         let mut sections: Vec<&str> = Vec::new();
         for key in file.keys() {
@@ -64,7 +64,7 @@ pub fn markdown() -> String {
     page
 }
 
-/// The first part of the path of a key.
+/// Returns the first part of the path of a key.
 fn section(key: &Key) -> &'static str {
     key.path.split(['.', '[']).next().unwrap_or(key.path)
 }
@@ -101,7 +101,7 @@ fn kind(shape: Shape) -> String {
     .to_owned()
 }
 
-/// Allowed values: the words of the key, or those of its shapes.
+/// Returns the permitted values: the text of the key, or that of its shapes.
 pub(crate) fn range(key: &Key) -> String {
     if !key.range.is_empty() {
         return key.range.to_owned();
@@ -114,7 +114,7 @@ pub(crate) fn range(key: &Key) -> String {
     key.shapes.iter().filter_map(of_shape).collect::<Vec<_>>().join("; ")
 }
 
-/// Parameters, which have a page of their own.
+/// Appends the parameters, which have their own page.
 fn parameters(page: &mut String) {
     page.push_str(
         "\n### Parameters of `axes.*` and `machine`\n\n[parameters.md](parameters.md) explains each of them. A name with a dot is also a key \
@@ -136,12 +136,12 @@ fn parameters(page: &mut String) {
     }
 }
 
-/// Can a cell give it?
+/// Whether a cell can set it.
 pub(super) fn is_key(row: &Row) -> bool {
     !matches!(row.storage, Storage::Derived | Storage::Signal(_))
 }
 
-/// Fields of function types, which have a page of their own.
+/// Appends the fields of function types, which have their own page.
 fn fields(page: &mut String) {
     page.push_str("\n### Fields of `functions.*`\n\n[functions.md](functions.md) explains each of them.\n\n");
     page.push_str("| key | types and ranges |\n|-|-|\n");
@@ -162,7 +162,7 @@ fn fields(page: &mut String) {
     }
 }
 
-/// A line of a table.
+/// Returns a row of a table.
 fn cells(texts: &[String]) -> String {
     let texts: Vec<String> = texts.iter().map(|text| text.replace('|', "\\|")).collect();
     format!("| {} |\n", texts.join(" | "))

@@ -2,15 +2,17 @@
 //!
 //! The readers of the files are code, not a table, so a separate table could be out of date. Two things prevent that:
 //!
-//! - The table ([`keys`]) says of each key what it is for, and of which kind and range its value is.
-//! - A test reads all example files and a few cells of its own with an observer (`document/observer.rs`), which notes each key that a
-//!   reader asks for, whether it is in the file or not, and the kind of each value. The keys that were asked for must be the
-//!   keys of the table, and their kinds, ranges, names and whether they are required must agree with it.
+//! - The table ([`keys`]) has the purpose of each key, and the shape and range of its value.
+//! - A test reads all example files and some additional cells with an observer (`document/observer.rs`), which records
+//!   each key that a reader requests, whether it is in the file or not, and the kind of each value. The requested keys
+//!   must be the keys of the table, and their kinds, ranges and names, and whether they are required, must agree with
+//!   it.
 //!
-//! Parameters of axes and of the machine, and fields of function types, have tables of their own in the core; they are taken from there.
+//! Parameters of axes and of the machine, and fields of function types, are in tables of the core; they are taken from
+//! there.
 //!
-//! A key is a path: `axes.*.drive.node` is key `node` in key `drive` of each axis. `*` is a name of the user's own, `[]` an entry of a
-//! list, `condition` an entry of a list `all` or `any`.
+//! A key is a path: `axes.*.drive.node` is key `node` in key `drive` of each axis. `*` is a name chosen by the user,
+//! `[]` an entry of a list, `condition` an entry of a list `all` or `any`.
 
 mod catalogue;
 mod cell;
@@ -23,7 +25,7 @@ pub use markdown::markdown;
 pub(crate) use markdown::range;
 pub use schema::schema;
 
-/// The version that the first keys came with.
+/// Version in which the first keys were introduced.
 const FIRST: &str = "0.1.0";
 
 /// Files with keys.
@@ -38,10 +40,10 @@ pub enum File {
 }
 
 impl File {
-    /// All of them.
+    /// All files with keys.
     pub const ALL: [Self; 3] = [Self::Cell, Self::Scenario, Self::Table];
 
-    /// Its name in sentences.
+    /// Returns the name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cell => "cell",
@@ -50,55 +52,55 @@ impl File {
         }
     }
 
-    /// Its keys, in the order of the reference.
+    /// Returns its keys, in the order of the reference.
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
         keys().filter(move |key| key.file == self)
     }
 }
 
-/// The kind of a value.
+/// Shape of a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A text; numbers and `true` are texts, too.
     Text,
     /// `true` or `false`.
     Boolean,
-    /// A whole number between these, both included.
+    /// Integer between these, inclusive.
     Integer(i128, i128),
     /// A number.
     Number,
-    /// A number with a unit of what is named; a number without one is SI.
+    /// Number with a unit of the named quantity; a number without unit is in SI.
     Quantity(&'static str),
     /// One of these names.
     Choice(&'static [&'static str]),
     /// A list; its entries are `[]`.
     List,
-    /// A mapping with keys of this reference.
+    /// Mapping with keys of this reference.
     Map,
-    /// A mapping whose keys are names of the user's own.
+    /// Mapping whose keys are names chosen by the user.
     Names,
 }
 
 /// One key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
-    /// The file.
+    /// File that has the key.
     pub file: File,
-    /// Its path: `axes.*.drive.node`.
+    /// Path, such as `axes.*.drive.node`.
     pub path: &'static str,
-    /// Kinds of its value: one of these.
+    /// Permitted shapes of its value.
     pub shapes: &'static [Shape],
-    /// Every mapping that can have the key must have it.
+    /// Whether every mapping that can have the key must have it.
     pub required: bool,
-    /// Allowed values, if the shapes do not say it; else empty.
+    /// Permitted values, if the shapes do not define them; otherwise empty.
     pub range: &'static str,
-    /// The value without the key; empty if there is none.
+    /// Value if the key is absent; empty if there is none.
     pub default: &'static str,
-    /// Its purpose, in one sentence.
+    /// Purpose, in one sentence.
     pub meaning: &'static str,
-    /// An entry of a file; empty for the entries of lists and of mappings of names.
+    /// Example of an entry; empty for the entries of lists and of mappings of names.
     pub example: &'static str,
-    /// The version that it came with.
+    /// Version in which it was introduced.
     pub since: &'static str,
 }
 
@@ -116,21 +118,21 @@ impl Key {
         Self { required: true, ..self }
     }
 
-    /// The last part of its path: the key as it is written.
+    /// Returns the last part of its path: the key as written.
     pub fn name(&self) -> &'static str {
         self.path.rsplit('.').next().unwrap_or(self.path)
     }
 }
 
-/// All keys that no other table has.
+/// All keys that are in no other table.
 const KEYS: [&[&[Key]]; 3] = [cell::KEYS, scenario::KEYS, description::KEYS];
 
-/// All keys that no other table has, in the order of the reference.
+/// Returns all keys that are in no other table, in the order of the reference.
 pub fn keys() -> impl Iterator<Item = &'static Key> {
     KEYS.into_iter().flatten().copied().flatten()
 }
 
-/// The keys of that name: a whole path, or its last part.
+/// Returns the keys with that name: a full path, or its last part.
 pub fn find(name: &str) -> impl Iterator<Item = &'static Key> {
     keys().filter(move |key| key.path == name || key.name() == name)
 }

@@ -6,13 +6,13 @@ use super::{File, Key, Shape};
 const MAP: &[Shape] = &[Map];
 const LIST: &[Shape] = &[List];
 const TEXT: &[Shape] = &[Text];
-/// In the unit of a signal, a state by its name, a code by its name.
+/// Value in the unit of a signal, a state by its name, a code by its name.
 const VALUE: &[Shape] = &[Text];
 const CYCLES: i128 = 1_000_000_000_000;
 const COUNT: &[Shape] = &[Integer(0, (u64::MAX >> 1) as i128)];
-/// Cycles, or a time.
+/// Number of cycles, or a time.
 const SPAN: &[Shape] = &[Quantity("time"), Integer(0, CYCLES)];
-/// A cycle or a time from a start.
+/// Cycle or time from a start.
 const MOMENT: &[Shape] = &[Quantity("time"), Integer(0, CYCLES), Choice(&["end"])];
 
 const AT_LEAST_1: &str = "at least 1 cycle";
@@ -20,7 +20,7 @@ const OF_SIGNAL: &str = "a value in the unit of the signal";
 const AMOUNT: &str = "cycles, or a time with its unit";
 const WHEN: &str = "a cycle, a time with its unit, or end";
 
-/// All of them, in the order of the reference.
+/// All keys, in the order of the reference.
 pub(super) const KEYS: &[&[Key]] =
     &[GENERAL, DRIVE, STEPS, WHEN_CONDITION, WHEN_BOUNDS, EXPECT, EXPECT_CONDITION, CONDITION, CONDITION_BOUNDS];
 
@@ -28,7 +28,7 @@ const fn key(path: &'static str, shapes: &'static [Shape], texts: [&'static str;
     Key::new(File::Scenario, path, shapes, texts)
 }
 
-/// The keys of a condition; an expectation has further ones.
+/// Keys of a condition; an expectation has more.
 macro_rules! condition {
     ($at:literal) => {
         [
@@ -83,7 +83,7 @@ macro_rules! condition {
     };
 }
 
-/// Bounds of a value; of an expectation of events they are numbers of them.
+/// Bounds of a value, or of the number of events.
 macro_rules! bounds {
     ($at:literal) => {
         [
@@ -309,9 +309,9 @@ const EXPECT: &[Key] = &[
 ];
 
 const EXPECT_CONDITION: &[Key] = &condition!("expect[]");
-/// An entry of `all` and `any`, however deep.
+/// Entry of `all` and `any` at any depth.
 const CONDITION: &[Key] = &condition!("condition");
 const CONDITION_BOUNDS: &[Key] = &bounds!("condition");
 
-/// Cycles from a step may be negative.
+/// Cycles relative to a step; they may be negative.
 const RELATIVE: &[Shape] = &[Quantity("time"), Integer(-CYCLES, CYCLES), Choice(&["end"])];

@@ -1,9 +1,10 @@
-//! JSON Schema (draft-07) of the files, for editors.
+//! Generates JSON Schema (draft-07) of the files, for editors.
 //!
-//! Law      a file that the program takes fits its schema; one that does not fit has an unknown key, misses one that all must have, or
-//!          has a value of another kind. Only the program checks names of objects and keys that depend on other keys
-//! Writes   draft-07, which yaml-language-server reads. A value that YAML may read as a number, the program reads as it is written:
-//!          a text with a number in it is taken, too
+//! Law      a file that the program accepts fits its schema. A file that does not fit has an unknown key, lacks a
+//!          required one, or has a value of another kind. Only the program checks names of objects, and keys that
+//!          depend on other keys
+//! Writes   draft-07, which yaml-language-server reads. The program reads a value that YAML may treat as a number as
+//!          written, so that the schema also accepts a text with a number
 
 use super::catalogue::{Entry, entries};
 use super::{File, Shape};
@@ -12,16 +13,16 @@ use lineshaft_core::function::TYPES;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// A whole number that YAML does not read as one.
+/// An integer that YAML does not read as one.
 pub(super) const WHOLE: &str = "^0[xo][0-9A-Fa-f]+$";
 /// A number or a fraction.
 pub(super) const NUMBER: &str = "^[-+]?[.]?[0-9][-+0-9.eE/]*$";
-/// A number, and perhaps a unit.
+/// A number with an optional unit.
 pub(super) const QUANTITY: &str = "^\\s*[-+]?[.]?[0-9]";
 /// An entry of a list `all` or `any`.
 const CONDITION: &str = "condition";
 
-/// A key with those in its value.
+/// A key with those of its value.
 #[derive(Debug, Default)]
 struct Node {
     shapes: Vec<Shape>,
@@ -30,7 +31,7 @@ struct Node {
     children: BTreeMap<String, Node>,
 }
 
-/// The schema of a file.
+/// Returns the schema of a file.
 pub fn schema(file: File) -> Value {
     let mut root = Node { shapes: vec![Shape::Map], ..Node::default() };
     for Entry { path, shapes, is_required, meaning } in entries(file) {
@@ -57,7 +58,7 @@ pub fn schema(file: File) -> Value {
     Value::Object(schema)
 }
 
-/// The schema of a key.
+/// Returns the schema of a key.
 fn of_node(node: &Node, path: &str) -> Value {
     let mut shapes: Vec<Value> = match path {
         "functions.*.type" => vec![json!({ "enum": TYPES.iter().map(|row| row.name).collect::<Vec<_>>() })],
@@ -109,7 +110,7 @@ fn of_shape(shape: Shape, node: &Node, path: &str) -> Value {
     }
 }
 
-/// A mapping with these keys and no others.
+/// Returns the schema of a mapping with these keys and no others.
 fn mapping(node: &Node, path: &str) -> Map<String, Value> {
     let keys = || node.children.iter().filter(|(key, _)| *key != "[]");
     let join = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
@@ -125,13 +126,13 @@ fn mapping(node: &Node, path: &str) -> Map<String, Value> {
     mapping
 }
 
-/// One verb with its arguments.
+/// Returns the schema of one verb with its arguments.
 fn verb() -> Value {
     let verbs: Map<String, Value> = VERBS.iter().map(|verb| ((*verb).to_owned(), json!({}))).collect();
     json!({ "type": "object", "properties": verbs, "additionalProperties": false, "minProperties": 1, "maxProperties": 1 })
 }
 
-/// A name as YAML may read it.
+/// Returns the values as which YAML may read a name.
 fn spellings(name: &str) -> Vec<Value> {
     let mut spellings = vec![json!(name)];
     spellings.extend(name.parse::<i64>().ok().map(Value::from));
@@ -139,7 +140,7 @@ fn spellings(name: &str) -> Vec<Value> {
     spellings
 }
 
-/// A bound; none that JSON has no number for.
+/// Returns a bound as JSON number; `None` if there is no such number.
 fn number(bound: i128) -> Option<Value> {
     i64::try_from(bound).map(Value::from).or_else(|_| u64::try_from(bound).map(Value::from)).ok()
 }

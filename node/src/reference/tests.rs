@@ -1,4 +1,4 @@
-//! The table says what the readers ask for, and the schemas take what the readers take.
+//! Tests that the table agrees with the readers, and that the schemas accept what the readers accept.
 
 mod extra;
 mod validator;
@@ -14,10 +14,10 @@ use lineshaft_core::parameter::{Applies, ROWS};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Notes on keys, by pattern.
+/// Records of keys, by pattern.
 type Patterns = BTreeMap<String, Seen>;
 
-/// The example files of a kind, with their texts.
+/// Returns the example files of a kind, with their texts.
 fn examples(file: File) -> Vec<(PathBuf, String)> {
     let first_key = match file {
         File::Cell => "lineshaft:",
@@ -52,13 +52,13 @@ fn merge(into: &mut Patterns, from: Patterns) {
     }
 }
 
-/// Conditions in conditions are one pattern, however deep they are.
+/// Returns the same pattern for conditions at any depth.
 fn canonical(pattern: &str) -> String {
     let last = ["all[]", "any[]"].iter().filter_map(|list| pattern.rfind(*list).map(|at| at + list.len())).max();
     last.map_or_else(|| pattern.to_owned(), |end| format!("condition{}", &pattern[end..]))
 }
 
-/// The example cells, which have no problems.
+/// Returns the example cells, which have no problems.
 fn cells() -> Vec<(PathBuf, Cell)> {
     let read = |(path, text): (PathBuf, String)| {
         let cell = Cell::parse_observed(&path, &text).0.unwrap_or_else(|problems| panic!("{problems}"));
@@ -67,7 +67,7 @@ fn cells() -> Vec<(PathBuf, Cell)> {
     examples(File::Cell).into_iter().map(read).collect()
 }
 
-/// The keys that the readers of a kind of file ask for.
+/// Returns the keys that the readers of a kind of file request.
 fn asked(file: File) -> Patterns {
     let mut seen = Patterns::new();
     match file {
@@ -99,7 +99,7 @@ fn asked(file: File) -> Patterns {
     seen
 }
 
-/// A scenario with the cell that it is for: one whose name or folder is like its own, or any other.
+/// Reads a scenario with its cell: one with a similar name or in the same folder, or any other.
 fn observed_scenario(path: &Path, text: &str, cells: &[(PathBuf, Cell)]) -> Patterns {
     let stem = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let own = stem(path).trim_end_matches(".scenario").to_owned();
@@ -118,7 +118,7 @@ fn observed_scenario(path: &Path, text: &str, cells: &[(PathBuf, Cell)]) -> Patt
     panic!("{} fits no cell", path.display());
 }
 
-/// Is it a parameter or a field, which tables of the core have?
+/// Whether it is a parameter or a field in a table of the core.
 fn is_catalogued(pattern: &str) -> bool {
     if let Some(key) = pattern.strip_prefix("machine.") {
         return ROWS.iter().any(|row| row.applies == Applies::Machine && row.key == key);
@@ -131,7 +131,7 @@ fn is_catalogued(pattern: &str) -> bool {
     TYPES.iter().any(|kind| kind.words.contains(&key) || kind.fields.iter().any(|field| field.name == key))
 }
 
-/// Arguments of verbs, which the page of interfaces lists.
+/// Whether it is an argument of a verb, which the page of interfaces lists.
 fn is_of_verb(pattern: &str) -> bool {
     pattern.starts_with("steps[].do.") || pattern.starts_with("steps[].do[")
 }
@@ -179,7 +179,7 @@ fn kinds_and_ranges_of_the_reference_are_those_of_the_readers() {
     assert!(problems.is_empty(), "{problems:#?}");
 }
 
-/// Does the reference say that a value may be read so? A range in words is not compared.
+/// Whether the reference permits the way in which a value is read. A range given as text is not compared.
 fn takes(key: &Key, asked: &Asked) -> bool {
     let is_scalar = !matches!(asked, Asked::List | Asked::Map);
     key.shapes.iter().any(|shape| match (shape, asked) {
@@ -212,7 +212,7 @@ fn every_example_file_fits_its_schema() {
     }
 }
 
-/// The parts that an editor shows and uses, by the definition of draft-07.
+/// The parts that an editor uses, as defined by draft-07.
 #[test]
 fn schema_of_a_cell_has_required_keys_names_and_descriptions() {
     let schema = schema(File::Cell);
@@ -236,7 +236,7 @@ fn files_with_rare_keys_fit_their_schemas() {
     }
 }
 
-/// A good cell with one part of it replaced: the program refuses it, and so does the schema.
+/// A valid cell with one replaced part: the program refuses it, and so does the schema.
 #[test]
 fn typos_in_cells_do_not_fit_the_schema() {
     const GOOD: &str = "lineshaft: 1\ncycle: 1 ms\nbackends: {plant: {type: sim}}\nio: {start: {type: di, backend: plant, address: 0, latch: \

@@ -1,38 +1,39 @@
-//! The backends of a machine: what the cycle thread exchanges with.
+//! Backends of a machine, with which the cycle thread exchanges inputs and outputs.
 //!
-//! Law      each touches its own objects; the inputs begin a cycle as those of objects that are not there, so the order counts for nothing
+//! Law      each backend accesses its own objects; inputs of a cycle start as absent, so the order of the backends does
+//!          not matter
 //! Source   contract section 8
 
 use lineshaft_core::drive::{Backend, Inputs, Outputs};
 use lineshaft_core::sim::Plant;
 
-/// Any number of them, of any kind.
+/// Any number of backends of any kind.
 #[derive(Default)]
 pub struct Backends {
-    /// The simulated ones, which scenarios act upon.
+    /// Simulated backends, on which scenarios act.
     pub plant: Option<Plant>,
     others: Vec<Box<dyn Backend>>,
 }
 
 impl Backends {
-    /// A simulation alone.
+    /// Creates backends that consist of a simulation only.
     pub fn simulated(plant: Plant) -> Self {
         Self { plant: Some(plant), others: Vec::new() }
     }
 
-    /// One more.
+    /// Adds a backend.
     pub fn with(mut self, backend: Box<dyn Backend>) -> Self {
         self.others.push(backend);
         self
     }
 
-    /// All of them.
+    /// Returns all backends.
     pub fn all(&self) -> Vec<&dyn Backend> {
         let plant = self.plant.iter().map(|plant| plant as &dyn Backend);
         plant.chain(self.others.iter().map(AsRef::as_ref)).collect()
     }
 
-    /// What they know of a cycle that has begun.
+    /// Reads the inputs of a cycle that has begun.
     pub fn read(&mut self, inputs: &mut Inputs) {
         if let Some(plant) = &mut self.plant {
             plant.read(inputs);
@@ -40,7 +41,7 @@ impl Backends {
         self.others.iter_mut().for_each(|backend| backend.read(inputs));
     }
 
-    /// Hands over what the cycle asks for.
+    /// Writes the outputs of the cycle.
     pub fn write(&mut self, outputs: &Outputs) {
         if let Some(plant) = &mut self.plant {
             plant.write(outputs);
@@ -68,7 +69,7 @@ axes:
       max_acceleration: 1 m/s^2}
 ";
 
-    /// A drive of another kind: it does at once what it is asked for, and does not know of power.
+    /// A drive of another kind: it follows its setpoints immediately and needs no power.
     struct Direct {
         place: usize,
         count: i64,
@@ -95,10 +96,10 @@ axes:
     #[test]
     fn two_kinds_of_backends_share_a_machine_and_touch_their_own_objects() {
         let mut cell = Cell::parse("c.yaml", CELL).unwrap();
-        // Of a drive on CAN the cell says what its simulation offers.
+        // The cell describes a drive on CAN with the capabilities of its simulation.
         cell.machine.axes[1].drive = Some(Capabilities { delay: 1, position: true, ..Capabilities::default() });
         let direct = || Box::new(Direct { place: 1, count: 0, mode: 0 });
-        // What stands in the place of every backend offers what the cell says.
+        // A simulation of every backend has the capabilities given by the cell.
         let simulated = Backends::simulated(cell.plant());
         assert_eq!(cell.machine.check_backends(&simulated.all()), Ok(()));
         let plant = cell.plant_of(CellBackend::is_simulated);

@@ -1,5 +1,5 @@
-//! Between the cycle thread and everybody else: passes events and signals on, frees what the recorder has no room for, and watches the
-//! system clock.
+//! Connects the cycle thread with all other threads: passes on events and signals, frees commands for which the
+//! recorder had no space, and watches the system clock.
 
 use super::clock::ClockWatch;
 use super::frames::Spent;
@@ -41,10 +41,10 @@ use std::time::Duration;
 use tokio::sync::mpsc::UnboundedSender;
 use tokio::sync::oneshot;
 
-/// Longest time between two checks: for work that does not wake the bridge.
+/// Maximum time between two checks, for work that does not wake the bridge.
 const PERIOD: Duration = Duration::from_millis(20);
 
-/// The running machine for everybody outside the cycle thread.
+/// Access to the running machine from outside the cycle thread.
 #[derive(Debug)]
 pub struct Handle {
     config: MachineConfig,
@@ -61,24 +61,24 @@ pub struct Handle {
     statistics: Arc<Statistics>,
     /// Counts at the last call of [`Host::statistics`].
     taken: Mutex<Taken>,
-    /// What each axis' drive is called, in file order; none for a virtual axis.
+    /// Names of the drives of each axis, in the order of the file; `None` for a virtual axis.
     hardware: Vec<Option<String>>,
     health: HealthBoard,
     objects: ObjectDesk,
     pub(super) trials: TrialDesk,
-    /// Which axes have a real drive, in file order.
+    /// Whether each axis has a real drive, in the order of the file.
     pub(super) real: Vec<bool>,
     begins_active: bool,
-    /// Command of the newest [`Code::CLOCK_STEPPED`] whose event was published.
+    /// Command number of the newest [`Code::CLOCK_STEPPED`] whose event was published.
     clock_stepped: AtomicU64,
     topic_commands: TopicCommands,
 }
 
-/// The signals of the newest cycle, taken when they are asked for.
+/// Signals of the newest cycle, copied when they are requested.
 #[derive(Debug)]
 struct Newest {
     signals: triple_buffer::Output<Snapshot>,
-    /// As they were when they were asked for last.
+    /// Signals at the last request.
     snapshot: Arc<Snapshot>,
 }
 
@@ -92,7 +92,7 @@ impl Newest {
 }
 
 impl Handle {
-    /// A handle on a machine that is about to run.
+    /// Creates a handle for a machine that is about to run.
     pub fn new(
         config: MachineConfig,
         directory: Directory,
@@ -131,75 +131,75 @@ impl Handle {
         }
     }
 
-    /// The same, whose cycles run as `gate` lets them and are counted in `statistics`.
+    /// Sets the gate that controls the cycles, and their statistics.
     pub fn with_cycles(self, gate: Arc<Gate>, statistics: Arc<Statistics>) -> Self {
         Self { gate, statistics, ..self }
     }
 
-    /// The same with what each axis' drive is called, in file order.
+    /// Sets the names of the drives of each axis, in the order of the file.
     pub fn with_hardware(self, hardware: Vec<Option<String>>) -> Self {
         Self { hardware, ..self }
     }
 
-    /// The same with how its backends do.
+    /// Sets the health of the backends.
     pub fn with_health(self, health: HealthBoard) -> Self {
         Self { health, ..self }
     }
 
-    /// The same with where objects of its devices are asked for.
+    /// Sets the access to objects of its devices.
     pub fn with_objects(self, objects: ObjectDesk) -> Self {
         Self { objects, ..self }
     }
 
-    /// The same, of which these axes have a real drive, in file order; without it all count as such.
+    /// Sets which axes have a real drive, in the order of the file; by default all have.
     pub fn with_real(self, real: Vec<bool>) -> Self {
         Self { real, ..self }
     }
 
-    /// The same on a machine that waits to be configured; without it cycles run and axes may be switched on at once.
+    /// Makes the machine wait for configuration; by default cycles run and axes may be switched on immediately.
     pub fn unconfigured(self) -> Self {
         self.commander.close();
         Self { begins_active: false, ..self }
     }
 
-    /// The same, whose saved parameters are kept in a store.
+    /// Sets the store of saved parameters.
     pub fn with_keeper(self, keeper: Orders) -> Self {
         Self { keeper: Some(keeper), ..self }
     }
 
-    /// The same, whose axes have these joint names; without it those of the objects.
+    /// Sets the joint names of the axes; by default those of the objects.
     pub fn with_joint_names(self, joint_names: JointNames) -> Self {
         Self { joint_names, ..self }
     }
 
-    /// The same, whose robot is described by this URDF.
+    /// Sets the URDF of the robot.
     pub fn with_robot_description(self, robot_description: Option<String>) -> Self {
         Self { robot_description, ..self }
     }
 
-    /// The same, which offers the services of a controller manager of that absolute name.
+    /// Offers the services of a controller manager with that absolute name.
     pub fn with_controller_manager(self, controller_manager: Option<String>) -> Self {
         Self { controller_manager, ..self }
     }
 
-    /// Ends the thread of the store, once it has written what it has.
+    /// Ends the thread of the store after it has written its pending data.
     pub fn end_keeping(&self) {
         if let Some(keeper) = &self.keeper {
             keeper.end();
         }
     }
 
-    /// Are commands taken? Not while the node is unconfigured.
+    /// Returns true if commands are accepted; not while the node is unconfigured.
     pub fn takes_commands(&self) -> bool {
         self.commander.is_open()
     }
 
-    /// Where the numbers of commands come from.
+    /// Returns the source of command numbers.
     pub fn numbers(&self) -> Numbers {
         self.commander.numbers()
     }
 
-    /// What the machine is made of.
+    /// Returns the configuration of the machine.
     pub(super) fn machine_config(&self) -> &MachineConfig {
         &self.config
     }
@@ -209,17 +209,17 @@ impl Handle {
         self.clock_stepped.load(Ordering::Acquire) == sequence
     }
 
-    /// Hands a command over, in the name of `source`.
+    /// Submits a command of `source`.
     ///
     /// # Errors
-    /// Its lane is full, or no cycle runs.
+    /// Returns an error if its queue is full, or if no cycle runs.
     pub fn submit_as(&self, source: Source, action: Action) -> Result<u64, Busy> {
         self.commander.submit(source, action)
     }
 }
 
 impl Handle {
-    /// Are the buses open, or is there none that could be?
+    /// Returns an error unless the buses are open or the cell has none.
     fn has_buses(&self) -> Result<(), String> {
         match self.gate.state() {
             _ if self.objects.is_empty() => Ok(()),
@@ -288,19 +288,19 @@ impl Host for Handle {
 
     fn store_parameters(&self, answer: oneshot::Sender<Result<(), String>>) {
         match &self.keeper {
-            // A keeper that has ended drops the answer, which tells the asker.
+            // If the keeper has ended, it drops the answer, which the caller sees as an error.
             Some(keeper) => keeper.keep(self.parameters(), Some(answer)),
             None => {
                 let sentence =
                     "the program keeps no parameters: `--store` names a file; what is saved holds until it ends";
-                // Who asked may have gone.
+                // The caller may have gone.
                 let _ = answer.send(Err(sentence.to_owned()));
             }
         }
     }
 
     fn record(&self, request: RecordRequest, answer: oneshot::Sender<RecordResponse>) {
-        // A recorder that has ended drops the answer, which tells the asker.
+        // If the recorder has ended, it drops the answer, which the caller sees as an error.
         let _ = self.recorder.send((request, answer));
     }
 
@@ -329,7 +329,7 @@ impl Host for Handle {
     }
 
     fn close(&self) {
-        // In this order: what was taken until then has its cycle.
+        // In this order, so that commands accepted before are still executed.
         self.commander.close();
         self.gate.close();
     }
@@ -359,37 +359,37 @@ impl Host for Handle {
     }
 }
 
-/// Kinds of lines that may repeat.
+/// Kinds of lines that are limited if they repeat.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Line {
-    /// Who has what to tell.
+    /// Source and code of an event.
     Event(Object, Code),
-    /// That it is over.
+    /// End of the condition of an event.
     Over(Object, Code),
     SamplesLeftOut,
 }
 
-/// What the bridge takes from the cycle thread.
+/// Parts of the bridge that receive data of the cycle thread.
 pub struct Bridge {
     /// Events.
     events: Consumer<StampedEvent>,
-    /// Signals of the cycles of the state topics, and who publishes them.
+    /// Signals of the cycles of the state topics, and their publisher.
     samples: (SampleReceiver, StateSender),
     /// Parameters.
     parameters: triple_buffer::Output<ParameterImage>,
-    /// Commands that nobody wants any more.
+    /// Commands to be freed.
     spent: Spent,
-    /// Who gets the events, each all of them in order.
+    /// Receivers of events; each gets all events in order.
     listeners: Vec<UnboundedSender<StampedEvent>>,
-    /// How the cycle thread does.
+    /// Timing of the cycle thread.
     statistics: Arc<Statistics>,
     /// Woken by the cycle thread.
     wake: Wake,
-    /// Events of one look.
+    /// Events of one pass.
     taken: Vec<StampedEvent>,
-    /// Lost events that were told.
+    /// Number of lost events that were logged.
     told: u64,
-    /// Samples that were left out, likewise.
+    /// Number of lost samples that were logged.
     told_samples: u64,
     /// Makes stamps follow the system clock.
     clock: Option<ClockWatch>,
@@ -397,7 +397,7 @@ pub struct Bridge {
 }
 
 impl Bridge {
-    /// A bridge with one listener.
+    /// Creates a bridge with one listener.
     pub fn new(
         events: Consumer<StampedEvent>,
         samples: (SampleReceiver, StateSender),
@@ -423,12 +423,12 @@ impl Bridge {
         }
     }
 
-    /// The same, which makes stamps follow the system clock.
+    /// Makes stamps follow the system clock.
     pub fn with_clock(self, clock: ClockWatch) -> Self {
         Self { clock: Some(clock), ..self }
     }
 
-    /// Works until `stop` is set, and once more after it.
+    /// Runs until `stop` is set, and once more after it.
     pub fn run(mut self, handle: &Handle, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
             self.pass_on(handle);
@@ -441,8 +441,8 @@ impl Bridge {
         self.spent.free();
         handle.commander.free_kept();
         handle.trials.collect();
-        // Events are taken before the parameters, and passed on after them: the cycle thread publishes its parameters first, so
-        // these are at least as new as the events.
+        // Events are taken before the parameters, and passed on after them. The cycle thread publishes its parameters
+        // first, so that these are at least as new as the events.
         self.taken.extend(std::iter::from_fn(|| self.events.pop().ok()));
         let (samples, states) = &mut self.samples;
         samples.take(|sample| {
@@ -489,11 +489,11 @@ impl Bridge {
     }
 }
 
-/// One line for what a person would want to know.
+/// Logs an event in one line.
 fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
     let event = &event.event;
     let sentence = || handle.topic_commands.sentence(event, &handle.config);
-    // An emergency message with code 0: what was told as a warning is over.
+    // An emergency message with code 0 means that the condition of the warning has ended.
     let is_over = event.severity == Severity::Info && matches!(event.code, Code::EMERGENCY | Code::FOREIGN_EMERGENCY);
     let kind = if is_over { Line::Over } else { Line::Event };
     let told = || match event.severity {
@@ -504,9 +504,9 @@ fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
     match (event.severity, event.kind) {
         (Severity::Error, _) if is_told(event) => say(|line| tracing::error!(target: TOLD, "{line}")),
         (Severity::Error, _) => say(|line| tracing::error!("{line}")),
-        // The surface has told what never became a command.
+        // The surface has logged requests that never became a command.
         (_, Kind::Refused) if event.code == Code::BAD_REQUEST => {}
-        // What ends a goal is told to the one who gave it.
+        // The client of a goal gets the reason of its end.
         (_, Kind::Done | Kind::Accepted | Kind::Overrun) => tracing::debug!("{}", sentence()),
         (Severity::Warn, _) if is_told(event) => say(|line| tracing::warn!(target: TOLD, "{line}")),
         (Severity::Warn, _) => say(|line| tracing::warn!("{line}")),

@@ -1,10 +1,11 @@
-//! Stamps follow the system clock; what goes into recordings does not step with it.
+//! Makes stamps follow the system clock; times in recordings have no steps.
 //!
-//! Law      offset = system clock - monotonic clock, read every `LOOK`. A change by more than [`CLOCK_STEP_NS`] is a step: an event
-//!          (`CLOCK_STEPPED`), of which the bridge makes the log line, is published; `HOLD` later stamps show the step. A smaller
-//!          change is followed by a part of `SLEW` of the time that passes, so that stamps never go back
-//! Reads    the system clock in the bridge; the cycle thread loads two atomics
-//! Writes   the [`HostClock`], which all stamps show
+//! Law      offset = system clock - monotonic clock, read every `LOOK`. A change by more than [`CLOCK_STEP_NS`] is a
+//!          step: an event (`CLOCK_STEPPED`), which the bridge also logs, is published; stamps show the step after
+//!          `HOLD`. A smaller change is followed by a fraction `SLEW` of the elapsed time, so that stamps never
+//!          decrease
+//! Reads    the system clock in the bridge; the cycle thread only loads two atomics
+//! Writes   the [`HostClock`], from which all stamps are made
 
 use super::bridge::Handle;
 use crate::recording::{CLOCK_STEP_NS, CycleTime};
@@ -18,28 +19,28 @@ use lineshaft_ros::offset::SystemOffset;
 use lineshaft_ros::surface::host::Busy;
 use std::time::{Duration, Instant};
 
-/// Time between two looks at the system clock.
+/// Time between two reads of the system clock.
 const LOOK: Duration = Duration::from_millis(50);
-/// Time between the event of a step and the first stamp that shows it: so long the event may take to its readers.
+/// Time between the event of a step and the first stamp that shows it; allows for the transmission of the event.
 const HOLD: Duration = Duration::from_millis(100);
-/// Longest time that an event may take to be published: then stamps follow all the same.
+/// Maximum time for the event to be published; after it, stamps follow anyway.
 const PATIENCE: Duration = Duration::from_millis(500);
-/// Steady time changes by at most 1/20 of the time that passes, in cycles by 1/16.
+/// Steady time changes by at most 1/20 of the elapsed time; in cycles by at most 1/16.
 const SLEW: i64 = 20;
 const CYCLE_SLEW: i64 = 16;
 
-/// What the difference between system clock and stamps asks for.
+/// Reaction to the difference between system clock and stamps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Change {
     Nothing,
-    /// Steady time moves by this (ns).
+    /// Steady time moves by this amount, in ns.
     Slew(i64),
-    /// The clock was set by this (ns).
+    /// The clock was set by this amount, in ns.
     Step(i64),
 }
 
 impl Change {
-    /// For a difference (ns) that is known with an error (ns), so long after the last look.
+    /// Returns the reaction to a difference (in ns) with an uncertainty (in ns), for the time since the last read.
     fn of(difference_ns: i64, error_ns: u64, passed: Duration) -> Self {
         match difference_ns.unsigned_abs() {
             size if size <= error_ns => Self::Nothing,
@@ -52,7 +53,7 @@ impl Change {
     }
 }
 
-/// A step on its way into the stamps.
+/// A step that stamps do not show yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Step {
     ns: i64,
@@ -61,11 +62,11 @@ struct Step {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Found then; no command was taken yet.
+    /// Found at this time; no command was accepted yet.
     Found(Instant),
-    /// Submitted then, as the command of this number.
+    /// Submitted as the command with this number, at this time.
     Submitted(u64, Instant),
-    /// Reported then.
+    /// Reported at this time.
     Reported(Instant),
 }
 
@@ -83,7 +84,7 @@ impl ClockWatch {
         Self { clock, looked: Instant::now(), step: None }
     }
 
-    /// Looks at the system clock if it is time, and brings a step further.
+    /// Reads the system clock if it is due, and advances a step.
     pub fn look(&mut self, handle: &Handle) {
         let now = Instant::now();
         if let Some(step) = self.step.take() {
@@ -104,7 +105,7 @@ impl ClockWatch {
         }
     }
 
-    /// Brings a step further; `None` once stamps show it.
+    /// Advances a step; returns `None` once stamps show it.
     fn advance(&self, step: Step, handle: &Handle, now: Instant) -> Option<Step> {
         let is_late = |since: Instant| now.duration_since(since) >= PATIENCE;
         let stage = match step.stage {
@@ -113,7 +114,7 @@ impl ClockWatch {
                 match handle.submit_as(Source::Machine, note) {
                     Ok(sequence) => Stage::Submitted(sequence, now),
                     Err(Busy::Full) if !is_late(since) => Stage::Found(since),
-                    // No cycle takes it: the line says it alone.
+                    // No cycle accepts it, so that only the log reports the step.
                     Err(_) => {
                         tracing::warn!("{}", text::with_remedy(&sentence(step.ns, handle), Code::CLOCK_STEPPED));
                         Stage::Reported(now)
@@ -133,27 +134,28 @@ impl ClockWatch {
     }
 }
 
-/// The sentence of the event of a step.
+/// Returns the message of the event of a step.
 fn sentence(step_ns: i64, handle: &Handle) -> String {
     let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::CLOCK_STEPPED);
     text::sentence(&event.with(Number::Count(step_ns), Number::None), handle.machine_config())
 }
 
-/// The times of cycles, in the cycle thread.
+/// Calculates the times of cycles, in the cycle thread.
 #[derive(Debug)]
 pub struct CycleClock {
     clock: HostClock,
-    /// As far as cycles have followed that of the clock (ns).
+    /// Base of the clock that cycles have followed so far, in ns.
     base_ns: i64,
 }
 
 impl CycleClock {
-    /// Times by `clock`.
+    /// Creates times from `clock`.
     pub fn new(clock: HostClock) -> Self {
         Self { base_ns: clock.base_ns(), clock }
     }
 
-    /// The time of the cycle with this deadline (ns of the monotonic clock), `cycle_ns` or more after the one before. Makes no system call.
+    /// Returns the time of the cycle with this deadline, in ns of the monotonic clock, at least `cycle_ns` after the
+    /// previous one. Makes no system call.
     pub fn at(&mut self, deadline: u64, cycle_ns: u64) -> CycleTime {
         let most = cycle_ns.cast_signed() / CYCLE_SLEW;
         let missing = self.clock.base_ns().wrapping_sub(self.base_ns);

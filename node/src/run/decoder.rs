@@ -1,4 +1,4 @@
-//! Makes the messages of a bag from the cycles that the cycle thread sends.
+//! Converts the cycles sent by the cycle thread to messages of a bag.
 
 use super::frames::{Head, Taken, stream};
 use crate::recording::encoder::Encoder;
@@ -6,7 +6,7 @@ use crate::recording::packed::Unpacker;
 use crate::recording::{Cycle, Encoded};
 use lineshaft_core::config::MachineConfig;
 
-/// Makes the messages of one cycle after the other, from a key cycle on.
+/// Converts one cycle after the other, from a key cycle on.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     unpacker: Unpacker,
@@ -15,7 +15,7 @@ pub struct Decoder {
 }
 
 impl Decoder {
-    /// A decoder for a machine of `config`.
+    /// Creates a decoder for a machine of `config`.
     pub fn new(unpacker: Unpacker, encoder: Encoder, config: &MachineConfig) -> Self {
         Self { unpacker, encoder, config: config.clone() }
     }

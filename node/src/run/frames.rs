@@ -14,11 +14,11 @@ use rtrb::{Consumer, Producer, PushError, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Maximum number of cycles that wait for the recorder: those of this time (ns),
+/// Maximum number of cycles that wait for the recorder: those of this time, in ns,
 const TIME_NS: u64 = 2_000_000_000;
-/// with this share of the most bytes of a cycle (64 axes in a trajectory took a fortieth),
+/// with this fraction of the maximum size of a cycle (64 axes in a trajectory needed a fortieth),
 const SHARE: usize = 32;
-/// and this memory in bytes;
+/// and this memory, in bytes,
 const MEMORY: usize = 32 << 20;
 /// but at least this number.
 const LEAST: usize = 16;
@@ -32,9 +32,9 @@ const EXTRAS: usize = 1 << 14;
 /// A cycle in transit. Its packed bytes are in a separate ring.
 #[derive(Debug)]
 pub struct Head {
-    /// k
+    /// Cycle number k.
     pub cycle: u64,
-    /// t_k.
+    /// Time t_k.
     pub time: CycleTime,
     /// Number of packed bytes.
     pub length: usize,
@@ -45,7 +45,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// Whether a bag can begin with it: then a replay can start there.
+    /// Whether a bag, and so a replay, can begin with it.
     pub fn can_begin(&self) -> bool {
         self.is_key && (self.cycle == 0 || self.state.is_some())
     }
@@ -112,15 +112,15 @@ pub struct Taken {
 /// Parts that few cycles have.
 #[derive(Clone, Debug, Default)]
 pub struct Extras {
-    /// In the order in which they applied.
+    /// Commands in the order in which they were applied.
     pub commands: Vec<Command>,
-    /// In their order.
+    /// Events in their order.
     pub events: Vec<Event>,
-    /// Of the inputs.
+    /// Latches of the inputs.
     pub latches: Vec<Latch>,
-    /// Streamed setpoints that were new.
+    /// New streamed setpoints.
     pub setpoints: Vec<StreamedSetpoint>,
-    /// Frames on CAN; the recorder adds them.
+    /// CAN frames; the recorder adds them.
     pub frames: Vec<BusFrame>,
 }
 
@@ -143,20 +143,20 @@ impl Extras {
     }
 }
 
-/// A frame that went over a bus on CAN.
+/// A frame of a CAN bus.
 #[derive(Clone, Copy, Debug)]
 pub struct BusFrame {
-    /// Place of the bus.
+    /// Index of the bus.
     pub bus: usize,
     /// Direction.
     pub way: Way,
-    /// Time after the beginning of the cycle (ns).
+    /// Time after the beginning of the cycle, in ns.
     pub offset_ns: i64,
     /// The frame.
     pub frame: lineshaft_can::Frame,
 }
 
-/// Makes sender and receiver for one machine.
+/// Creates sender and receiver for one machine.
 pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
     let cycle_ns = machine.config().cycle_ns;
     let inputs = machine.inputs();
@@ -202,7 +202,7 @@ pub fn frames(machine: &Machine) -> (FrameSender, FrameReceiver, Spent) {
 }
 
 impl FrameSender {
-    /// Keeps the state of the machine before a key cycle.
+    /// Stores the state of the machine before a key cycle.
     pub fn before(&mut self, machine: &Machine) {
         if !machine.next_cycle().is_multiple_of(self.key_cycles) {
             return;
@@ -215,7 +215,7 @@ impl FrameSender {
         }
     }
 
-    /// Sends the cycle that has just run. `commands` are those that applied; they are freed by the receiver.
+    /// Sends the cycle that has just run. `commands` are those that were applied; the receiver frees them.
     pub fn send(
         &mut self,
         time: CycleTime,
@@ -232,7 +232,7 @@ impl FrameSender {
         let is_key = cycle.is_multiple_of(self.key_cycles);
         let packed = self.packer.pack(inputs, machine.board(), is_key);
         let state = if is_key { self.state.take() } else { None };
-        // There is room for both. The bytes go first: they are there when the head is.
+        // There is room for both. The bytes are sent first, so that they are available when the head is.
         let _ = self.bytes.push_entire_slice(packed);
         drop(self.heads.push(Head { cycle, time, length: packed.len(), is_key, state }));
     }
@@ -254,7 +254,7 @@ impl FrameSender {
         for command in commands {
             if let Err(PushError::Full((_, command))) = self.commands.push((cycle, command)) {
                 is_whole = false;
-                // Freed here only when recorder and bridge have both stood still for long.
+                // Freed here only if recorder and bridge have both been blocked for a long time.
                 drop(self.spent.push(command));
             }
         }
@@ -363,7 +363,7 @@ mod tests {
         sender.before(machine);
         let mut stream = Setpoints { source: Source::Ros, ..Setpoints::none(4) };
         stream.axes[1] = Some(Setpoint { velocity: inputs.cycle as f64, duration: Some(inputs.cycle) });
-        // Every second cycle has something new.
+        // Every second cycle has new setpoints.
         let stream = Some(&stream).filter(|_| inputs.cycle.is_multiple_of(2));
         machine.cycle(&inputs, Commands { stream, ..Commands::queue(&commands) }, &mut outputs);
         sender.send(CycleTime::same(7 * inputs.cycle), &inputs, machine, stream, commands.into_iter());
@@ -413,7 +413,8 @@ mod tests {
             expected += 1;
         }
         assert_eq!((expected, receiver.lost()), (2000, 100), "2 s fit");
-        // The extras of the lost cycles are dropped. The next cycle has only its own, and is packed relative to the last one that was sent.
+        // The extras of the lost cycles are dropped. The next cycle has only its own, and is packed relative to the
+        // last one that was sent.
         run(&mut machine, &mut sender);
         let head = receiver.take(&mut taken).unwrap();
         assert_eq!(head.cycle, 2100);

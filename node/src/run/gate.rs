@@ -1,8 +1,8 @@
-//! The gate of the cycle thread: while it is closed no cycle runs and nothing is exchanged with any backend.
+//! Gate of the cycle thread: while it is closed, no cycle runs and no data is exchanged with any backend.
 //!
-//! Law      open: cycles run; closed: the thread sleeps, outside real time. It closes between two cycles, once every command that
-//!          was taken has had its cycle
-//! Refuses  to open where a backend does not start: it stays closed then, and says why
+//! Law      open: cycles run; closed: the thread sleeps, outside real time. It closes between two cycles, after every
+//!          accepted command was executed
+//! Refuses  to open if a backend does not start: it then stays closed, with the reason
 
 use lineshaft_ros::surface::host::GateState;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,31 +10,31 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread::Thread;
 use std::time::Duration;
 
-/// How often the sleeping thread looks whether the program ends.
+/// Interval at which the sleeping thread checks whether the program ends.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Whether cycles run, and whether they should.
 #[derive(Debug, Default)]
 pub struct Gate {
-    /// Cycles should run.
+    /// Whether cycles should run.
     wanted: AtomicBool,
     inner: Mutex<Inner>,
-    /// Who sleeps before it.
+    /// Thread that sleeps while the gate is closed.
     sleeper: OnceLock<Thread>,
 }
 
 #[derive(Debug, Default)]
 struct Inner {
-    /// Cycles run.
+    /// Whether cycles run.
     is_open: bool,
-    /// Backends have to be started, and are not.
+    /// Whether backends must be started first.
     is_unready: bool,
-    /// Why a backend did not start.
+    /// Reason why a backend did not start.
     failure: Option<String>,
 }
 
 impl Gate {
-    /// A gate that opens when the thread comes to it.
+    /// Creates a gate that opens when the thread waits for it.
     pub fn opening() -> Self {
         Self { wanted: AtomicBool::new(true), ..Self::default() }
     }
@@ -43,7 +43,7 @@ impl Gate {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Has the cycles run. It takes its time: [`Gate::state`] tells when they do.
+    /// Requests cycles. They start later: [`Gate::state`] shows it.
     pub fn open(&self) {
         self.inner().failure = None;
         self.wanted.store(true, Ordering::Release);
@@ -56,12 +56,12 @@ impl Gate {
         }
     }
 
-    /// Has the cycles end.
+    /// Requests the end of cycles.
     pub fn close(&self) {
         self.wanted.store(false, Ordering::Release);
     }
 
-    /// How it stands.
+    /// Returns the state.
     pub fn state(&self) -> GateState {
         let inner = self.inner();
         match &inner.failure {
@@ -71,12 +71,12 @@ impl Gate {
         }
     }
 
-    /// Should cycles run? One load, for the cycle thread.
+    /// Whether cycles should run. A single atomic load, for the cycle thread.
     pub fn is_wanted(&self) -> bool {
         self.wanted.load(Ordering::Acquire)
     }
 
-    /// Sleeps until cycles run, which they do from then on; false when the program ends.
+    /// Sleeps until cycles run, which they do from then on; returns false when the program ends.
     pub fn wait(&self, stop: &AtomicBool) -> bool {
         let _ = self.sleeper.set(std::thread::current());
         loop {
@@ -93,34 +93,34 @@ impl Gate {
         }
     }
 
-    /// The cycle thread tells that no cycle runs any more.
+    /// Records that no cycle runs any more; called by the cycle thread.
     pub fn set_closed(&self) {
         self.inner().is_open = false;
     }
 
-    /// From now on cycles wait for backends to be started.
+    /// Makes cycles wait until backends are started.
     pub fn wait_for_services(&self) {
         self.inner().is_unready = true;
     }
 
-    /// All backends have started.
+    /// Records that all backends have started.
     pub fn set_ready(&self) {
         self.inner().is_unready = false;
         self.wake();
     }
 
-    /// Are the backends no longer needed? Then cycles wait for them anew.
+    /// Returns true if the backends are not needed any more; cycles then wait for them again.
     pub fn end_of_cycles(&self) -> bool {
         let mut inner = self.inner();
-        // Both under one lock: no cycle begins in between.
+        // Both under one lock, so that no cycle begins in between.
         let is_over = !inner.is_open && !self.is_wanted();
         inner.is_unready |= is_over;
         is_over
     }
 
-    /// A backend does not start.
+    /// Records that a backend does not start.
     pub fn fail(&self, reason: String) {
-        // First: who sees the failure may try again at once.
+        // First, because a client that sees the failure may try again immediately.
         self.wanted.store(false, Ordering::Release);
         self.inner().failure = Some(reason);
     }

@@ -12,10 +12,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 const SUB_BITS: u32 = 5;
 /// Buckets per power of two.
 const SUB_BUCKETS: usize = 1 << SUB_BITS;
-/// Buckets of the whole range of u64. The powers of two below `SUB_BUCKETS` share the first `SUB_BUCKETS`.
+/// Number of buckets for the whole range of u64. The powers of two below `SUB_BUCKETS` share the first `SUB_BUCKETS`.
 const BUCKETS: usize = (u64::BITS - SUB_BITS + 1) as usize * SUB_BUCKETS;
 
-/// Cumulative histogram of times (ns). The thread that records takes no memory and never waits for a reader.
+/// Cumulative histogram of times, in ns. The recording thread does not allocate and never waits for a reader.
 #[derive(Debug)]
 pub struct Histogram {
     counts: [AtomicU64; BUCKETS],
@@ -33,7 +33,7 @@ impl Histogram {
         self.counts[bucket(value)].fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Returns a copy of the counts. It takes memory: only for readers.
+    /// Returns a copy of the counts. It allocates, so it is only for readers.
     pub fn counts(&self) -> Counts {
         Counts(self.counts.iter().map(|count| count.load(Ordering::Relaxed)).collect())
     }
@@ -74,7 +74,7 @@ impl Counts {
 
 /// Returns the number of the bucket of a value.
 fn bucket(value: u64) -> usize {
-    // The SUB_BITS + 1 highest bits of the value choose the bucket; the shift drops the others.
+    // The SUB_BITS + 1 highest bits of the value select the bucket; the shift removes the others.
     let shift = (value | 1).ilog2().saturating_sub(SUB_BITS);
     shift as usize * SUB_BUCKETS + (value >> shift) as usize
 }
@@ -127,7 +127,7 @@ mod tests {
         // 1000 samples: 1, 2, .. 50 us are in buckets of at most 1/32.
         let samples: Vec<u64> = (1..=1000).map(|number| number * 50).collect();
         let seen = recorded(&samples).counts().percentiles(50_000);
-        // 25,000 = 0b11000_01101_01000: bucket 24,576 to 25,087. 49,500: 49,152 to 50,175. 49,950: likewise.
+        // 25,000 = 0b11000_01101_01000: bucket 24,576 to 25,087. 49,500: 49,152 to 50,175. 49,950: the same.
         assert_eq!(seen, Percentiles { p50: 25_087, p99: 50_000, p999: 50_000 });
         // Below 64 ns they are exact.
         let seen = recorded(&[7, 63, 8]).counts().percentiles(63);

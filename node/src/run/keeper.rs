@@ -1,5 +1,5 @@
-//! The keeper: writes layer User of the parameters into the store, on a thread of its own. Nobody waits for it but who asks to
-//! be told when a set is on the disk.
+//! Writes layer User of the parameters into the store, in a separate thread. Only clients that request a confirmation
+//! wait for it.
 
 use crate::store::{Store, StoreError};
 use lineshaft_core::config::MachineConfig;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use tokio::sync::oneshot;
 
-/// Who waits for the answer, if anybody.
+/// Receiver of the result, if any.
 type Answer = Option<oneshot::Sender<Result<(), String>>>;
 
 enum Order {
@@ -16,47 +16,47 @@ enum Order {
     End,
 }
 
-/// The way to the keeper. It never blocks.
+/// Sends requests to the keeper. It never blocks.
 #[derive(Debug)]
 pub struct Orders(Sender<Order>);
 
 impl Orders {
-    /// Has layer User of these parameters written down, unless newer ones wait already. The answer comes when these or newer
-    /// ones are on the disk, or says why they are not.
+    /// Requests that layer User of these parameters is written, unless newer ones are waiting already. The answer comes
+    /// when these or newer ones are on the disk, or with the reason why they are not.
     pub fn keep(&self, image: Arc<ParameterImage>, answer: Answer) {
-        // A keeper that has ended drops the answer, which tells the asker.
+        // If the keeper has ended, it drops the answer, which the caller sees as an error.
         let _ = self.0.send(Order::Keep(image, answer));
     }
 
-    /// Ends the keeper, once it has written what it has.
+    /// Ends the keeper after it has written its pending data.
     pub fn end(&self) {
         let _ = self.0.send(Order::End);
     }
 }
 
-/// The thread.
+/// The thread of the keeper.
 pub struct Keeper {
     store: Store,
     config: MachineConfig,
     orders: Receiver<Order>,
     newest: Option<Arc<ParameterImage>>,
-    /// What was told of the last failure: one cause is one line in the log.
+    /// Message of the last failure: one cause is logged once.
     told: Option<String>,
 }
 
 impl Keeper {
-    /// A keeper and the way to it. `config` is that of the machine.
+    /// Creates a keeper and its request queue. `config` is that of the machine.
     pub fn new(store: Store, config: MachineConfig) -> (Orders, Self) {
         let (send, orders) = channel();
         (Orders(send), Self { store, config, orders, newest: None, told: None })
     }
 
-    /// Works until [`Orders::end`], or until nobody can order any more.
+    /// Runs until [`Orders::end`], or until all senders are gone.
     pub fn run(mut self) {
         let mut goes_on = true;
         while goes_on {
             let Ok(first) = self.orders.recv() else { break };
-            // What came meanwhile is written at once: the newest set counts.
+            // Requests that came in between are written together, because only the newest set counts.
             let orders: Vec<_> = std::iter::once(first).chain(self.orders.try_iter()).collect();
             let mut answers = Vec::new();
             for order in orders {
@@ -70,7 +70,7 @@ impl Keeper {
             }
             let kept = self.write();
             for answer in answers {
-                // Who asked may have gone.
+                // The caller may have gone.
                 let _ = answer.send(kept.clone());
             }
         }
@@ -115,7 +115,7 @@ mod tests {
     use std::path::Path;
     use tempfile::TempDir;
 
-    /// A keeper that runs, and what a machine would give it.
+    /// A running keeper, and the data that a machine would send.
     struct Rig {
         folder: TempDir,
         orders: Orders,
@@ -183,7 +183,7 @@ mod tests {
         rig.orders.end();
         rig.thread.join().unwrap();
         assert_eq!(saved(&rig.folder.path().join("p.yaml")), Some(50_000_000));
-        // Who asks after the end learns that there is nobody.
+        // A request after the end gets an error.
         let (answer, answered) = oneshot::channel();
         rig.orders.keep(Arc::new(rig.image), Some(answer));
         assert!(answered.blocking_recv().is_err());
@@ -194,7 +194,7 @@ mod tests {
         let mut rig = Rig::new();
         let image = rig.save(1_000_000);
         assert_eq!(rig.ask(image), Ok(()));
-        // In the way of the new text stands what cannot be removed as a file.
+        // A folder blocks the temporary file of the new text.
         let way = rig.folder.path().join(".p.yaml.new");
         std::fs::create_dir(&way).unwrap();
         let image = rig.save(2_000_000);

@@ -1,4 +1,4 @@
-//! The three ways of commands into the cycle thread.
+//! Queues of commands to the cycle thread: stops, other commands, and streamed setpoints.
 
 use lineshaft_core::command::{Action, Command, Commands, Setpoint, Setpoints, Source};
 use lineshaft_core::machine::MAX_COMMANDS;
@@ -10,7 +10,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What the machine only borrows.
+/// Data that the machine shares but must not free.
 #[derive(Debug)]
 enum Kept {
     Trajectory(Arc<Trajectory>),
@@ -28,7 +28,7 @@ impl Kept {
         }
     }
 
-    /// Has anybody else it?
+    /// Whether there is another reference.
     fn is_shared(&self) -> bool {
         let count = match self {
             Self::Trajectory(trajectory) => Arc::strong_count(trajectory),
@@ -39,63 +39,63 @@ impl Kept {
     }
 }
 
-/// The end of the lanes at which commands go in; shared by all who give commands.
+/// Sending end of the queues, shared by all sources of commands.
 #[derive(Debug)]
 pub struct Commander {
     doors: Mutex<Doors>,
     numbers: Numbers,
-    /// A reference to each trajectory, table and program that the cycle thread may have: it never frees one.
+    /// References to each trajectory, table and program that the cycle thread may have, so that it never frees one.
     kept: Mutex<Vec<Kept>>,
 }
 
 #[derive(Debug)]
 struct Doors {
-    /// Commands are taken: cycles run, or will.
+    /// Whether commands are accepted: cycles run, or will run.
     is_open: bool,
     /// Halt, quick_stop, disable, abort and deactivate.
     stop: Producer<Command>,
     queue: Producer<Command>,
     stream: triple_buffer::Input<Mail>,
-    /// What lies in the mailbox.
+    /// Content of the mailbox.
     mail: Mail,
 }
 
-/// The mailbox of streamed setpoints: for each axis the newest one and its number, which grows with each of that axis. So whoever
-/// streams to one axis neither takes the setpoint of another away nor makes it look new.
+/// Mailbox of streamed setpoints: for each axis the newest one and its number, which increases with each setpoint of
+/// that axis. A stream to one axis therefore neither replaces the setpoint of another axis nor makes it look new.
 #[derive(Clone, Debug)]
 struct Mail {
-    /// Who gave the newest of all.
+    /// Source of the newest setpoint.
     source: Source,
-    /// Number 0: none has come yet.
+    /// Number 0: there was none yet.
     axes: Vec<(u64, Setpoint)>,
 }
 
-/// The sequence numbers of commands, whoever gives them.
+/// Sequence numbers of commands of all sources.
 #[derive(Clone, Debug, Default)]
 pub struct Numbers(Arc<AtomicU64>);
 
 impl Numbers {
-    /// Sets `count` numbers aside and returns the one before the first of them.
+    /// Reserves `count` numbers and returns the one before the first of them.
     pub fn reserve(&self, count: u64) -> u64 {
         self.0.fetch_add(count, Ordering::Relaxed)
     }
 }
 
-/// The end of the lanes in the cycle thread.
+/// Receiving end of the queues, in the cycle thread.
 #[derive(Debug)]
 pub struct Lanes {
     stop: Consumer<Command>,
     queue: Consumer<Command>,
     stream: triple_buffer::Output<Mail>,
-    /// For each axis, the number of the setpoint that was taken last.
+    /// Number of the last setpoint received for each axis.
     seen: Vec<u64>,
-    /// What is new in this cycle.
+    /// New setpoints of the current cycle.
     taken_stream: Setpoints,
     taken_stop: Vec<Command>,
     taken_queue: Vec<Command>,
 }
 
-/// Makes the lanes of a machine of so many axes.
+/// Creates the queues of a machine with this number of axes.
 pub fn lanes(axes: usize) -> (Commander, Lanes) {
     let (stop_in, stop) = RingBuffer::new(MOST_COMMANDS);
     let (queue_in, queue) = RingBuffer::new(MOST_COMMANDS);
@@ -110,10 +110,10 @@ pub fn lanes(axes: usize) -> (Commander, Lanes) {
 }
 
 impl Commander {
-    /// Hands a command over and returns its sequence number.
+    /// Submits a command and returns its sequence number.
     ///
     /// # Errors
-    /// Its lane is full, or no cycle would take it.
+    /// Returns an error if its queue is full, or if no cycle would execute it.
     pub fn submit(&self, source: Source, action: Action) -> Result<u64, Busy> {
         let mut doors = self.doors();
         if !doors.is_open {
@@ -122,43 +122,43 @@ impl Commander {
         self.push(&mut doors, source, action)
     }
 
-    /// Before cycles run again: has the first of them begin with a deactivation, whatever was before. False where commands are
-    /// taken already.
+    /// Makes the first cycle begin with a deactivation, before cycles run again. Returns false if commands are accepted
+    /// already.
     pub fn deactivate_first(&self) -> bool {
         let mut doors = self.doors();
         if doors.is_open {
             return false;
         }
-        // Behind a closed door nothing waits, but the deactivation of an attempt that failed.
+        // While commands are not accepted, the queue can only have the deactivation of a failed attempt.
         doors.stop.slots() < MOST_COMMANDS || self.push(&mut doors, Source::Machine, Action::Deactivate).is_ok()
     }
 
-    /// Does something while commands are taken: cycles run until it is done.
+    /// Calls a function while commands are accepted: cycles run until it returns.
     ///
     /// # Errors
-    /// No cycle runs; nothing was done.
+    /// Returns an error if no cycle runs; the function was not called.
     pub fn while_open<T>(&self, act: impl FnOnce() -> T) -> Result<T, Busy> {
         let doors = self.doors();
         if doors.is_open { Ok(act()) } else { Err(Busy::Unconfigured) }
     }
 
-    /// Takes commands: cycles run.
+    /// Accepts commands, because cycles run.
     pub fn open(&self) {
         self.doors().is_open = true;
     }
 
-    /// Takes no more commands. What was taken has its cycle.
+    /// Accepts no more commands. Accepted ones are still executed.
     pub fn close(&self) {
         self.doors().is_open = false;
     }
 
-    /// Are commands taken?
+    /// Returns true if commands are accepted.
     pub fn is_open(&self) -> bool {
         self.doors().is_open
     }
 
     fn doors(&self) -> MutexGuard<'_, Doors> {
-        // A poisoned lock means that another thread panicked between two whole pushes: the rings are sound.
+        // A poisoned lock means that another thread panicked between two complete pushes: the rings are valid.
         self.doors.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -173,9 +173,9 @@ impl Commander {
         Ok(sequence)
     }
 
-    /// Frees the trajectories and tables that nobody else has any more.
+    /// Frees the trajectories and tables without another reference.
     pub fn free_kept(&self) {
-        // Nobody can clone one that stands only here.
+        // Without another reference, no thread can clone it.
         self.kept().retain(Kept::is_shared);
     }
 
@@ -183,18 +183,18 @@ impl Commander {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where the numbers come from, for whoever gives commands past the lanes.
+    /// Returns the source of numbers, for commands that do not pass the queues.
     pub fn numbers(&self) -> Numbers {
         self.numbers.clone()
     }
 
-    /// Puts setpoints in the place of the last ones of their axes; all of them enter the same cycle.
+    /// Replaces the setpoints of these axes; all of them are used in the same cycle.
     ///
     /// # Errors
-    /// No cycle runs.
+    /// Returns an error if no cycle runs.
     pub fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy> {
         let mut doors = self.doors();
-        // One that waits for the next configuration would be taken for new.
+        // A setpoint that waits until the next configuration would seem new then.
         if !doors.is_open {
             return Err(Busy::Unconfigured);
         }
@@ -212,19 +212,19 @@ impl Commander {
 }
 
 impl Lanes {
-    /// Takes what is due for a cycle, the stop lane first; what does not fit waits for the next cycle.
+    /// Takes the commands of a cycle, stops first; those beyond the maximum wait for the next cycle.
     pub fn take(&mut self) {
         self.take_stops();
         self.take_others(0);
     }
 
-    /// Takes the stops that are due for a cycle. Returns how many commands it has room for besides.
+    /// Takes the stops of a cycle. Returns the number of other commands that fit.
     pub fn take_stops(&mut self) -> usize {
         fill(&mut self.taken_stop, &mut self.stop, MAX_COMMANDS);
         MAX_COMMANDS.saturating_sub(self.taken_stop.len())
     }
 
-    /// Takes all else that is due, after the stops; `kept` places are left for commands that are added.
+    /// Takes the other commands, after the stops; leaves room for `kept` commands that are added.
     pub fn take_others(&mut self, kept: usize) {
         let room = MAX_COMMANDS.saturating_sub(self.taken_stop.len() + kept);
         fill(&mut self.taken_queue, &mut self.queue, room);
@@ -245,12 +245,12 @@ impl Lanes {
         }
     }
 
-    /// Does no command wait?
+    /// Whether no command is waiting.
     pub fn are_empty(&self) -> bool {
         self.stop.is_empty() && self.queue.is_empty()
     }
 
-    /// Adds commands that did not come through the lanes; they come after those that did.
+    /// Adds commands that did not pass the queues, after those that did.
     pub fn add(&mut self, commands: Commands<'_>) {
         self.taken_stop.extend_from_slice(commands.stop);
         self.taken_queue.extend_from_slice(commands.queue);
@@ -259,17 +259,17 @@ impl Lanes {
         }
     }
 
-    /// What was taken.
+    /// Returns the commands of the current cycle.
     pub fn commands(&self) -> Commands<'_> {
         Commands { stop: &self.taken_stop, queue: &self.taken_queue, stream: self.stream() }
     }
 
-    /// The setpoints that were taken, if any.
+    /// Returns the setpoints of the current cycle, if any.
     pub fn stream(&self) -> Option<&Setpoints> {
         Some(&self.taken_stream).filter(|stream| !stream.is_empty())
     }
 
-    /// Gives away what was taken and has applied: the setpoints, if any, and the commands in the order in which they did.
+    /// Removes the executed setpoints and commands, the commands in the order of their execution.
     pub fn drain(&mut self) -> (Option<&Setpoints>, impl Iterator<Item = Command>) {
         let stream = Some(&self.taken_stream).filter(|stream| !stream.is_empty());
         (stream, self.taken_stop.drain(..).chain(self.taken_queue.drain(..)))
@@ -318,8 +318,8 @@ mod tests {
         assert!(commander.submit(Source::Ros, ENABLE).is_ok());
     }
 
-    /// Ten clients at once, each with an enable, a reset and an additive goal for each of 64 axes; then each halts each axis.
-    /// Nothing is refused, no cycle gets more than 64, all come in the order in which they were given, and the stops first.
+    /// Ten clients at once, each with an enable, a reset and an additive goal for each of 64 axes; then each halts each
+    /// axis. No command is refused, no cycle gets more than 64, the order is that of submission, and stops are first.
     #[test]
     fn ten_clients_with_64_axes_are_all_served_and_their_stops_first() {
         let (commander, mut lanes) = lanes(64);
@@ -341,7 +341,7 @@ mod tests {
             taken.push(numbers_of_a_cycle(&mut lanes));
         }
         assert_eq!(taken.iter().map(Vec::len).max(), Some(64));
-        // 1920 others and 640 stops.
+        // 1920 other commands and 640 stops.
         assert_eq!(taken.len(), (1920 + 640) / 64);
         let order: Vec<u64> = taken.into_iter().flatten().collect();
         let expected: Vec<u64> = others[..128].iter().chain(&stops).chain(&others[128..]).copied().collect();
@@ -353,7 +353,8 @@ mod tests {
         lanes.drain().1.map(|command| command.sequence).collect()
     }
 
-    /// What a scenario gives has its places beside what clients do; a stop of a client waits for none of it.
+    /// Commands of a scenario have reserved room in addition to those of clients; a stop of a client never waits for
+    /// them.
     #[test]
     fn room_that_is_kept_for_others_is_none_of_the_stops() {
         let (commander, mut lanes) = lanes(3);
@@ -365,7 +366,7 @@ mod tests {
         assert_eq!((commands.stop.len(), commands.queue.len()), (10, 24));
     }
 
-    /// Whoever else drops one never drops the last one.
+    /// Another thread that drops a trajectory never drops the last reference.
     #[test]
     fn a_trajectory_is_freed_here_once_nobody_has_it() {
         use lineshaft_core::position::Position;
@@ -410,7 +411,7 @@ mod tests {
         assert_eq!(order, [(2, Action::Deactivate), (3, ENABLE)]);
     }
 
-    /// Setpoints of these axes.
+    /// Returns setpoints of these axes.
     fn set(velocities: &[(usize, f64)]) -> Setpoints {
         let mut set = Setpoints { source: Source::Ros, ..Setpoints::none(3) };
         velocities.iter().for_each(|&(axis, velocity)| set.axes[axis] = Some(Setpoint { velocity, duration: None }));

@@ -1,7 +1,9 @@
-//! Running a machine in real time: the cycle thread, the ways into and out of it.
+//! Runs a machine in real time: the cycle thread, and its inputs and outputs.
 //!
-//! The cycle thread owns the machine and its backends. Commands reach it through two bounded rings (a stop lane and a queue)
-//! and a newest-wins mailbox; events leave it through a ring, signals through a newest-wins snapshot. Nothing that others
+//! The cycle thread owns the machine and its backends. It receives commands through two bounded ring buffers (a stop
+//! queue and a normal queue) and a mailbox with the newest setpoints; it sends events through a ring buffer and signals
+//! through a snapshot of the newest ones. No other thread can make it wait. It never writes files, sockets or logs;
+//! [`bridge`] does that.
 //! do can make it wait. It never writes files, sockets or logs: [`bridge`] does that for it.
 
 pub mod backends;
@@ -31,7 +33,7 @@ use std::thread::{Builder, JoinHandle};
 /// Starts a thread. Tools such as `top -H` and `perf` show the first 15 bytes of its name.
 ///
 /// # Panics
-/// The system has no thread left, as [`std::thread::spawn`].
+/// If the operating system cannot create a thread, like [`std::thread::spawn`].
 pub fn spawn<T: Send + 'static>(name: &str, work: impl FnOnce() -> T + Send + 'static) -> JoinHandle<T> {
     Builder::new().name(name.to_owned()).spawn(work).unwrap_or_else(|error| panic!("thread {name}: {error}"))
 }

@@ -1,10 +1,10 @@
-//! Objects of devices on CAN, as people ask for them: by axis or node, by name or index.
+//! Access to objects of CAN devices by axis or node, and by name or index.
 //!
-//! Law      what a request says is looked up here; the service of its bus then does it beside the cycles, one request after the other. Each is
-//!          answered: one that has waited for 5 s is taken back
-//! Reads    the data sheets of the cell's devices
-//! Refuses  what nobody has, what the data sheet forbids, what is longer than a block; of devices of the cell what the master writes, and
-//!          what is mapped in a PDO of a module, or of a drive that is under power
+//! Law      names of a request are resolved here; the service of its bus then executes it outside of the cycles, one
+//!          request after the other. Each request gets an answer: one that has waited for 5 s is cancelled
+//! Reads    the object dictionaries of the devices of the cell
+//! Refuses  unknown objects, accesses that the dictionary does not permit, data longer than a block; for devices of the
+//!          cell, writes to objects of the master, and to objects mapped in a PDO of a module or of an enabled drive
 //! Source   CiA 301, CiA 306-1
 
 use crate::cell::owner;
@@ -22,14 +22,14 @@ use std::fmt::Display;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// How long a request may wait for its turn: others of the bus, drives that are configured.
+/// Maximum time that a request waits for other requests of the bus and for the configuration of drives.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Longest name (bytes).
+/// Maximum length of a name, in bytes.
 const LONGEST_NAME: usize = 256;
-/// Longest value as text (bytes): three for each byte of the longest object, and room for blanks.
+/// Maximum length of a value as text, in bytes: three for each byte of the longest object, and room for spaces.
 const LONGEST_VALUE: usize = 4096;
 
-/// Where objects of all buses of a machine are asked for.
+/// Access to the objects of all buses of a machine.
 #[derive(Debug)]
 pub struct ObjectDesk {
     buses: Vec<Bus>,
@@ -44,29 +44,29 @@ impl Default for ObjectDesk {
     }
 }
 
-/// What is known of a bus.
+/// Data of a bus.
 #[derive(Debug)]
 struct Bus {
     name: String,
     objects: Objects,
-    /// Node of the program itself.
+    /// Node ID of the program itself.
     own: Option<NodeId>,
     devices: Vec<Device>,
     dictionaries: BTreeMap<NodeId, Dictionary>,
 }
 
-/// What is known of a device of the cell.
+/// Data of a device of the cell.
 #[derive(Debug)]
 struct Device {
     node: NodeId,
-    /// In sentences.
+    /// Name for messages.
     name: String,
-    /// Of a drive.
+    /// Name of the axis of a drive.
     axis: Option<String>,
     mapped: Vec<Object>,
 }
 
-/// Which object a request means, and what is known of it.
+/// Resolved object of a request, with its description.
 struct Meant<'a> {
     bus: &'a Bus,
     node: NodeId,
@@ -76,17 +76,17 @@ struct Meant<'a> {
 }
 
 impl ObjectDesk {
-    /// One without a bus. `simulated` are the names of backends on CAN that a simulation stands for.
+    /// Creates an access without a bus. `simulated` are the names of backends on CAN that are simulated.
     pub fn new(simulated: Vec<String>) -> Self {
         Self { simulated, ..Self::default() }
     }
 
-    /// Is there no bus?
+    /// Returns true if there is no bus.
     pub fn is_empty(&self) -> bool {
         self.buses.is_empty()
     }
 
-    /// The same with a bus, where its objects are asked for, and the data sheets of its devices.
+    /// Adds a bus, the access to its objects, and the object dictionaries of its devices.
     pub fn with_bus(
         mut self,
         config: &BusConfig,
@@ -105,10 +105,10 @@ impl ObjectDesk {
         self
     }
 
-    /// Has an object read.
+    /// Starts reading an object.
     ///
     /// # Errors
-    /// What is wrong with the request, in one sentence; nothing was asked of a device.
+    /// Returns an error message of one sentence for an invalid request; nothing was sent to a device.
     pub fn read(&self, request: &SdoReadRequest) -> Result<Coming<SdoReadResponse>, String> {
         let SdoReadRequest { axis, backend, node, object, r#type } = request;
         let meant = self.meant([axis, backend, object, r#type], *node)?;
@@ -144,10 +144,10 @@ impl ObjectDesk {
         }))
     }
 
-    /// Has an object written.
+    /// Starts writing an object.
     ///
     /// # Errors
-    /// What is wrong with the request, in one sentence; nothing was asked of a device.
+    /// Returns an error message of one sentence for an invalid request; nothing was sent to a device.
     pub fn write(&self, request: &SdoWriteRequest) -> Result<Coming<SdoWriteResponse>, String> {
         let SdoWriteRequest { axis, backend, node, object, r#type, value } = request;
         let meant = self.meant([axis, backend, object, r#type], *node)?;
@@ -178,7 +178,7 @@ impl ObjectDesk {
         }))
     }
 
-    /// What a request means: axis, backend, object and type by their names.
+    /// Resolves a request: axis, backend, object and type by their names.
     fn meant(&self, [axis, backend, object, given]: [&str; 4], node: u8) -> Result<Meant<'_>, String> {
         for (what, name) in [("axis", axis), ("backend", backend), ("object", object), ("type", given)] {
             short(what, name, LONGEST_NAME)?;
@@ -243,7 +243,7 @@ impl ObjectDesk {
 }
 
 impl Device {
-    /// Who says what an object of it holds, where that is not the asker's.
+    /// Returns the source of the value of an object, if it is not the client.
     fn owner(&self, object: Object) -> Option<&'static str> {
         let is_output = self.axis.is_none() && self.mapped.contains(&object);
         owner(object.index).or(is_output.then_some("an output or input of the cell"))
@@ -255,7 +255,7 @@ impl<'a> Meant<'a> {
         self.bus.dictionaries.get(&self.node)
     }
 
-    /// Bus, node and axis in a sentence.
+    /// Returns bus, node and axis for a message.
     fn who(&self) -> String {
         let name = self.device.map_or_else(|| self.node.to_string(), |device| device.name.clone());
         format!("{}: {name}", self.bus.name)
@@ -265,11 +265,11 @@ impl<'a> Meant<'a> {
         format!("{}: {what}", self.who())
     }
 
-    /// Stands in the line of the bus from here on.
+    /// Queues a request of the bus.
     fn ask(&self, access: Access, patience: Duration) -> Result<Coming<Result<Vec<u8>, String>>, String> {
         let (answer, mut answered) = oneshot::channel::<Result<Vec<u8>, Denied>>();
         let ticket = self.bus.objects.ask(self.node, self.object, access, move |result| {
-            // Who asked may have gone.
+            // The caller may have gone.
             let _ = answer.send(result);
         });
         let ticket = ticket.map_err(|denied| self.sentence(denied))?;
@@ -280,7 +280,7 @@ impl<'a> Meant<'a> {
                     let s = patience.as_secs_f64();
                     return Err(format!("the bus had no time for it within {s} s; nothing was done"));
                 }
-                // It is under way, and ends with the device's answer or without.
+                // It is being executed, and ends with or without an answer of the device.
                 Err(_) => answered.await,
             };
             answer.map_err(|_| "the machine has stopped".to_owned())?.map_err(|denied| denied.to_string())
@@ -293,7 +293,7 @@ fn short(what: &str, text: &str, most: usize) -> Result<(), String> {
     if bytes > most { Err(format!("{what} is {bytes} bytes long; {most} are allowed")) } else { Ok(()) }
 }
 
-/// As it is written: without the zeros that fill a text up on the bus.
+/// Formats a value, without the zeros that pad a text on the bus.
 fn written(value: &Value) -> String {
     match value {
         Value::Text(text) => text.trim_end_matches('\0').to_owned(),

@@ -1,32 +1,33 @@
-//! Things that go round between the cycle thread and another one.
+//! Objects that circulate between the cycle thread and another thread.
 //!
-//! All of them are made before the first cycle: the cycle thread fills a free one and sends it, the other thread reads it and gives
-//! it back. Where none is free, what would have been sent is left out and counted: the cycle thread neither waits nor takes memory.
+//! All of them are created before the first cycle. The cycle thread fills a free one and sends it; the other thread
+//! reads it and returns it. If none is free, the data is dropped and counted, so that the cycle thread neither waits
+//! nor allocates.
 
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How many may wait for the other thread.
+/// Maximum number of objects that wait for the other thread:
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Room {
-    /// As many as this time has cycles (ns)..
+    /// those of this time, in ns,
     pub time_ns: u64,
-    /// ..that do not take more memory than this (bytes)..
+    /// with at most this memory, in bytes,
     pub bytes: usize,
-    /// ..and these in any case.
+    /// but at least this number.
     pub least: usize,
 }
 
 impl Room {
-    /// Things of so many bytes, one in each cycle.
+    /// Returns the number for objects of this size, one per cycle.
     pub(super) fn count(self, cycle_ns: u64, bytes: usize) -> usize {
         let wanted = usize::try_from(self.time_ns / cycle_ns.max(1)).unwrap_or(usize::MAX);
         wanted.min(self.bytes / bytes.max(1)).max(self.least)
     }
 }
 
-/// The end in the cycle thread.
+/// End in the cycle thread.
 #[derive(Debug)]
 pub(super) struct Filler<T> {
     free: Consumer<Box<T>>,
@@ -34,7 +35,7 @@ pub(super) struct Filler<T> {
     lost: Arc<AtomicU64>,
 }
 
-/// The other end.
+/// End in the other thread.
 #[derive(Debug)]
 pub(super) struct Emptier<T> {
     full: Consumer<Box<T>>,
@@ -42,7 +43,7 @@ pub(super) struct Emptier<T> {
     lost: Arc<AtomicU64>,
 }
 
-/// Makes `count` things that go round.
+/// Creates `count` objects that circulate.
 pub(super) fn pool<T>(count: usize, make: impl Fn() -> T) -> (Filler<T>, Emptier<T>) {
     let (mut free_in, free) = RingBuffer::new(count);
     (0..count).for_each(|_| drop(free_in.push(Box::new(make()))));
@@ -52,32 +53,32 @@ pub(super) fn pool<T>(count: usize, make: impl Fn() -> T) -> (Filler<T>, Emptier
 }
 
 impl<T> Filler<T> {
-    /// Fills a free one and sends it.
+    /// Fills a free object and sends it.
     pub(super) fn send(&mut self, fill: impl FnOnce(&mut T)) {
         let Ok(mut thing) = self.free.pop() else { return self.leave_out() };
         fill(&mut thing);
-        // There are no more things than places, so this one finds its place.
+        // There are no more objects than places, so it always fits.
         drop(self.full.push(thing));
     }
 
-    /// Counts one that is not sent.
+    /// Counts an object that is not sent.
     pub(super) fn leave_out(&mut self) {
         self.lost.fetch_add(1, Ordering::Relaxed);
     }
 }
 
 impl<T> Emptier<T> {
-    /// The next one.
+    /// Returns the next object.
     pub(super) fn take(&mut self) -> Option<Box<T>> {
         self.full.pop().ok()
     }
 
-    /// Lets one be filled again.
+    /// Returns an object for reuse.
     pub(super) fn give_back(&mut self, thing: Box<T>) {
         drop(self.free.push(thing));
     }
 
-    /// How many were left out so far.
+    /// Returns the number of dropped objects so far.
     pub(super) fn lost(&self) -> u64 {
         self.lost.load(Ordering::Relaxed)
     }

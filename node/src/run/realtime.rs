@@ -1,4 +1,4 @@
-//! What a thread can ask of the system to be on time.
+//! Requests real-time scheduling and locked memory from the operating system.
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::process::{Resource, getrlimit};
@@ -8,23 +8,23 @@ use thread_priority::{
     thread_native_id,
 };
 
-/// Priority of the cycle thread under SCHED_FIFO, 1 to 99: above ordinary real-time work, below the kernel's own.
+/// Priority of the cycle thread under SCHED_FIFO, 1 to 99: above usual real-time threads, below those of the kernel.
 const PRIORITY: u8 = 80;
 
-/// Which processor the cycle thread keeps to.
+/// Processor of the cycle thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Processor {
-    /// The last one that the process may use.
+    /// Last processor that the process may use.
     #[default]
     Last,
-    /// Any.
+    /// Any processor.
     Any,
-    /// The one of this number.
+    /// Processor with this number.
     Number(usize),
 }
 
-/// Asks for real-time scheduling of the calling thread and for memory that stays; returns what was not granted, each as
-/// part of a sentence.
+/// Requests real-time scheduling of the calling thread and locked memory; returns the requests that were not granted,
+/// each as part of a sentence.
 pub fn claim(processor: Processor) -> Vec<String> {
     let mut refused = Vec::new();
     if let Err(error) = lock_memory() {
@@ -49,7 +49,7 @@ fn claim_fifo() -> Result<(), String> {
 }
 
 fn lock_memory() -> Result<(), String> {
-    // Under a limit, memory that is taken later would be refused instead of merely not locked.
+    // With a limit, later allocations would fail instead of only not being locked.
     if getrlimit(Resource::Memlock).current.is_some() {
         return Err("the limit of locked memory is not `unlimited`".to_owned());
     }

@@ -1,8 +1,8 @@
-//! The recorder: takes whole cycles from the cycle thread, keeps them packed in the flight recorder, and makes messages of them for
-//! the bag that is being written.
+//! Recorder: receives complete cycles from the cycle thread, keeps them packed in the flight recorder, and converts
+//! them to messages of the current bag.
 //!
-//! The recorder runs on a thread of its own; bags are written by further ones. What goes wrong is told as an event of the machine
-//! (a command `Note`, so that it stands in the recording too) and in the log.
+//! The recorder runs in its own thread; other threads write bags. Errors are reported as an event of the machine (a
+//! command `Note`, so that the recording contains it) and in the log.
 
 mod published;
 mod requests;
@@ -33,65 +33,65 @@ use tokio::sync::oneshot;
 pub use published::Published;
 pub use requests::{BAG_DURATIONS, is_bag_duration};
 
-/// How often it looks for cycles.
+/// Polling interval for cycles.
 const PERIOD: Duration = Duration::from_millis(20);
-/// Most cycles of one look: however many there are, requests and failures are looked at in between.
+/// Maximum number of cycles per pass; requests and failures are handled between passes.
 const MOST_CYCLES: usize = 512;
-/// Least time between two events about missing cycles.
+/// Minimum time between two events about missing cycles.
 const SECOND: Duration = Duration::from_secs(1);
 
-/// A request of `~/record` and the way back.
+/// A request of `~/record` and the sender of its answer.
 pub type Asked = (RecordRequest, Answer);
 type Answer = oneshot::Sender<RecordResponse>;
 
-/// The flight recorder of a run: its memory and where its bags go.
+/// The flight recorder of a run: its memory and the folder of its bags.
 pub type FlightRecorder = (Flight, FlightFolder);
 
-/// A bus on CAN by its name, and the frames that go over it.
+/// Name of a CAN bus, and its frames.
 pub type BusFrames = (String, Frames);
 
-/// The recorder of a running machine.
+/// Recorder of a running machine.
 pub struct Recorder {
     handle: Arc<Handle>,
     frames: FrameReceiver,
-    /// Contents of the received cycle.
+    /// Content of the received cycle.
     taken: Taken,
     decoder: Decoder,
     subject: Arc<Subject>,
     asked: Receiver<Asked>,
     writer: Option<Writer>,
-    /// A bag that begins with the next cycle that one may begin with.
+    /// A bag that begins with the next suitable cycle.
     waiting: Option<(BagOptions, Answer)>,
     flight: Option<FlightRecorder>,
-    /// Buses on CAN, and what goes over them.
+    /// CAN buses and their frames.
     buses: Vec<BusFrames>,
-    /// What the node publishes, where bags hold it.
+    /// Messages of the node, if bags contain them.
     published: Option<Published>,
-    /// Bags that are being ended, on threads of their own.
+    /// Bags that are being finished, each in its own thread.
     ending: Vec<JoinHandle<Ended>>,
-    /// The bag of the flight recorder that is being saved.
+    /// Bag of the flight recorder that is being saved.
     saving: Option<JoinHandle<Ended>>,
-    /// As it was when the last bag ended.
+    /// Status when the last bag ended.
     last: RecordResponse,
     next_cycle: u64,
-    /// Cycles whose gaps were seen.
+    /// Number of missing cycles that were noticed.
     gaps: u64,
-    /// Cycles that are missing and were not told of yet.
+    /// Number of missing cycles that were not reported yet.
     missing: u64,
     told: Option<Instant>,
-    /// A bag has no good end.
+    /// Whether a bag was not finished without error.
     has_failed: bool,
 }
 
-/// What became of a bag.
+/// Result of a bag.
 struct Ended {
     response: RecordResponse,
-    /// How the machine is told where it failed: code and the system's number.
+    /// Error code and error number of the operating system, for the machine.
     failed: Option<(Code, i32)>,
 }
 
 impl Recorder {
-    /// A recorder; `bag` is written from the first cycle on.
+    /// Creates a recorder; `bag` is written from the first cycle on.
     pub fn new(
         handle: Arc<Handle>,
         frames: FrameReceiver,
@@ -125,17 +125,18 @@ impl Recorder {
         }
     }
 
-    /// The same, which keeps frames of buses: in the bags of the flight recorder, and in those whose [`Subject`] has them.
+    /// Records frames of buses: in the bags of the flight recorder, and in bags whose [`Subject`] has the buses.
     pub fn with_buses(self, buses: Vec<BusFrames>) -> Self {
         Self { buses, ..self }
     }
 
-    /// The same, which writes what the node publishes into bags whose [`Subject`] has its topics.
+    /// Writes messages of the node into bags whose [`Subject`] has their topics.
     pub fn with_published(self, published: Option<Published>) -> Self {
         Self { published, ..self }
     }
 
-    /// Works until `stop` is set, then takes what is left and ends all bags. True when nothing failed.
+    /// Runs until `stop` is set, then receives the remaining cycles and finishes all bags. Returns true if nothing
+    /// failed.
     pub fn run(mut self, stop: &AtomicBool) -> bool {
         while !stop.load(Ordering::Relaxed) {
             if !self.look() {
@@ -146,7 +147,7 @@ impl Recorder {
         self.end()
     }
 
-    /// Takes what there is; true when there is more.
+    /// Handles all pending data; returns true if there is more.
     fn look(&mut self) -> bool {
         let is_wanted = self.writer.is_some() || self.waiting.is_some();
         if let Some(published) = &mut self.published {
@@ -198,11 +199,11 @@ impl Recorder {
         } else if let Some(published) = &mut self.published {
             published.skip(head.time.stamp_ns);
         }
-        // A fault in a cycle that was left out is one all the same.
+        // A fault in a cycle that was dropped counts as well.
         let is_fault = self.taken.left_out.iter().chain(&self.taken.extras.events).any(is_fault);
         if let Some((flight, _)) = &mut self.flight
             && flight.push(&head, &mut self.taken, is_fault)
-            // While a bag is being saved the next one waits: what it is about stays in memory.
+            // While a bag is being saved the next one waits; its cycles stay in memory.
             && self.saving.is_none()
         {
             let kept = flight.freeze();
@@ -213,7 +214,7 @@ impl Recorder {
         }
     }
 
-    /// Nobody wants the cycles.
+    /// Whether no recording needs the cycles.
     fn is_idle(&self) -> bool {
         self.writer.is_none() && self.waiting.is_none() && self.flight.is_none()
     }
@@ -230,7 +231,7 @@ impl Recorder {
         self.missing += if self.is_idle() { 0 } else { gap };
     }
 
-    /// One event for the cycles that are missing, at most one a second.
+    /// Reports missing cycles in one event, at most once per second.
     fn tell_missing(&mut self) {
         if self.missing == 0 || self.told.is_some_and(|told| told.elapsed() < SECOND) {
             return;
@@ -241,13 +242,13 @@ impl Recorder {
     }
 
     fn note(&self, code: Code, number: i64) {
-        // With a full lane the log has it.
+        // If the queue is full, only the log has it.
         if self.handle.submit_as(Source::Machine, Action::Note { code, number }).is_err() {
             tracing::error!("recorder: code {} ({number}) cannot be told as an event: no cycle takes it", code.0);
         }
     }
 
-    /// A bag that waits for a cycle which does not come.
+    /// Cancels a bag that waits for a cycle although none runs.
     fn give_up_waiting(&mut self) {
         if !self.handle.takes_commands()
             && let Some((_, answer)) = self.waiting.take()
@@ -256,7 +257,7 @@ impl Recorder {
         }
     }
 
-    /// Begins a bag with the next cycle that one may begin with.
+    /// Begins a bag with the next suitable cycle.
     fn wait_to_begin(&mut self, options: BagOptions, answer: Answer) {
         if let Some(published) = &self.published {
             published.open();
@@ -273,7 +274,7 @@ impl Recorder {
         }
     }
 
-    /// A bag that ended by itself has failed.
+    /// Handles a bag that ended by itself because of an error.
     fn notice_failure(&mut self) {
         if let Some(writer) = self.writer.take_if(|writer| writer.is_over()) {
             let ended = end(writer);
@@ -281,7 +282,7 @@ impl Recorder {
         }
     }
 
-    /// Takes note of how a bag ended.
+    /// Records the result of a bag.
     fn settle(&mut self, ended: Ended) {
         self.fail(ended.failed);
         self.last = ended.response;
@@ -307,10 +308,10 @@ impl Recorder {
         }
     }
 
-    /// Takes the writer, with all that is known of its bag.
+    /// Removes the writer, after it got all information about its bag.
     fn take_writer(&mut self) -> Option<Writer> {
         let mut writer = self.writer.take()?;
-        // Cycles that were left out after the last one that came have left no gap yet.
+        // Cycles that were dropped after the last received one have left no gap yet.
         let unseen = self.frames.lost().saturating_sub(self.gaps);
         if unseen > 0 {
             writer.lose(unseen);
@@ -333,15 +334,15 @@ impl Recorder {
             let saved = folder.save(&kept, &mut decoder, &subject);
             let ended = ended(saved, "saved", Code::FLIGHT_FAILED, &folder.to_string());
             let response = RecordResponse { recording: is_recording, ..ended.response.clone() };
-            // Whoever asked may have gone.
+            // The caller may have gone.
             let _ = answer.map(|answer| answer.send(response));
             ended
         }));
     }
 
-    /// Ends everything; waits for the disk.
+    /// Ends all bags; waits for the disk.
     fn end(mut self) -> bool {
-        // A bag that is being saved may not hold the last fault.
+        // A bag that is being saved may lack the last fault.
         if let Some(saving) = self.saving.take()
             && let Ok(ended) = saving.join()
         {
@@ -358,7 +359,7 @@ impl Recorder {
             tracing::warn!("{} cycles are missing in the recording, told of here alone", self.missing);
         }
         let ended = writer.map(end).into_iter();
-        // A thread that panicked has said so.
+        // A thread that panicked has reported it.
         let threads = self.ending.into_iter().chain(self.saving).flat_map(JoinHandle::join);
         ended.chain(threads).fold(!self.has_failed, |is_good, ended| is_good && ended.failed.is_none())
     }
@@ -368,20 +369,20 @@ fn is_fault(event: &Event) -> bool {
     event.severity == Severity::Error && event.kind == Kind::Error
 }
 
-/// Ends a bag.
+/// Finishes a bag.
 fn end(writer: Writer) -> Ended {
     let path = writer.path.clone();
     match writer.finish() {
         Ok(summary) => ended(Ok(summary), "recorded", Code::RECORD_FAILED, &path),
         Err(Failure::Broken(error)) => ended(Err(error), "recorded", Code::RECORD_FAILED, &path),
-        // Whoever asked for it was told why.
+        // The client that requested it got the reason.
         Err(Failure::NotBegun(message)) => {
             Ended { response: RecordResponse { message, path, ..RecordResponse::default() }, failed: None }
         }
     }
 }
 
-/// What became of a bag, told in the log.
+/// Logs the result of a bag and returns it.
 fn ended(result: Result<Summary, BagError>, done: &str, code: Code, path: &str) -> Ended {
     match result {
         Ok(Summary { path, cycles, size, lost, replayable, .. }) => {
@@ -396,7 +397,7 @@ fn ended(result: Result<Summary, BagError>, done: &str, code: Code, path: &str) 
             tracing::error!("{error}");
             let response =
                 RecordResponse { message: error.to_string(), path: path.to_owned(), ..RecordResponse::default() };
-            // What was refused was never begun: nothing has failed.
+            // A refused bag was never begun, so nothing has failed.
             let failed = matches!(error, BagError::Write { .. }).then(|| (code, error.system_error()));
             Ended { response, failed }
         }

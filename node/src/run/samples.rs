@@ -1,6 +1,6 @@
-//! The way of the state topics out of the cycle thread: the signals of each cycle that a rate takes.
+//! Sends the signals for the state topics from the cycle thread: those of each cycle that a rate selects.
 //!
-//! The newest signals alone ([`Snapshot`], newest wins) would leave samples out where a thread of ROS gets its turn late.
+//! With only the newest signals ([`Snapshot`]), samples would be missing if a ROS thread is scheduled late.
 
 use super::pool::{Emptier, Filler, Room, pool};
 use crate::recording::cadence::Cadence;
@@ -10,19 +10,19 @@ use lineshaft_ros::surface::host::Snapshot;
 /// Samples that may wait for the bridge.
 const ROOM: Room = Room { time_ns: 500_000_000, bytes: 16 << 20, least: 8 };
 
-/// The rates of the state topics, in cycles.
+/// Rates of the state topics, in cycles.
 #[derive(Clone, Debug)]
 pub struct Cadences {
-    /// joint_states
+    /// Rate of joint_states.
     pub joint_states: Cadence,
-    /// ~/axis_states
+    /// Rate of ~/axis_states.
     pub axis_states: Cadence,
-    /// ~/shaft; none: it is off.
+    /// Rate of ~/shaft; `None`: it is off.
     pub shaft: Option<Cadence>,
 }
 
 impl Cadences {
-    /// The part of all cycles that some topic takes, 0 to 1: equal rates take the same cycles.
+    /// Returns the fraction of cycles that some topic selects, 0 to 1; equal rates select the same cycles.
     fn share(&self) -> f64 {
         let mut all: Vec<&Cadence> = [&self.joint_states, &self.axis_states].into_iter().chain(&self.shaft).collect();
         all.dedup();
@@ -30,33 +30,33 @@ impl Cadences {
     }
 }
 
-/// The signals of a cycle, and which topics take it.
+/// Signals of a cycle, and the topics that need them.
 #[derive(Clone, Debug)]
 pub struct Sample {
     /// The signals.
     pub snapshot: Snapshot,
-    /// For joint_states.
+    /// Whether joint_states needs it.
     pub joint_states: bool,
-    /// For ~/axis_states.
+    /// Whether ~/axis_states needs it.
     pub axis_states: bool,
-    /// For ~/shaft.
+    /// Whether ~/shaft needs it.
     pub shaft: bool,
 }
 
-/// The end in the cycle thread.
+/// End in the cycle thread.
 #[derive(Debug)]
 pub struct SampleSender {
     cadences: Cadences,
     pool: Filler<Sample>,
 }
 
-/// The other end.
+/// End in the bridge.
 #[derive(Debug)]
 pub struct SampleReceiver {
     pool: Emptier<Sample>,
 }
 
-/// Makes the way for a machine with this board.
+/// Creates both ends for a machine with this board.
 pub fn samples(cadences: Cadences, cycle_ns: u64, board: &Board) -> (SampleSender, SampleReceiver) {
     let first = Snapshot { cycle: 0, stamp_ns: 0, board: board.clone() };
     let sample = Sample { snapshot: first, joint_states: false, axis_states: false, shaft: false };
@@ -66,7 +66,7 @@ pub fn samples(cadences: Cadences, cycle_ns: u64, board: &Board) -> (SampleSende
 }
 
 impl SampleSender {
-    /// Sends the cycle that has just run, if a topic takes it.
+    /// Sends the cycle that has just run, if a topic needs it; returns whether it did.
     pub fn send(&mut self, cycle: u64, stamp_ns: u64, board: &Board) -> bool {
         let joint_states = self.cadences.joint_states.is_due(cycle);
         let axis_states = self.cadences.axis_states.is_due(cycle);
@@ -85,7 +85,7 @@ impl SampleSender {
 }
 
 impl SampleReceiver {
-    /// Takes what has come, in its order.
+    /// Receives all pending samples, in order.
     pub fn take(&mut self, mut each: impl FnMut(&Sample)) {
         while let Some(sample) = self.pool.take() {
             each(&sample);
@@ -93,7 +93,7 @@ impl SampleReceiver {
         }
     }
 
-    /// Samples that were left out so far.
+    /// Returns the number of dropped samples so far.
     pub fn lost(&self) -> u64 {
         self.pool.lost()
     }
@@ -105,7 +105,7 @@ mod tests {
     use crate::cell::Cell;
     use lineshaft_core::machine::Machine;
 
-    /// Of rates (1/s) of joint_states, ~/axis_states and ~/shaft.
+    /// Creates both ends with rates, in 1/s, of joint_states, ~/axis_states and ~/shaft.
     fn at([joint_states, axis_states]: [f64; 2], shaft: Option<f64>, board: &Board) -> (SampleSender, SampleReceiver) {
         let cadence = |rate| Cadence::new(rate, 1_000_000);
         let cadences = Cadences {
@@ -123,7 +123,7 @@ mod tests {
         let mut seen = Vec::new();
         for cycle in 0..300_u64 {
             sender.send(cycle, 7 * cycle, machine.board());
-            // A turn now and then, up to 120 ms late.
+            // The receiver runs at intervals, up to 120 ms late.
             if cycle % 120 == 119 || cycle == 299 {
                 receiver.take(|sample| {
                     assert_eq!(sample.snapshot.stamp_ns, 7 * sample.snapshot.cycle);
@@ -135,7 +135,7 @@ mod tests {
         assert_eq!((seen, receiver.lost()), (wanted, 0));
     }
 
-    /// 25 in a second: each 40th, also where no other topic takes it; without a rate none.
+    /// 25 per second: every 40th cycle, even if no other topic selects it; without a rate none.
     #[test]
     fn the_shaft_has_cycles_of_its_own() {
         let machine = Machine::new(Cell::demo().machine).unwrap();

@@ -1,8 +1,9 @@
-//! The half of the backends that takes its time: starting, stopping, health. It has a thread of its own.
+//! Slow part of the backends: starting, stopping and health, in its own thread.
 //!
-//! Law      all have started before the first cycle, and none stops before the last one is over; they stop in reverse order. Those that
-//!          have started do what is due while others start or stop, which may take seconds: their devices watch whether they are there
-//! Refuses  to let cycles run where one does not start: those that have started stop then
+//! Law      all backends are started before the first cycle, and none is stopped before the last one has finished; they
+//!          are stopped in reverse order. Started backends do their periodic work while others are started or stopped,
+//!          which may take seconds, because their devices supervise the master
+//! Refuses  to let cycles run if a backend does not start; the started ones are then stopped
 
 use super::gate::Gate;
 use lineshaft_core::drive::{Health, Note, Service, ServiceError};
@@ -11,17 +12,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// How often the health of the backends is looked at.
+/// Polling interval of the health of the backends.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Starts, watches and stops them.
+/// Starts, supervises and stops the backends.
 pub struct Services {
     all: Vec<Box<dyn Service>>,
     gate: Arc<Gate>,
     board: HealthBoard,
 }
 
-/// How each of them does, for whoever shows it.
+/// Health of each backend, for display.
 #[derive(Clone, Debug, Default)]
 pub struct HealthBoard(Arc<Mutex<Vec<BackendHealth>>>);
 
@@ -30,7 +31,7 @@ impl HealthBoard {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What stands there.
+    /// Returns the health of all backends.
     pub fn read(&self) -> Vec<BackendHealth> {
         self.rows().clone()
     }
@@ -43,7 +44,7 @@ impl HealthBoard {
 }
 
 impl Services {
-    /// The services of a machine, whose gate waits for them from now on.
+    /// Creates the services of a machine; its gate waits for them from now on.
     pub fn new(all: Vec<Box<dyn Service>>, gate: Arc<Gate>) -> Self {
         gate.wait_for_services();
         let rows = all.iter().map(|service| BackendHealth {
@@ -55,12 +56,12 @@ impl Services {
         Self { all, gate, board }
     }
 
-    /// Where they show how they do.
+    /// Returns the display of their health.
     pub fn board(&self) -> HealthBoard {
         self.board.clone()
     }
 
-    /// Runs until `stop` is set and no cycle runs; `tell` gets what happens to what they hang on.
+    /// Runs until `stop` is set and no cycle runs; `tell` gets events of the devices.
     pub fn run(mut self, stop: &AtomicBool, tell: &(impl Fn(Note) + Sync)) {
         while !stop.load(Ordering::Relaxed) {
             if !self.gate.is_wanted() {
@@ -88,7 +89,8 @@ impl Services {
         Ok(())
     }
 
-    /// Until no cycle runs any more. Each has a thread of its own, as it may wait for what it hangs on.
+    /// Supervises all backends until no cycle runs any more. Each has its own thread, because it may wait for its
+    /// devices.
     fn look_after_all(&mut self, stop: &AtomicBool, tell: &(impl Fn(Note) + Sync)) {
         let is_over = AtomicBool::new(false);
         std::thread::scope(|scope| {
@@ -100,7 +102,7 @@ impl Services {
                 };
                 scope.spawn(move || look_after(service.as_mut(), is_over, show));
             }
-            // The cycle thread ends first: the program sees to that.
+            // The cycle thread ends first; the program ensures this.
             while !self.gate.end_of_cycles() && !stop.load(Ordering::Relaxed) {
                 std::thread::sleep(LOOK);
             }
@@ -119,7 +121,7 @@ impl Services {
     }
 }
 
-/// Does this while the services of `started` do what is due, each in a thread of its own.
+/// Calls `this` while the services of `started` do their periodic work, each in its own thread.
 fn beside<T>(started: &mut [Box<dyn Service>], this: impl FnOnce() -> T) -> T {
     let is_over = AtomicBool::new(false);
     std::thread::scope(|scope| {
@@ -130,13 +132,13 @@ fn beside<T>(started: &mut [Box<dyn Service>], this: impl FnOnce() -> T) -> T {
                 }
             });
         }
-        // Also where it panics: the scope waits for them.
+        // Also if it panics, because the scope waits for the threads.
         let _end = Over(&is_over);
         this()
     })
 }
 
-/// Is over when dropped.
+/// Sets the end flag when dropped.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -145,7 +147,7 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Tells what is wrong once, and once that it is over.
+/// Reports each problem once, and its end once.
 fn look_after(service: &mut dyn Service, is_over: &AtomicBool, show: impl Fn(Health)) {
     let mut told: Vec<String> = Vec::new();
     while !is_over.load(Ordering::Relaxed) {
@@ -174,11 +176,11 @@ mod tests {
 
     struct Fake {
         name: &'static str,
-        /// Starts that fail.
+        /// Number of starts that fail.
         failures: usize,
         diary: Diary,
         idled: Arc<AtomicUsize>,
-        /// Starting and stopping last until that one has been at work for a while, or for ten seconds.
+        /// Starting and stopping take until that service has worked for a while, or ten seconds.
         beside: Option<Arc<AtomicUsize>>,
     }
 
@@ -206,7 +208,7 @@ mod tests {
                 self.note("fails");
                 return Err(ServiceError { backend: self.name.to_owned(), problem: "can0 is down".to_owned() });
             }
-            // A drive that is not there takes its time.
+            // An absent drive takes time.
             self.take_time();
             self.note("starts");
             Ok(())
@@ -236,7 +238,7 @@ mod tests {
         }
     }
 
-    /// A device whose master is silent for a second goes into fault.
+    /// A device goes into fault if its master is silent for a second.
     #[test]
     fn who_has_started_is_at_work_while_others_start_and_stop() {
         let idled = [Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0))];
@@ -279,7 +281,7 @@ mod tests {
         let heard = Arc::clone(&told);
         let tell = move |note| heard.lock().unwrap().push(note);
         let thread = std::thread::spawn(move || services.run(&of_services, &tell));
-        // b is not there: a stops, nothing runs, until somebody asks again.
+        // b is absent: a is stopped and nothing runs until the next request.
         until(|| gate.state() != GateState::Closed);
         assert_eq!(gate.state(), GateState::Failed("backend b: can0 is down".to_owned()));
         gate.open();

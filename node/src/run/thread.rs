@@ -1,4 +1,4 @@
-//! The cycle thread: absolute deadlines, one cycle after the other, and nothing that could make it wait.
+//! Cycle thread: runs one cycle after the other at absolute deadlines, without anything that could make it wait.
 
 use super::backends::Backends;
 use super::clock::CycleClock;
@@ -24,53 +24,53 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
 
-/// How well the thread keeps its time; written by it, read by anybody.
+/// Timing statistics of the thread; written by it, read by other threads.
 #[derive(Debug, Default)]
 pub struct Statistics {
-    /// Cycles run.
+    /// Number of cycles.
     pub cycles: AtomicU64,
-    /// Cycles missed.
+    /// Number of missed cycles.
     pub missed: AtomicU64,
-    /// Sum of all wake-ups after their deadlines (ns).
+    /// Sum of the wake-up latencies, in ns.
     pub lateness_ns: AtomicU64,
-    /// Sum of the lengths of all cycles (ns).
+    /// Sum of the cycle durations, in ns.
     pub duration_ns: AtomicU64,
-    /// Latest wake-up since somebody took it (ns).
+    /// Maximum wake-up latency since the last report, in ns.
     pub newest_lateness_ns: AtomicU64,
-    /// Longest cycle since somebody took it (ns).
+    /// Maximum cycle duration since the last report, in ns.
     pub newest_duration_ns: AtomicU64,
-    /// Latest wake-up after its deadline (ns).
+    /// Maximum wake-up latency, in ns.
     pub worst_lateness_ns: AtomicU64,
-    /// Longest cycle, from its wake-up to its end (ns).
+    /// Maximum cycle duration, from wake-up to end, in ns.
     pub worst_duration_ns: AtomicU64,
-    /// All wake-ups after their deadlines (ns).
+    /// Wake-up latencies, in ns.
     pub lateness: Histogram,
-    /// The lengths of all cycles (ns).
+    /// Cycle durations, in ns.
     pub duration: Histogram,
-    /// Events that found the ring full.
+    /// Number of events that were lost because the ring buffer was full.
     pub events_lost: AtomicU64,
 }
 
-/// Counts of both histograms when [`Statistics::take`] was called last: they belong to the caller.
+/// Counts of both histograms at the last call of [`Statistics::take`]; they belong to the caller.
 #[derive(Clone, Debug, Default)]
 pub struct Taken {
     lateness: Counts,
     duration: Counts,
 }
 
-/// A scenario that plays on the running machine. It takes memory, so such a run is for rehearsals.
+/// A scenario that is played on the running machine. It allocates, so such a run is for tests only.
 pub struct Play {
     /// The scenario.
     pub player: Player,
-    /// Numbers of its commands.
+    /// Source of the numbers of its commands.
     pub numbers: Numbers,
-    /// Where its report goes when it is over.
+    /// Receives the report at its end.
     pub report: Sender<Report>,
 }
 
 impl Statistics {
-    /// Returns what the surface publishes. The newest maxima and percentiles start again: for one caller, which keeps `last`. It
-    /// takes memory, so the cycle thread never calls it.
+    /// Returns the statistics that the surface publishes, and restarts their maxima and percentiles. There may be only
+    /// one caller, which stores `last`. It allocates, so the cycle thread never calls it.
     pub fn take(&self, last: &mut Taken) -> host::Statistics {
         let of = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         let newest_maximum = |maximum: &AtomicU64| maximum.swap(0, Ordering::Relaxed);
@@ -114,7 +114,7 @@ impl Statistics {
         )
     }
 
-    /// Notes a cycle (ns).
+    /// Records the wake-up latency and the duration of a cycle, in ns.
     fn count(&self, lateness: u64, duration: u64) {
         let add = |counter: &AtomicU64, by| counter.fetch_add(by, Ordering::Relaxed);
         add(&self.cycles, 1);
@@ -132,41 +132,41 @@ impl Statistics {
     }
 }
 
-/// Everything that the cycle thread owns.
+/// Data that the cycle thread owns.
 pub struct CycleThread {
     /// The machine.
     pub machine: Machine,
-    /// What it exchanges with.
+    /// Backends of the machine.
     pub backends: Backends,
-    /// A scenario that plays on it.
+    /// Scenario that is played.
     pub play: Option<Play>,
-    /// The trial of an axis, if one is tuned, and the numbers of its commands.
+    /// Trial of an axis that is tuned, if any, and the source of the numbers of its commands.
     pub trials: (TrialSlot, Numbers),
-    /// Ways in.
+    /// Queues of commands.
     pub lanes: Lanes,
-    /// Way out of events.
+    /// Sends events.
     pub events: Producer<StampedEvent>,
-    /// Way out of whole cycles, for the recorder.
+    /// Sends complete cycles to the recorder.
     pub frames: FrameSender,
-    /// Way out of signals.
+    /// Publishes signals.
     pub snapshot: triple_buffer::Input<Snapshot>,
-    /// Way out of the cycles of the state topics.
+    /// Sends the cycles of the state topics.
     pub samples: SampleSender,
-    /// Way out of parameters.
+    /// Publishes parameters.
     pub parameters: triple_buffer::Input<ParameterImage>,
-    /// The version that went out last.
+    /// Last published version of the parameters.
     pub published: u64,
-    /// Wakes the bridge when there is something to pass on.
+    /// Wakes the bridge when there is data to pass on.
     pub wake: Wake,
-    /// Closed, no cycle runs.
+    /// Gate; while it is closed, no cycle runs.
     pub gate: Arc<Gate>,
-    /// Set from outside to end it.
+    /// Set by another thread to end it.
     pub stop: Arc<AtomicBool>,
-    /// How it does.
+    /// Timing statistics.
     pub statistics: Arc<Statistics>,
-    /// The times of its cycles.
+    /// Calculates the times of cycles.
     pub clock: CycleClock,
-    /// Where it runs.
+    /// Processor on which it runs.
     pub processor: Processor,
 }
 
@@ -180,14 +180,15 @@ fn sleep_until(deadline: u64) {
         tv_sec: (deadline / 1_000_000_000).cast_signed(),
         tv_nsec: (deadline % 1_000_000_000).cast_signed(),
     };
-    // Interrupted by a signal: the deadline is absolute, so sleep on.
+    // Interrupted by a signal: the deadline is absolute, so the sleep is repeated.
     while clock_nanosleep_absolute(ClockId::Monotonic, &request) == Err(rustix::io::Errno::INTR) {}
 }
 
 impl CycleThread {
-    /// Runs until it is told to stop. `ready` gets what the system did not grant, before the first cycle.
+    /// Runs until it is stopped. `ready` gets the requests that the operating system did not grant, before the first
+    /// cycle.
     pub fn run(mut self, ready: Sender<Vec<String>>) {
-        // Nobody may wait for it any more.
+        // The receiver may have gone.
         let _ = ready.send(realtime::claim(self.processor));
         let (gate, stop) = (Arc::clone(&self.gate), Arc::clone(&self.stop));
         let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
@@ -198,13 +199,13 @@ impl CycleThread {
         }
     }
 
-    /// Runs cycles until the gate closes or the program ends. Their time begins anew, none of them before `earliest`; returns
-    /// when the next one may be (ns of the monotonic clock).
+    /// Runs cycles until the gate closes or the program ends. Their timing starts again, not before `earliest`; returns
+    /// the earliest time of the next cycle, in ns of the monotonic clock.
     fn cycles(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, earliest: u64) -> u64 {
         let cycle_ns = self.machine.config().cycle_ns;
         let mut deadline = nanoseconds(ClockId::Monotonic).max(earliest);
         let mut missed = 0;
-        // What was given before the gate closed still has its cycle, so that everybody gets an answer.
+        // Commands submitted before the gate closed are still executed, so that each gets an answer.
         while !self.stop.load(Ordering::Relaxed) && (self.gate.is_wanted() || !self.lanes.are_empty()) {
             sleep_until(deadline);
             let woken = nanoseconds(ClockId::Monotonic);
@@ -254,7 +255,7 @@ impl CycleThread {
         self.snapshot.publish();
         let is_sampled = self.samples.send(inputs.cycle, stamp_ns, self.machine.board());
         let is_set = self.publish_parameters();
-        // After the signals: who reacts to an event finds signals that are at least as new.
+        // After the signals: a reader of an event finds signals that are at least as new.
         for &event in self.machine.events() {
             if self.events.push(StampedEvent { event, stamp_ns }).is_err() {
                 self.statistics.events_lost.fetch_add(1, Ordering::Relaxed);
@@ -267,9 +268,9 @@ impl CycleThread {
         }
     }
 
-    /// Publishes the parameters, if they have changed.
+    /// Publishes the parameters if they have changed.
     fn publish_parameters(&mut self) -> bool {
-        // Of the three images each is brought up to date when its turn comes.
+        // Each of the three images is updated when its turn comes.
         let is_set = self.published != self.machine.parameter_version();
         if is_set {
             self.published = self.machine.parameter_version();
@@ -279,18 +280,18 @@ impl CycleThread {
         is_set
     }
 
-    /// Judges the cycle for the scenario, and reports it when it is over.
+    /// Evaluates the cycle for the scenario, and reports at its end.
     fn end_play(&mut self) {
         if let Some(play) = &mut self.play {
             play.player.after(&self.machine);
         }
         if let Some(play) = self.play.take_if(|play| play.player.is_over()) {
-            // Nobody left to hear it: the program is ending.
+            // The receiver has gone if the program is ending.
             let _ = play.report.send(play.player.finish());
         }
     }
 
-    /// Moves the deadline past whole cycles that can no longer be kept, and says how many they are.
+    /// Moves the deadline past complete cycles that were missed, and returns their number.
     fn skip_missed(&self, deadline: &mut u64, now: u64, cycle_ns: u64) -> u32 {
         let late = now.saturating_sub(*deadline) / cycle_ns;
         *deadline += late * cycle_ns;
@@ -328,7 +329,7 @@ mod tests {
         let third = statistics.take(&mut last);
         assert_eq!((third.newest_lateness, third.newest_duration), (Percentiles::default(), Percentiles::default()));
         assert_eq!((third.lateness, third.duration), (second.lateness, second.duration));
-        // Larger than all before, so that the maximum of the period does not hide an older sample.
+        // Larger than all before, so that the maximum of the period does not limit the value of an older sample.
         statistics.count(60, 400);
         let fourth = statistics.take(&mut last);
         assert_eq!(fourth.newest_lateness, Percentiles { p50: 60, p99: 60, p999: 60 });

@@ -1,10 +1,11 @@
-//! The way of a trial into the cycle thread and back.
+//! Passes a trial into the cycle thread and back.
 //!
-//! Law      one trial at a time. It goes in by one ring and comes back by another, so that the cycle thread takes no memory for it and gives
-//!          none back; its command is the last one of its cycle. Where a cycle has no room for that, or cycles end, the trial ends
-//! Reads    what the trial reads, whether it was cancelled
-//! Writes   commands, the progress that is shown
-//! Refuses  a second trial beside the first
+//! Law      one trial at a time. It is passed in by one ring buffer and back by another, so that the cycle thread
+//!          neither allocates nor frees; its command is the last one of its cycle. If a cycle has no room for the
+//!          command, or cycles end, the trial ends
+//! Reads    the inputs of the trial, and whether it was cancelled
+//! Writes   commands, the displayed progress
+//! Refuses  a second trial at the same time
 
 use super::lanes::Numbers;
 use crate::tune::{Doing, Stop, Trial};
@@ -16,15 +17,15 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::oneshot;
 
-/// Steps of the progress that is shown.
+/// Steps of the displayed progress.
 const STEPS: f64 = 1000.0;
-/// Of a number that holds progress and phase.
+/// Factor for a number that contains progress and phase.
 const PHASES: u32 = 8;
 
-/// How a trial does: written by the cycle thread, read by anybody.
+/// Progress of a trial: written by the cycle thread, read by other threads.
 #[derive(Debug, Default)]
 pub struct Watch {
-    /// Progress and phase, in one so that they belong together.
+    /// Progress and phase, in one atomic so that they are consistent.
     shown: AtomicU32,
     is_cancelled: AtomicBool,
 }
@@ -55,14 +56,14 @@ impl TuningWatch for Watch {
     }
 }
 
-/// A trial with who watches it.
+/// A trial with its progress.
 #[derive(Debug)]
 struct Tried {
     trial: Trial,
     watch: Arc<Watch>,
 }
 
-/// The end at which trials are begun, and come back.
+/// End at which trials are begun and collected.
 #[derive(Debug)]
 pub struct TrialDesk(Mutex<Desk>);
 
@@ -70,11 +71,11 @@ pub struct TrialDesk(Mutex<Desk>);
 struct Desk {
     to: Producer<Box<Tried>>,
     from: Consumer<Box<Tried>>,
-    /// Place of its axis, and who waits for the trial under way.
+    /// Index of its axis, and the receiver of the current trial.
     waiting: Option<(u16, oneshot::Sender<Trial>)>,
 }
 
-/// The end in the cycle thread.
+/// End in the cycle thread.
 #[derive(Debug)]
 pub struct TrialSlot {
     coming: Consumer<Box<Tried>>,
@@ -82,7 +83,7 @@ pub struct TrialSlot {
     tried: Option<Box<Tried>>,
 }
 
-/// Both ends.
+/// Creates both ends.
 pub fn trials() -> (TrialDesk, TrialSlot) {
     let ((to, coming), (going, from)) = (RingBuffer::new(1), RingBuffer::new(1));
     (TrialDesk(Mutex::new(Desk { to, from, waiting: None })), TrialSlot { coming, going, tried: None })
@@ -90,19 +91,19 @@ pub fn trials() -> (TrialDesk, TrialSlot) {
 
 impl TrialDesk {
     fn desk(&self) -> MutexGuard<'_, Desk> {
-        // Between two whole steps the rings are sound.
+        // Between two complete steps the rings are valid.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Place of the axis that is tried, if one is.
+    /// Returns the index of the axis that is being tuned, if any.
     pub fn busy(&self) -> Option<u16> {
         self.desk().waiting.as_ref().map(|(axis, _)| *axis)
     }
 
-    /// Hands a trial over; it comes back when it is over.
+    /// Begins a trial; it is returned at its end.
     ///
     /// # Errors
-    /// Another one is under way: the place of its axis.
+    /// Returns the index of the axis of another trial, if one is running.
     pub fn begin(&self, trial: Trial) -> Result<(Arc<Watch>, oneshot::Receiver<Trial>), u16> {
         let mut desk = self.desk();
         if let Some((axis, _)) = desk.waiting {
@@ -110,7 +111,7 @@ impl TrialDesk {
         }
         let watch = Arc::<Watch>::default();
         let (axis, (answer, answered)) = (trial.setting().axis, oneshot::channel());
-        // Nothing is under way, so nothing lies in the ring.
+        // No trial is running, so the ring is empty.
         let pushed = desk.to.push(Box::new(Tried { trial, watch: Arc::clone(&watch) }));
         if pushed.is_ok() {
             desk.waiting = Some((axis, answer));
@@ -118,24 +119,25 @@ impl TrialDesk {
         Ok((watch, answered))
     }
 
-    /// Gives back what has come back.
+    /// Passes a finished trial to its receiver.
     pub fn collect(&self) {
         let mut desk = self.desk();
         let Ok(tried) = desk.from.pop() else { return };
         if let Some((_, answer)) = desk.waiting.take() {
-            // Who began it may have gone.
+            // The receiver may have gone.
             let _ = answer.send(tried.trial);
         }
     }
 }
 
 impl TrialSlot {
-    /// Is there one, or one to begin?
+    /// Whether there is a trial, running or to begin.
     pub fn is_busy(&self) -> bool {
         self.tried.is_some() || !self.coming.is_empty()
     }
 
-    /// The command of the trial for this cycle, beside these stops; `has_room` for one.
+    /// Returns the command of the trial for this cycle, in addition to these stops; `has_room`: the cycle has room for
+    /// a command.
     pub fn before(
         &mut self,
         machine: &Machine,
@@ -148,14 +150,14 @@ impl TrialSlot {
         }
         let Tried { trial, watch } = &mut **self.tried.as_mut()?;
         let axis = trial.setting().axis;
-        // An axis that stands, or is being switched on, shows nothing of a halt.
+        // For an axis at standstill, or while it is being switched on, a halt has no visible effect.
         if stops.iter().any(|command| stops_axis(&command.action, axis)) {
             trial.stop(Stop::Halt);
         }
         if watch.is_cancelled.load(Ordering::Relaxed) {
             trial.stop(Stop::Cancel);
         }
-        // A cycle that is left out would be missing in the record.
+        // A skipped cycle would be missing in the record.
         if !has_room {
             trial.stop(Stop::NoRoom);
         }
@@ -167,7 +169,7 @@ impl TrialSlot {
         command
     }
 
-    /// No cycle comes any more: what was begun ends, what was not begun never will.
+    /// Ends the trial because no more cycles run, whether it has begun or not.
     pub fn give_up(&mut self) {
         if self.tried.is_none() {
             self.tried = self.coming.pop().ok();
@@ -182,7 +184,7 @@ impl TrialSlot {
         if let Some(tried) = self.tried.take()
             && let Err(rtrb::PushError::Full(tried)) = self.going.push(tried)
         {
-            // Its own place is free once the one before was collected.
+            // The ring has room for it once the previous trial was collected.
             self.tried = Some(tried);
         }
     }
@@ -209,7 +211,7 @@ mod tests {
 
     const CELL: &str = include_str!("../../../launch-configs/torque.yaml");
 
-    /// A machine with its slot.
+    /// A machine with its trial slot.
     struct Rig {
         machine: Machine,
         plant: Plant,
@@ -242,7 +244,7 @@ mod tests {
             self.run_with(cycles, has_room, &[]);
         }
 
-        /// Stops are there in each of the cycles.
+        /// Runs cycles, each with these stops.
         fn run_with(&mut self, cycles: usize, has_room: bool, stops: &[Command]) {
             let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
             for _ in 0..cycles {
@@ -257,7 +259,7 @@ mod tests {
             }
         }
 
-        /// What the axis is commanded by itself.
+        /// Sends commands to the axis directly.
         fn command(&mut self, actions: &[Action]) {
             let (mut inputs, mut outputs) = (self.machine.inputs(), self.machine.outputs());
             inputs.begin(self.machine.next_cycle(), 0);
@@ -275,7 +277,7 @@ mod tests {
             self.machine.board().bit(self.machine.directory().find(name).expect("a signal"))
         }
 
-        /// Nothing powers the drive.
+        /// Whether the drive has no power.
         fn is_off(&self) -> bool {
             let state = self.machine.directory().find("x.drive_state").expect("a signal");
             !self.bit("x.enabled") && self.machine.board().int(state) == DriveState::SwitchOnDisabled as i64
@@ -314,7 +316,7 @@ mod tests {
         assert_eq!(back.try_recv().expect("it is over").ended(), Some(Ended::Stopped(Stop::Cancel)));
         assert!(rig.is_off());
         assert_eq!(rig.actions.last(), Some(&Action::Disable(AxisSet::one(0))));
-        // Before it has begun nothing moves.
+        // A trial that is cancelled before it begins moves nothing.
         let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the next one");
         watch.cancel();
         rig.actions.clear();
@@ -323,7 +325,7 @@ mod tests {
         assert_eq!(rig.actions, []);
     }
 
-    /// With a brake that takes its time the axis comes on over many cycles, in which its state is that of one that is off.
+    /// With a slow brake it takes many cycles to switch on the axis, during which its state is that of a disabled one.
     #[test]
     fn whoever_stops_it_while_it_comes_on_finds_it_off() {
         let cell =
@@ -353,7 +355,8 @@ mod tests {
         }
     }
 
-    /// Of another axis' stops it takes no notice; one that is on already is stopped in the cycle in which its loop would open, too.
+    /// Stops of another axis have no effect; an axis that is on already is stopped even in the cycle in which its loop
+    /// would open.
     #[test]
     fn a_stop_of_its_own_axis_alone_ends_it() {
         let mut rig = Rig::new();

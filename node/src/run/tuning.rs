@@ -1,9 +1,10 @@
-//! Tuning of an axis of the running machine, from the order to what was found.
+//! Tunes an axis of the running machine, from the request to the findings.
 //!
-//! Law      the trial runs in the cycle thread; what its record tells is computed on a thread that may take its time
+//! Law      the trial runs in the cycle thread; its record is evaluated in a separate thread without real-time
+//!          requirements
 //! Reads    the parameters in force when it begins
 //! Writes   a trial, then findings
-//! Refuses  what [`Setting`] refuses, a real drive without leave, a second trial
+//! Refuses  settings that [`Setting`] refuses, a real drive without permission, a second trial
 
 use super::bridge::Handle;
 use super::trials::Watch;
@@ -16,10 +17,10 @@ use std::sync::Arc;
 use tokio::sync::oneshot;
 
 impl Handle {
-    /// Has the cycle thread try an axis; the trial comes back when it is over.
+    /// Makes the cycle thread run a trial of an axis, which is returned at its end.
     ///
     /// # Errors
-    /// Why not, in one sentence.
+    /// Returns the reason why not, in one sentence.
     pub fn begin_trial(
         &self,
         setting: Setting,
@@ -41,15 +42,16 @@ impl Handle {
             GateState::Closed => Err("the backends have not started yet; try again".to_owned()),
             GateState::Failed(why) => Err(why),
         };
-        // Behind a closed door no cycle would take it.
+        // While commands are not accepted, no cycle would run it.
         self.commander.while_open(begin).map_err(|busy| busy.to_string())?
     }
 }
 
-/// Begins it; the axes at places of `real` have a real drive. Who permits one axis of a cell with real drives to move, permits it by name: others may follow it.
+/// Begins the tuning; `real` has true at the indices of axes with a real drive. In a cell with real drives, permission
+/// is given for an axis by name, because others may follow it.
 ///
 /// # Errors
-/// Why not, in one sentence.
+/// Returns the reason why not, in one sentence.
 pub(super) fn begin(handle: &Handle, real: &[bool], order: &TuneOrder) -> Result<Tuning, String> {
     let (config, parameters) = (handle.config(), handle.parameters());
     let place = usize::from(order.axis);
@@ -74,7 +76,7 @@ pub(super) fn begin(handle: &Handle, real: &[bool], order: &TuneOrder) -> Result
     Ok(Tuning { watch, found: Box::pin(found) })
 }
 
-/// What a trial that is over tells.
+/// Evaluates a finished trial.
 fn find(trial: &Trial, subject: Subject, config: &MachineConfig) -> Result<Tuned, Untuned> {
     let setting = trial.setting();
     let ended = trial.ended().unwrap_or(Ended::Late);

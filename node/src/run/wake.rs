@@ -1,4 +1,4 @@
-//! Wakes one thread from another one that must not wait.
+//! Wakes a thread from another one that must not wait.
 
 use std::sync::{Arc, OnceLock};
 use std::thread::{Thread, current, park_timeout};
@@ -9,13 +9,14 @@ use std::time::Duration;
 pub struct Wake(Arc<OnceLock<Thread>>);
 
 impl Wake {
-    /// Sleeps until it is woken, at most so long. If it was woken since the last call, it does not sleep. For one thread alone.
+    /// Sleeps until woken, at most `longest`. Does not sleep if it was woken since the last call. Only one thread may
+    /// call it.
     pub fn sleep(&self, longest: Duration) {
         self.0.get_or_init(current);
         park_timeout(longest);
     }
 
-    /// Wakes the thread that sleeps. Never waits; a system call only where that thread sleeps.
+    /// Wakes the sleeping thread. Never waits; makes a system call only if that thread sleeps.
     pub fn wake(&self) {
         if let Some(sleeper) = self.0.get() {
             sleeper.unpark();

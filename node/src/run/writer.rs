@@ -1,4 +1,4 @@
-//! A bag that is being written, on a thread of its own: a disk that stands still for seconds holds up nothing but it.
+//! Writes a bag in its own thread, so that a slow disk delays nothing else.
 
 use super::spawn;
 use crate::recording::Encoded;
@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use tokio::sync::oneshot;
 
-/// Bytes that may wait for the disk.
+/// Maximum number of bytes that wait for the disk.
 const MOST_WAITING: usize = 256 << 20;
 
 #[derive(Debug)]
@@ -21,16 +21,16 @@ enum Job {
     Late(Vec<TappedMessage>),
 }
 
-/// Why a bag has no good end.
+/// Reason why a bag is incomplete.
 #[derive(Debug)]
 pub enum Failure {
-    /// The bag was never begun; whoever asked for it was told why.
+    /// The bag was never begun; the client got the reason.
     NotBegun(String),
-    /// The bag could not be written to its end.
+    /// The bag could not be completed.
     Broken(BagError),
 }
 
-/// What is known of a bag while it is written.
+/// Status of a bag while it is written.
 #[derive(Debug, Default)]
 struct Progress {
     waiting: AtomicUsize,
@@ -45,24 +45,24 @@ pub struct Writer {
     progress: Arc<Progress>,
     /// Name of the bag.
     pub path: String,
-    /// Cycles that were given to it.
+    /// Number of cycles passed to it.
     pub cycles: u64,
-    /// Cycles that are missing in it.
+    /// Number of cycles missing in it.
     pub lost: u64,
-    /// Bytes that may wait for the disk.
+    /// Maximum number of bytes that wait for the disk.
     room: usize,
-    /// After cycles were left out it goes on with a cycle that holds all signals.
+    /// Whether it waits for a cycle with all signals, because cycles were dropped.
     waits_for_key: bool,
 }
 
 impl Writer {
-    /// Goes on with a bag that was made.
+    /// Continues with an existing bag.
     pub fn of(bag: Bag) -> Self {
         let path = bag.path().display().to_string();
         Self::start(path, move || Ok(bag))
     }
 
-    /// Makes a bag that begins with cycle `first`, and answers whether it could be made.
+    /// Creates a bag that begins with cycle `first`; the answer reports whether it was created.
     pub fn begin(options: BagOptions, subject: Subject, first: u64, answer: oneshot::Sender<RecordResponse>) -> Self {
         let path = options.path.display().to_string();
         let of_answer = path.clone();
@@ -77,7 +77,7 @@ impl Writer {
             let path = of_answer;
             let response =
                 RecordResponse { success, message, recording, path, replayable, ..RecordResponse::default() };
-            // Whoever asked may have gone.
+            // The caller may have gone.
             let _ = answer.send(response);
             made.map_err(Failure::NotBegun)
         })
@@ -91,7 +91,7 @@ impl Writer {
         Self { jobs, thread, progress, path, cycles: 0, lost: 0, room: MOST_WAITING, waits_for_key: false }
     }
 
-    /// Gives it a cycle; false when it was left out because the disk does not keep up.
+    /// Passes on a cycle; returns false if it was dropped because the disk is too slow.
     pub fn push(&mut self, cycle: &Arc<Encoded>) -> bool {
         let waiting = self.progress.waiting.load(Ordering::Relaxed);
         if waiting + cycle.memory() > self.room || (self.waits_for_key && !cycle.is_key) {
@@ -102,36 +102,36 @@ impl Writer {
         self.waits_for_key = false;
         self.progress.waiting.fetch_add(cycle.memory(), Ordering::Relaxed);
         self.cycles += 1;
-        // A thread that has failed is noticed by `is_over`.
+        // A thread that has failed is detected by `is_over`.
         let _ = self.jobs.send(Job::Cycle(Arc::clone(cycle)));
         true
     }
 
-    /// Tells it of cycles that never arrived.
+    /// Reports cycles that never arrived.
     pub fn lose(&mut self, cycles: u64) {
         self.lost += cycles;
         let _ = self.jobs.send(Job::Lost(cycles));
     }
 
-    /// Gives it the messages that the node has published after the last cycle.
+    /// Passes on messages that the node published after the last cycle.
     pub fn push_late(&self, messages: Vec<TappedMessage>) {
         let _ = self.jobs.send(Job::Late(messages));
     }
 
-    /// Bytes on the disk so far.
+    /// Returns the number of bytes on the disk so far.
     pub fn size(&self) -> u64 {
         self.progress.size.load(Ordering::Relaxed)
     }
 
-    /// Has the writer ended by itself? Then it has failed.
+    /// Returns true if the writer has ended by itself, because of an error.
     pub fn is_over(&self) -> bool {
         self.thread.is_finished()
     }
 
-    /// Ends the bag; waits for the disk.
+    /// Finishes the bag; waits for the disk.
     ///
     /// # Errors
-    /// Why it could not be written to its end.
+    /// Returns the reason why it could not be completed.
     pub fn finish(self) -> Result<Summary, Failure> {
         drop(self.jobs);
         match self.thread.join() {
@@ -162,7 +162,7 @@ mod tests {
     use crate::cell::Cell;
     use crate::recording::rig;
 
-    /// What comes after cycles that were left out is told by changes against them: it is of use only from a whole set on.
+    /// Cycles after dropped ones contain only changes relative to them, so they are useless until the next key cycle.
     #[test]
     fn after_a_disk_that_did_not_keep_up_it_goes_on_with_a_key_cycle() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,7 @@
-//! A column of a CSV file, as values of a driven signal.
+//! Reads a column of a CSV file as values of a driven signal.
 //!
-//! The first row names the columns; fields are separated by commas and may stand in quotes. What `--csv` writes reads back.
+//! The first row has the names of the columns; fields are separated by commas and may be in quotes. A file written with
+//! `--csv` can be read back.
 
 use super::ruler::{ALL_WHOLE, Ruler, is_exact};
 use crate::document::{Place, Problems, Value};
@@ -10,10 +11,10 @@ use lineshaft_ros::layer::open_file;
 use std::io::Read;
 use std::path::Path;
 
-/// Longest file (bytes).
+/// Maximum size of a file, in bytes.
 const MAX_BYTES: u64 = 256 << 20;
 
-/// Reads `{file, column}`; the file is looked for in `folder`, and what is wrong in it goes to `all`.
+/// Reads `{file, column}`; the file is relative to `folder`, and its problems are added to `all`.
 pub(super) fn read(value: &Value<'_>, folder: &Path, ruler: &Ruler, all: &Problems) -> Option<Vec<Number>> {
     let mut map = value.map("csv")?;
     let (file, column) = (map.required("file"), map.required("column"));
@@ -58,7 +59,7 @@ fn load(path: &Path) -> Result<String, String> {
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// The index of a column, or the columns there are.
+/// Returns the index of a column; if there is none, the error lists the columns.
 fn find_column(text: &str, name: &str) -> Result<usize, String> {
     let head = text.lines().next().unwrap_or_default();
     let known = || head.split(',').map(|field| excerpt(plain(field))).collect::<Vec<_>>().join(", ");

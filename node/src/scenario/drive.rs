@@ -1,18 +1,18 @@
-//! Section `drive`: what replaces a signal, cycle by cycle.
+//! Section `drive`: replaces the values of signals in each cycle.
 //!
 //! Law      n = cycle - at, from n = 0 on:
-//!          values, csv: row n; after the last one `then`: hold it, repeat from the first one, release the signal, or
+//!          values, csv: row n; after the last row `then`: hold it, repeat from the first row, release the signal, or
 //!          hold it for N more cycles and then release it
-//!          ramp: from + n per_cycle, exact; whole signals show the floor. `until` is the value at which it ends and
-//!          then holds, repeats or releases; it is met exactly. With `wrap: N` the signal gets the low N bits of that as
-//!          a signed number, as a counter of N bits counts; from and until are those of the sum, which does not wrap
-//!          the entry of a signal that started last has it, also once it has released it: what an earlier one held does
-//!          not come back
+//!          ramp: from + n per_cycle, exact; integer signals get the floor. It ends at `until`, which is reached exactly,
+//!          and then holds, repeats or releases. With `wrap: N` the signal gets the lower N bits of that as a signed
+//!          number, like a counter of N bits; from and until are values of the sum, which does not wrap
+//!          the entry of a signal that started last applies, also after it has released the signal: a value held by an
+//!          earlier entry does not return
 //!          sine: mean + amplitude sin(2 pi n T / period); the phase is an exact fraction of the period, so that zeros
-//!          and peaks are met and nothing drifts; whole signals show the nearest, half away from zero
+//!          and peaks are exact and there is no drift; integer signals get the nearest value, half away from zero
 //! Writes   inputs before the machine reads them; memory cells by commands
-//! Refuses  signals that are no inputs or memory cells, two drives of one signal from the same cycle, values that the
-//!          signal cannot hold, also those that a ramp or a sine would come to
+//! Refuses  signals that are neither inputs nor memory cells, two drives of one signal from the same cycle, values
+//!          outside of the range of the signal, also those of a ramp or a sine
 //! Source   contract section 5
 
 mod ramp;
@@ -31,7 +31,8 @@ use ramp::{Ramp, cycles_between, exact, most_bits, wrap_bits, wrapped};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
-/// Whole numbers that an f64 holds, as which a command carries those of a memory cell: all of this range, beyond it only some.
+/// Integers that an f64 represents exactly; a command has the value of a memory cell as f64. Only some integers beyond
+/// this range are exact.
 const EXACT: (i64, i64) = (-(1 << 53), 1 << 53);
 
 /// One entry of the section.
@@ -43,22 +44,22 @@ pub(super) struct Drive {
     pub kind: Type,
     pub target: Target,
     pub at: u64,
-    /// The cycle from which another entry has the signal.
+    /// Cycle from which another entry drives the signal.
     end: u64,
     source: Source,
     then: Then,
-    /// Minimum and maximum of the signal, where it is whole.
+    /// Minimum and maximum of the signal, if it is an integer.
     range: (i64, i64),
 }
 
-/// Where the value goes.
+/// Driven object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Target {
     Digital(usize),
     Analog(usize),
     Encoder(usize),
     Drive(usize),
-    /// Bits of the drive's digital inputs.
+    /// Bits of the digital inputs of a drive.
     Switch(usize, u32),
     Memory(u16),
 }
@@ -75,7 +76,7 @@ enum Then {
     Hold,
     Repeat,
     Release,
-    /// For so many more cycles; then release.
+    /// Hold for this number of cycles, then release.
     HoldFor(u64),
 }
 
@@ -91,7 +92,7 @@ struct Sine {
 impl Sine {
     fn at(&self, n: u64) -> Number {
         let period = u128::from(self.period_ns);
-        // By quarters: at their ends libm is exact.
+        // The sine is calculated by quarters, because libm is exact at their ends.
         let quarters = u128::from(n) * u128::from(self.cycle_ns) % period * 4;
         let angle = (quarters % period) as f64 / period as f64 * FRAC_PI_2;
         let sine = match quarters / period {
@@ -101,13 +102,14 @@ impl Sine {
             _ => -libm::cos(angle),
         };
         let value = self.mean + self.amplitude * sine;
-        // Rounding is half away from zero; the cast saturates.
+        // Rounds half away from zero; the cast saturates.
         if self.is_real { Number::Real(value) } else { Number::Int(libm::round(value) as i64) }
     }
 }
 
 impl Drive {
-    /// The value of a cycle; none before it starts, after it has released the signal and once another entry has it.
+    /// Returns the value in a cycle; `None` before it starts, after it has released the signal, and once another entry
+    /// drives it.
     pub(super) fn value(&self, cycle: u64) -> Option<Number> {
         let n = cycle.checked_sub(self.at).filter(|_| cycle < self.end)?;
         let length = match &self.source {
@@ -129,7 +131,7 @@ impl Drive {
         }
     }
 
-    /// Replaces an input; memory cells are none.
+    /// Replaces an input; does nothing for a memory cell.
     pub(super) fn replace(&self, inputs: &mut Inputs, value: Number) {
         let whole = || match value {
             Number::Int(value) => value,
@@ -162,20 +164,20 @@ impl Drive {
     }
 }
 
-/// What the entries are read with.
+/// Data for reading the entries.
 pub(super) struct Reader<'a> {
     pub names: &'a Names<'a>,
-    /// Where files are looked for.
+    /// Folder to which file names are relative.
     pub folder: &'a Path,
-    /// Where problems of those files go.
+    /// Collects the problems of those files.
     pub problems: &'a Problems,
     pub cycle_ns: u64,
-    /// Length of the scenario.
+    /// Length of the scenario, in cycles.
     pub cycles: u64,
 }
 
 impl Reader<'_> {
-    /// Reads the section; a later start of the same signal takes over from an earlier one.
+    /// Reads the section; an entry that starts later replaces an earlier one of the same signal.
     pub(super) fn read(&self, section: &Value<'_>) -> Vec<Drive> {
         let mut drives: Vec<Drive> = Vec::new();
         for item in section.list().unwrap_or_default() {
@@ -198,7 +200,7 @@ impl Reader<'_> {
         drives
     }
 
-    /// Refuses a ramp that leaves the range of its signal while it drives it. Its end was checked with the file.
+    /// Refuses a ramp that leaves the range of its signal while it drives it. Its end was checked when it was read.
     fn refuse_beyond(&self, drive: &Drive) {
         let Source::Ramp(ramp @ Ramp { wrap: None, is_real: false, .. }) = &drive.source else { return };
         let reached = ramp.end.map_or(u64::MAX, |(reached, _)| reached);
@@ -237,7 +239,7 @@ impl Reader<'_> {
         Some(Drive { place, name, signal, kind, target, at: at?, end: u64::MAX, source: source?, then, range })
     }
 
-    /// Values of a memory cell are held to its type.
+    /// Returns the ruler of a signal; values of a memory cell are limited by its type.
     fn ruler(&self, signal: Signal, target: Target) -> Ruler {
         let ruler = Ruler::of(self.names, signal);
         let Target::Memory(index) = target else { return ruler };
@@ -356,7 +358,7 @@ impl Reader<'_> {
     fn ramp(&self, value: &Value<'_>, ruler: &Ruler) -> Option<Ramp> {
         let mut map = value.map("ramp")?;
         let wrap = map.optional("wrap");
-        // From and until of a counter are those of the sum, which does not wrap.
+        // For a counter, from and until are values of the sum, which does not wrap.
         let bounds = if wrap.is_some() { Ruler { in_f64: false, ..ruler.within(ALL_WHOLE) } } else { *ruler };
         let from = map.optional("from").map_or(Some(zero(ruler)), |value| bounds.read(&value));
         let per_cycle = map.required("per_cycle").and_then(|value| value.fraction());
@@ -390,7 +392,8 @@ impl Reader<'_> {
         Some(Ramp { end: Some((reached, end)), ..ramp })
     }
 
-    /// Brings start and step to one denominator; none where a sum could leave 128 bits within the scenario.
+    /// Converts start and step to a common denominator; returns `None` if a sum could exceed 128 bits within the
+    /// scenario.
     fn exact_ramp(&self, from: Number, per_cycle: Fraction, ruler: &Ruler) -> Option<Ramp> {
         let from = exact(from)?;
         let denominator = from.denom().checked_mul(*per_cycle.denom())?;
@@ -424,7 +427,7 @@ impl Reader<'_> {
         Some(Sine { mean, amplitude, period_ns: period?, cycle_ns: self.cycle_ns, is_real: ruler.kind == Type::Real })
     }
 
-    /// A period is no cycle: a time need not be whole cycles.
+    /// Reads a period; a time need not be a multiple of the cycle.
     fn period(&self, value: &Value<'_>) -> Option<u64> {
         let ns = if value.is_integer() {
             positive_cycles(value, self.cycle_ns)?.checked_mul(self.cycle_ns)
@@ -438,7 +441,7 @@ impl Reader<'_> {
     }
 }
 
-/// Returns the ruler without the whole numbers among which are some that a command could not carry.
+/// Returns the ruler without ranges in which some integers are not exact in a command.
 fn all_exact(ruler: &Ruler) -> Ruler {
     if ruler.in_f64 { ruler.within(EXACT) } else { *ruler }
 }
@@ -447,7 +450,7 @@ fn zero(ruler: &Ruler) -> Number {
     if ruler.kind == Type::Real { Number::Real(0.0) } else { Number::Int(0) }
 }
 
-/// A list of values, not empty.
+/// Reads a list of values; it must not be empty.
 pub(super) fn rows(values: &Value<'_>, ruler: &Ruler) -> Option<Vec<Number>> {
     let items = values.list()?;
     if items.is_empty() {

@@ -1,11 +1,11 @@
-//! Section `expect`: what has to be true.
+//! Section `expect`: expectations on signals, parameters and events.
 //!
-//! Law      values: row n is expected at from + n every, exact or `within`
-//!          a condition holds in every cycle from..to (always), in one of them (eventually), in none (never); `at` is a
-//!          window of one cycle; without any of them the window is the whole scenario
-//!          events of a kind, source.. occur count times, or min to max times; without any of them at least once
-//!          a mode says the same of events: eventually at least one, never none
-//!          `since: STEP` counts from the cycle in which that step fired first, also backwards; `end` stays the last
+//! Law      values: row n is expected at from + n every, exactly or `within` a tolerance
+//!          a condition is true in every cycle from..to (always), in one of them (eventually), in none (never); `at` is a
+//!          window of one cycle; the default window is the whole scenario
+//!          events of a kind or a source occur count times, or min to max times; by default at least once
+//!          a mode of events: eventually means at least one, never means none
+//!          `since: STEP` counts from the cycle in which that step fired first, also backwards; `end` is still the last
 //!          cycle
 //! Source   contract section 5
 
@@ -28,14 +28,14 @@ use lineshaft_core::unit::excerpt;
 #[derive(Clone, Debug)]
 pub(super) struct Expectation {
     pub place: Place,
-    /// The step that its cycles count from.
+    /// Step from which its cycles are counted.
     pub since: Option<usize>,
     pub from: Moment,
     pub to: Moment,
     pub claim: Claim,
 }
 
-/// What is expected.
+/// Expected signal values, condition or events.
 #[derive(Clone, Debug)]
 pub(super) enum Claim {
     Values { probe: Box<Probe>, values: Vec<Number>, within: Option<Number>, every: u64 },
@@ -43,7 +43,7 @@ pub(super) enum Claim {
     Events { filter: Filter, min: u64, max: Option<u64> },
 }
 
-/// In which cycles of its window a condition holds.
+/// Cycles of the window in which a condition must be true.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     Always,
@@ -53,7 +53,7 @@ pub(super) enum Mode {
 
 const MODES: [(&str, Mode); 3] = [("always", Mode::Always), ("eventually", Mode::Eventually), ("never", Mode::Never)];
 
-/// Which events count.
+/// Filter of the events that count.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Filter {
     kind: Option<Kind>,
@@ -63,7 +63,7 @@ pub(super) struct Filter {
     age_ns: Option<u32>,
     increments: Option<i64>,
     text: Option<String>,
-    /// As written, for the report.
+    /// Text as written, for the report.
     pub name: String,
 }
 
@@ -74,7 +74,7 @@ impl Mode {
 }
 
 impl Expectation {
-    /// What is expected, and in which cycles: `always x.state STANDSTILL, from cycle 5 (0.005 s) to the end`.
+    /// Returns the expectation and its cycles as text: `always x.state STANDSTILL, from cycle 5 (0.005 s) to the end`.
     pub(super) fn text(&self, steps: &[Step], cycle_ns: u64) -> String {
         let claim = match &self.claim {
             Claim::Values { probe, values, .. } => match values.len() {
@@ -108,13 +108,13 @@ impl Expectation {
     }
 }
 
-/// `once`, `2 times`
+/// Returns `once`, `2 times` and so on.
 pub(super) fn times(count: u64) -> String {
     if count == 1 { "once".to_owned() } else { format!("{count} times") }
 }
 
 impl Filter {
-    /// Does an event count?
+    /// Whether an event counts.
     pub(super) fn takes(&self, event: &Event, config: &MachineConfig) -> bool {
         self.kind.is_none_or(|kind| kind == event.kind)
             && self.source.is_none_or(|source| source == event.source)
@@ -126,12 +126,12 @@ impl Filter {
     }
 }
 
-/// What expectations are read with.
+/// Data for reading expectations.
 pub(super) struct Reader<'a> {
     pub names: &'a Names<'a>,
     pub steps: &'a [Step],
     pub cycle_ns: u64,
-    /// Length of the scenario.
+    /// Length of the scenario, in cycles.
     pub cycles: u64,
 }
 
@@ -180,7 +180,7 @@ impl Reader<'_> {
         found
     }
 
-    /// First and last cycle. Values have no last one: they say it themselves.
+    /// Reads the first and the last cycle. A list of values defines the last one itself.
     fn window(&self, map: &mut Map<'_>, claim: Option<&Claim>, is_relative: bool) -> Option<(Moment, Moment)> {
         let is_list = map.has("values");
         let at = if is_list { None } else { map.optional("at") };
@@ -326,7 +326,7 @@ impl Reader<'_> {
         })
     }
 
-    /// A position of the source, with a unit where it has one.
+    /// Reads a position of the source, with a unit if it has one.
     fn increments(&self, value: &Value<'_>, source: Option<Object>) -> Option<i64> {
         let config = self.names.config;
         let scale = match source {
@@ -342,7 +342,7 @@ impl Reader<'_> {
     }
 }
 
-/// Left out stays left out; given and wrong ends the reading.
+/// Converts an absent value to `Some(None)`, and a wrong one to `None`.
 fn inside_out<T>(value: Option<Option<T>>) -> Option<Option<T>> {
     value.map_or(Some(None), |value| value.map(Some))
 }

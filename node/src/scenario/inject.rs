@@ -1,4 +1,4 @@
-//! Verb `inject`: what happens to the simulated plant.
+//! Verb `inject`: faults and events of the simulated plant.
 
 use super::moment;
 use super::names::{Names, did_you_mean, nearest};
@@ -11,7 +11,7 @@ use lineshaft_core::signal::Value as Number;
 use lineshaft_core::sim::Plant;
 use lineshaft_core::unit::excerpt;
 
-/// Something that happens to the plant.
+/// Fault or event of the plant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Injection {
     Latch(Latch),
@@ -30,7 +30,7 @@ pub(super) enum Injection {
     DriveLost {
         drive: usize,
     },
-    /// Place of the backend in the cell.
+    /// Index of the backend in the cell.
     BusLost {
         bus: usize,
     },
@@ -49,18 +49,18 @@ pub(super) enum Injection {
     IndexLost {
         drive: usize,
     },
-    /// Something holds the drive where it stands, or lets it go.
+    /// The mechanics of a drive are blocked, or released.
     Jam {
         drive: usize,
         jammed: bool,
     },
-    /// Bits of the digital inputs (60FDh) that do not move any more, and how they stand; the others move again.
+    /// Bits of the digital inputs (60FDh) that are stuck, and their levels; the other bits are released.
     StuckSwitch {
         drive: usize,
         mask: u32,
         value: u32,
     },
-    /// Bits of words to come are turned over.
+    /// Bits of the next words are inverted.
     Bits {
         of: Encoder,
         bits: i64,
@@ -70,28 +70,29 @@ pub(super) enum Injection {
     Cut {
         of: Encoder,
     },
-    /// An encoder counts nothing any more.
+    /// An encoder does not count any more.
     Dead {
         of: Encoder,
     },
-    /// Pulses that an encoder counts too many.
+    /// Number of additional pulses of an encoder.
     Slip {
         encoder: usize,
         by: i64,
     },
 }
 
-/// Whose words they are.
+/// Source of encoder words.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Encoder {
-    /// Of a drive.
+    /// Encoder of a drive.
     Drive(usize),
-    /// An entry of section `encoders`.
+    /// Entry of section `encoders`.
     Entry(usize),
 }
 
 impl Injection {
-    /// Does it to the plant; false where the plant has no such drive, or no room for a further latch in this cycle.
+    /// Applies it to the plant; returns false if the plant has no such drive, or no room for another latch in this
+    /// cycle.
     pub(super) fn apply(self, plant: &mut Plant) -> bool {
         match self {
             Self::Latch(latch) => return plant.add_latch(latch),
@@ -138,7 +139,7 @@ impl Injection {
     }
 }
 
-/// Reads what to inject.
+/// Reads an injection.
 pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     const KINDS: &str = "latch, input, fault, emergency, drive_lost, bus_lost, encoder_jump, encoder_bits, encoder_cut, \
                          encoder_dead, encoder_slip, index_lost, jam, stuck_switch, power_cycle";
@@ -178,7 +179,7 @@ pub(super) fn read(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     Some(injection)
 }
 
-/// The drive whose words an injection is about.
+/// Returns the drive whose process data an injection changes.
 fn of_words(injection: &Injection) -> Option<usize> {
     match injection {
         Injection::Emergency { drive, .. }
@@ -191,7 +192,7 @@ fn of_words(injection: &Injection) -> Option<usize> {
     }
 }
 
-/// An injection that says nothing but whose encoder it is.
+/// Reads an injection whose only argument is the encoder.
 fn encoder_alone(kind: &str, arguments: &Value<'_>, names: &Names<'_>) -> Option<Encoder> {
     let mut map = arguments.map(kind)?;
     let axis = map.required("axis");
@@ -199,8 +200,8 @@ fn encoder_alone(kind: &str, arguments: &Value<'_>, names: &Names<'_>) -> Option
     encoder(&axis?, names)
 }
 
-/// An edge within the last cycle, by its age, by the position that was caught, or by both: what it does not bring is
-/// interpolated by the machine. Without either it is of t_k.
+/// Reads an edge within the last cycle, by its age, by the latched position, or by both; the machine interpolates the
+/// missing one. Without either it is at t_k.
 fn latch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("latch")?;
     let object = map.required("input").and_then(|input| latching(&input, names));
@@ -216,7 +217,7 @@ fn latch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     Some(Injection::Latch(Latch { object, edge: edge?, age_ns, position }))
 }
 
-/// The raw counts that an encoder or a drive has caught, as ENCODER.count or AXIS.actual.count has them.
+/// Reads the raw count latched by an encoder or a drive, as in ENCODER.count or AXIS.actual.count.
 fn latched(value: &Value<'_>, object: Object, names: &Names<'_>) -> Option<i64> {
     let scale = match object {
         Object::Encoder(place) => names.config.encoders.get(usize::from(place)).map(|encoder| encoder.scale),
@@ -231,12 +232,12 @@ fn latched(value: &Value<'_>, object: Object, names: &Names<'_>) -> Option<i64> 
     whole(value, Ruler::of_positions(scale))
 }
 
-/// Left out stays left out; a value with an error ends the reading.
+/// Converts an absent value to `Some(None)`, and a wrong one to `None`.
 fn given<T>(value: Option<Option<T>>) -> Option<Option<T>> {
     value.map_or(Some(None), |value| value.map(Some))
 }
 
-/// An input that latches, an encoder, or an axis with a drive.
+/// Reads an object that can latch: an input with latch, an encoder, or an axis with a drive.
 fn latching(value: &Value<'_>, names: &Names<'_>) -> Option<Object> {
     let object = names.object(value)?;
     let name = value.peek().unwrap_or_default();
@@ -260,7 +261,7 @@ fn latching(value: &Value<'_>, names: &Names<'_>) -> Option<Object> {
     None
 }
 
-/// A latch lies in (t_k-1, t_k].
+/// Reads the age of a latch, which is in (t_k-1, t_k].
 fn age(value: &Value<'_>, cycle_ns: u64) -> Option<u32> {
     let ns = moment::nanoseconds(value)?;
     if ns < cycle_ns {
@@ -323,7 +324,7 @@ fn bus_lost(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     Some(Injection::BusLost { bus: place? })
 }
 
-/// An emergency message: `{axis: x, code: 0x8130, register: 0x11, data: [1, 2, 3, 4, 5]}`.
+/// Reads an emergency message: `{axis: x, code: 0x8130, register: 0x11, data: [1, 2, 3, 4, 5]}`.
 fn emergency(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("emergency")?;
     let axis = drive_in(&mut map, names);
@@ -368,7 +369,7 @@ fn encoder_jump(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     Some(Injection::DriveJump { drive, by })
 }
 
-/// Switches that do not move any more, and how they stand: `{axis: x, home: 1}`. Those that are left out move again.
+/// Reads switches that are stuck, and their levels: `{axis: x, home: 1}`. Switches that are not given are released.
 fn stuck_switch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     const SWITCHES: [(&str, u32); 3] =
         [("home", inputs::HOME), ("positive", inputs::POSITIVE_LIMIT), ("negative", inputs::NEGATIVE_LIMIT)];
@@ -387,7 +388,7 @@ fn stuck_switch(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     Some(Injection::StuckSwitch { drive, mask, value: levels })
 }
 
-/// The drive of `{axis: NAME}`, which is all there is to say.
+/// Reads the drive of `{axis: NAME}`, an injection without other arguments.
 fn drive_alone(what: &str, value: &Value<'_>, names: &Names<'_>) -> Option<usize> {
     let mut map = value.map(what)?;
     let axis = drive_in(&mut map, names);
@@ -395,7 +396,7 @@ fn drive_alone(what: &str, value: &Value<'_>, names: &Names<'_>) -> Option<usize
     axis.map(|(drive, _)| drive)
 }
 
-/// Something that holds a drive where it stands, or lets it go: `{axis: x, drive: 2, jammed: false}`.
+/// Reads a drive whose mechanics are blocked or released: `{axis: x, drive: 2, jammed: false}`.
 fn jam(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("jam")?;
     let axis = drive_in(&mut map, names);
@@ -404,14 +405,14 @@ fn jam(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     Some(Injection::Jam { drive: axis?.0, jammed: jammed? })
 }
 
-/// Keys `axis` and, of an axis with two drives, `drive`: the drive, and the axis.
+/// Reads keys `axis` and, for an axis with two drives, `drive`; returns the drive and the axis.
 fn drive_in(map: &mut Map<'_>, names: &Names<'_>) -> Option<(usize, usize)> {
     let axis = map.required("axis");
     let which = map.optional("drive");
     which_drive(&axis?, which.as_ref(), names)
 }
 
-/// The drive of an axis, the first one where nothing else is said, and the axis.
+/// Returns the drive of an axis, by default the first one, and the axis.
 fn which_drive(axis: &Value<'_>, which: Option<&Value<'_>>, names: &Names<'_>) -> Option<(usize, usize)> {
     let (first, index) = drive(axis, names)?;
     let Some(which) = which else { return Some((first, index)) };
@@ -428,13 +429,13 @@ fn which_drive(axis: &Value<'_>, which: Option<&Value<'_>>, names: &Names<'_>) -
     Some((second?, index))
 }
 
-/// An entry of section `encoders`, or the encoder of an axis' drive.
+/// Reads an entry of section `encoders`, or the encoder of the drive of an axis.
 fn encoder(value: &Value<'_>, names: &Names<'_>) -> Option<Encoder> {
     let entry = names.config.encoders.iter().position(|entry| Some(entry.name.as_str()) == value.peek());
     entry.map(Encoder::Entry).or_else(|| drive(value, names).map(|(drive, _)| Encoder::Drive(drive)))
 }
 
-/// `bits` is a number whose ones are turned over, in so many `words`, 1 where nothing is said.
+/// Reads `bits`, a mask of inverted bits, and the number of `words`, by default 1.
 fn encoder_bits(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("encoder_bits")?;
     let of = map.required("axis").and_then(|axis| encoder(&axis, names));
@@ -444,7 +445,7 @@ fn encoder_bits(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     Some(Injection::Bits { of: of?, bits: bits?, words: words? })
 }
 
-/// Pulses too many of an entry of section `encoders`; of an axis it is what `encoder_jump` does.
+/// Reads additional pulses of an entry of section `encoders`; for an axis `encoder_jump` does the same.
 fn encoder_slip(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let mut map = value.map("encoder_slip")?;
     let axis = map.required("axis");
@@ -471,7 +472,7 @@ fn whole(value: &Value<'_>, ruler: Ruler) -> Option<i64> {
     }
 }
 
-/// The drive of an axis, and the axis.
+/// Returns the drive of an axis, and the axis.
 fn drive(value: &Value<'_>, names: &Names<'_>) -> Option<(usize, usize)> {
     let axis = match names.config.find_axis(value.text()?) {
         Ok((axis, _)) => axis,

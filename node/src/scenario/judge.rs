@@ -1,4 +1,4 @@
-//! Expectations while a scenario runs, and what became of them.
+//! Evaluates expectations while a scenario runs, and their results.
 
 use super::expect::{Claim, Expectation, Mode, times};
 use super::moment::text;
@@ -9,82 +9,82 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::Value as Number;
 use std::collections::VecDeque;
 
-/// Cycles of events that a report lists.
+/// Maximum number of event cycles in a report.
 const LISTED: usize = 8;
-/// Values that differ that a report lists.
+/// Maximum number of different values in a report.
 const DIFFERENCES: usize = 5;
 
-/// What is remembered of one expectation.
+/// State of one expectation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Record {
-    /// Cycles of the window so far.
+    /// Number of cycles of the window so far.
     judged: u64,
-    /// Cycles, values or events that count against it, or for it where one is enough.
+    /// Number of cycles, values or events against it; for it, if one is sufficient.
     count: u64,
-    /// The first cycle that failed it and what was found.
+    /// First cycle in which it failed, and the value found.
     first: Option<(u64, String)>,
-    /// The value that came closest: how far it was, cycle, value.
+    /// Closest value: its distance, cycle, value.
     closest: Option<(f64, u64, Number)>,
-    /// The last cycle of the window so far.
+    /// Last cycle of the window so far.
     last: Option<(u64, String)>,
     listed: Vec<u64>,
-    /// The first values that differ, each with its cycle.
+    /// First values that differ, each with its cycle.
     differences: Vec<(u64, Number)>,
-    /// The newest cycles, while the step that they may count from has not fired.
+    /// The newest cycles, until the step from which they may count has fired.
     past: VecDeque<Sample>,
-    /// Memory for the cycle that is judged.
+    /// Memory for the current cycle.
     now: Sample,
 }
 
-/// What an expectation saw in a cycle.
+/// Data of an expectation in a cycle.
 #[derive(Clone, Debug, Default)]
 struct Sample {
     cycle: u64,
-    /// Of each test, or of the probe.
+    /// Values of each test, or of the probe.
     values: Vec<Number>,
-    /// Events that count.
+    /// Number of events that count.
     events: u64,
 }
 
-/// A cycle that has run.
+/// A finished cycle.
 pub(super) struct Seen<'a> {
     pub cycle: u64,
     pub machine: &'a Machine,
-    /// For each step, the cycle in which it fired first.
+    /// First cycle in which each step fired.
     pub fired: &'a [Option<u64>],
 }
 
-/// How a scenario has ended, and where.
+/// End of a scenario.
 pub(super) struct End<'a> {
-    /// Its last cycle.
+    /// Last cycle.
     pub last: u64,
-    /// Whether the scenario ran to its own end.
+    /// Whether the scenario ran to its regular end.
     pub is_complete: bool,
     pub cycle_ns: u64,
     pub fired: &'a [Option<u64>],
 }
 
 impl Expectation {
-    /// The cycle that its window counts from; none while its step has not fired.
+    /// Returns the cycle from which its window counts; `None` until its step has fired.
     fn base(&self, fired: &[Option<u64>]) -> Option<u64> {
         self.since.map_or(Some(0), |step| fired.get(step).copied().flatten())
     }
 
-    /// First and last cycle of the window.
+    /// Returns the first and the last cycle of the window.
     fn window(&self, base: u64, last: u64) -> (u64, u64) {
         (self.from.after(base, last), self.to.after(base, last))
     }
 
-    /// How many cycles before its step the window begins.
+    /// Returns by how many cycles the window begins before its step.
     fn back(&self) -> u64 {
         self.from.back().max(self.to.back())
     }
 
-    /// Judges a cycle; what lies before a step waits until it has fired.
+    /// Evaluates a cycle; cycles before a step are stored until it has fired.
     pub(super) fn judge(&self, record: &mut Record, seen: &Seen<'_>, last: u64) {
         let Some(base) = self.base(seen.fired) else {
             if self.back() > 0 {
-                // The oldest one makes room: its values need no new memory.
+                // The oldest sample is reused, so that its values need no new memory.
                 let is_full = record.past.len() as u64 >= self.back();
                 let mut sample = if is_full { record.past.pop_front() } else { None }.unwrap_or_default();
                 self.look(seen, &mut sample);
@@ -153,7 +153,8 @@ impl Expectation {
         }
     }
 
-    /// What is wrong in the end; none when nothing is, or nothing could be judged as an optional step never fired.
+    /// Returns the failure at the end; `None` if there is none, or if the expectation was not judged because an
+    /// optional step never fired.
     pub(super) fn verdict(&self, record: &Record, end: &End<'_>) -> Option<Failure> {
         let base = self.base(end.fired)?;
         if let Some(sentence) = self.before_start(base, end) {
@@ -173,7 +174,7 @@ impl Expectation {
         Some(Failure { place: self.place, sentence })
     }
 
-    /// What became of it.
+    /// Returns the result of the expectation.
     pub(super) fn result(&self, record: &Record, end: &End<'_>, steps: &[Step]) -> ExpectationResult {
         ExpectationResult {
             place: self.place,
@@ -183,14 +184,14 @@ impl Expectation {
         }
     }
 
-    /// A window that begins before the scenario cannot be judged.
+    /// Returns an error message for a window that begins before the scenario.
     fn before_start(&self, base: u64, end: &End<'_>) -> Option<String> {
         let back = self.back();
         let fired = text(base, end.cycle_ns);
         (back > base).then(|| format!("it reaches {back} cycles back, before cycle 0; the step fired in {fired}"))
     }
 
-    /// A window that the scenario has not covered proves nothing, but where one cycle is enough.
+    /// Returns an error message for a window that ends after the scenario, unless one cycle is sufficient.
     fn unfinished(&self, to: u64, end: &End<'_>) -> Option<String> {
         let is_settled = matches!(&self.claim, Claim::Condition { mode: Mode::Eventually, .. })
             || matches!(&self.claim, Claim::Events { max: None, .. });
@@ -250,7 +251,7 @@ impl Record {
     }
 }
 
-/// A list of values that is expected.
+/// A list of expected values.
 struct Rows<'a> {
     probe: &'a Probe,
     values: &'a [Number],
@@ -259,7 +260,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// The first difference in full, and up to four more.
+    /// Returns the first difference in full, and up to four more.
     fn verdict(&self, record: &Record, window: &Window<'_>) -> Option<String> {
         let (cycle, found) = record.differences.first()?;
         let row = (cycle - window.from) / self.every;
@@ -272,13 +273,13 @@ impl Rows<'_> {
         Some(format!("{name} is {found} in {when}; {expected} was expected, {which}{all}"))
     }
 
-    /// What was expected in a cycle.
+    /// Returns the expected value in a cycle.
     fn value(&self, cycle: u64, window: &Window<'_>) -> Option<Number> {
         let row = usize::try_from((cycle - window.from) / self.every).ok()?;
         self.values.get(row).copied()
     }
 
-    /// All differences that are known, where there is more than one: `: 7 instead of 8 in cycle 7, ..`
+    /// Lists all known differences if there are several: `: 7 instead of 8 in cycle 7, ..`
     fn list(&self, record: &Record, window: &Window<'_>) -> String {
         if record.differences.len() < 2 {
             return String::new();

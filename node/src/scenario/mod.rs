@@ -1,8 +1,8 @@
-//! Scenarios: what happens when, what is traced, and what is expected (contract section 5).
+//! Scenarios: timed actions, traces and expectations (contract section 5).
 //!
-//! A [`Scenario`] is read whole against a cell and all its errors are told at once. [`simulate()`] runs it on a simulated
-//! machine as fast as it can; whoever runs the cycle himself, as `run --scenario` does, uses a [`Player`] and a [`Trace`].
-//! The [`Report`] says what became of it.
+//! A [`Scenario`] is read completely against a cell and all its errors are reported at once. [`simulate()`] runs it on
+//! a simulated machine as fast as possible. Code that runs the cycle itself, such as `run --scenario`, uses a
+//! [`Player`] and a [`Trace`]. The [`Report`] has the result.
 //!
 //! ```no_run
 //! use lineshaft::{cell::Cell, scenario::{Options, Scenario, simulate}};
@@ -18,7 +18,7 @@
 //! # }
 //! ```
 //!
-//! A scenario knows no ROS, no CAN and no thread.
+//! This module uses neither ROS nor CAN nor threads.
 
 mod csv;
 mod drive;
@@ -65,7 +65,7 @@ use std::sync::Arc;
 use step::Step;
 use verb::{Act, Deed, Ids};
 
-/// A scenario that has no errors, for the cell that it was read for. A copy is a handle to the same one.
+/// A scenario without errors, for the cell with which it was read. A clone is another handle to the same scenario.
 #[derive(Clone, Debug)]
 pub struct Scenario(Arc<Plan>);
 
@@ -77,44 +77,44 @@ struct Plan {
     /// At least 1.
     cycles: u64,
     cycle_ns: u64,
-    /// In the order of the board.
+    /// Signals in the order of the board.
     trace: Vec<Signal>,
     every: u64,
-    /// By their start.
+    /// Drives, sorted by their start.
     drives: Vec<Drive>,
     steps: Vec<Step>,
-    /// Of all steps.
+    /// Acts of all steps.
     acts: Vec<Act>,
-    /// The ids, by their places.
+    /// IDs by index.
     ids: Vec<String>,
     expectations: Vec<Expectation>,
     config: MachineConfig,
 }
 
 impl Scenario {
-    /// Does a step activate or deactivate the machine?
+    /// Returns true if a step activates or deactivates the machine.
     pub fn switches_activity(&self) -> bool {
         let switches = |act: &Act| matches!(act.deed, Deed::Command(Action::Activate | Action::Deactivate));
         self.0.acts.iter().any(switches)
     }
 
-    /// Reads a file. Files that it names are looked for beside it.
+    /// Reads a file. Files that it names are relative to its folder.
     ///
     /// # Errors
-    /// All that is wrong with it.
+    /// Returns all errors of the file.
     pub fn load(path: &Path, cell: &Cell) -> Result<Self, Problems> {
         Self::read(Document::read(path), path, cell)
     }
 
-    /// Reads a text; `name` stands for its file, also where files that it names are looked for.
+    /// Reads a text; `name` is the path of its file for problems, and for files that it names.
     ///
     /// # Errors
-    /// All that is wrong with it.
+    /// Returns all errors of the text.
     pub fn parse(name: &str, text: &str, cell: &Cell) -> Result<Self, Problems> {
         Self::read(Document::parse(name, text), Path::new(name), cell)
     }
 
-    /// As [`Scenario::parse`], and what its readers asked for.
+    /// Does the same as [`Scenario::parse`]; also returns the values that were read.
     #[cfg(test)]
     pub(crate) fn parse_observed(path: &Path, text: &str, cell: &Cell) -> (Result<Self, Problems>, Arc<Observer>) {
         let mut document = Document::parse(&path.display().to_string(), text);
@@ -150,17 +150,17 @@ impl Scenario {
         }
     }
 
-    /// Its name, for people.
+    /// Returns the name, for people.
     pub fn name(&self) -> &str {
         &self.0.name
     }
 
-    /// How many cycles it runs; at least 1.
+    /// Returns the length in cycles; at least 1.
     pub fn cycles(&self) -> u64 {
         self.0.cycles
     }
 
-    /// What of it only a simulated plant can do, if anything: a sentence with its place.
+    /// Returns a message, with its location, about a part that needs a simulated plant, if any.
     pub fn needs_simulation(&self) -> Option<String> {
         let plan = &self.0;
         let drives = plan.drives.iter().map(|drive| (drive.place, "drive"));
@@ -181,10 +181,10 @@ fn read(root: &Value<'_>, names: &Names<'_>, folder: &Path, document: &Document)
     }
     let cycle_ns = names.config.cycle_ns;
     let name = map.required("scenario").and_then(|value| value.text());
-    // Which cell that is was settled before this one was read.
+    // The cell was selected before this one was read.
     let cell = map.optional("cell").map_or(Some(()), |value| named_cell::read(&value, folder).map(drop));
     let length = length(&mut map, cycle_ns);
-    // Without a length the rest is read as if there were no end.
+    // If the length is wrong, the rest is read without an end.
     let cycles = length.unwrap_or(moment::MAX_CYCLES);
     let trace = trace(&mut map, names);
     let every = map.optional("every").map_or(Some(1), |value| moment::positive_cycles(&value, cycle_ns));
@@ -217,7 +217,7 @@ fn read(root: &Value<'_>, names: &Names<'_>, folder: &Path, document: &Document)
     })
 }
 
-/// Keys `for` and `cycles`: the first cycle that does not run any more.
+/// Reads keys `for` and `cycles`: returns the length in cycles.
 fn length(map: &mut Map<'_>, cycle_ns: u64) -> Option<u64> {
     match (map.optional("for"), map.optional("cycles")) {
         (Some(time), None) => moment::positive_cycles(&time, cycle_ns),
@@ -233,7 +233,7 @@ fn length(map: &mut Map<'_>, cycle_ns: u64) -> Option<u64> {
     }
 }
 
-/// Signals by globs, in the order of the board.
+/// Reads signals by globs; returns them in the order of the board.
 fn trace(map: &mut Map<'_>, names: &Names<'_>) -> Option<Vec<Signal>> {
     let Some(section) = map.optional("trace") else {
         return Some(names.directory.iter().map(|(signal, _)| signal).collect());
@@ -272,7 +272,7 @@ fn trace_glob(item: &Value<'_>, names: &Names<'_>, traced: &mut [bool]) -> Optio
     Some(())
 }
 
-/// Notes a problem if a cycle lies beyond the end; true when it does not.
+/// Reports a problem if a cycle is after the end; returns true if it is not.
 fn refuse_beyond_end(value: &Value<'_>, cycle: u64, cycles: u64, cycle_ns: u64) -> bool {
     if cycle >= cycles {
         let (given, end) = (moment::text(cycle, cycle_ns), moment::text(cycles - 1, cycle_ns));

@@ -1,24 +1,24 @@
-//! Cycles and times of a scenario.
+//! Reads cycles and times of a scenario.
 //!
-//! Law      an integer is a cycle; a time is the first cycle with t_k >= it, k = ceil(time / T); `end` is the last cycle
-//!          counted from a step, both may be negative: cycles before it
-//! Refuses  a bare number that is not whole (cycles or seconds?), negative ones where nothing is counted from, parts of
-//!          a nanosecond
+//! Law      an integer is a cycle; a time is the first cycle with t_k >= time, k = ceil(time / T); `end` is the last
+//!          cycle. Relative to a step, both may be negative: cycles before it
+//! Refuses  a number without unit that is no integer (cycles or seconds?), negative numbers that are not relative to a
+//!          step, fractions of a nanosecond
 //! Source   contract section 5
 
 use crate::document::{Allowed, Value};
 use lineshaft_core::unit::{Dimension, excerpt, parse_decimal};
 
-/// Longest scenario: 31 years of 1 ms.
+/// Maximum length of a scenario: 31 years with 1 ms.
 pub(super) const MAX_CYCLES: u64 = 1_000_000_000_000;
 
-/// How far before a step a moment may lie (cycles): what was seen until it fired is kept so long.
+/// Maximum number of cycles before a step; the samples of these cycles are stored until it fires.
 pub(super) const MAX_BACK: u64 = 100_000;
 
-/// A cycle, as it may be written.
+/// A cycle as written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moment {
-    /// Negative: before what it is counted from.
+    /// A cycle; negative numbers are before the reference.
     Cycle(i64),
     End,
 }
@@ -32,7 +32,7 @@ impl Moment {
         cycles(value, cycle_ns).map(Self::cycle)
     }
 
-    /// The same, counted from a step: it may lie up to [`MAX_BACK`] cycles before it.
+    /// Does the same relative to a step: up to [`MAX_BACK`] cycles before it are permitted.
     pub(super) fn read_relative(value: &Value<'_>, cycle_ns: u64) -> Option<Self> {
         if !value.peek().is_some_and(|text| text.trim_start().starts_with('-')) {
             return Self::read(value, cycle_ns);
@@ -41,7 +41,7 @@ impl Moment {
             let least = -i64::try_from(MAX_CYCLES).unwrap_or(i64::MAX);
             value.integer(least..=0).map(i64::unsigned_abs)?
         } else {
-            // The first cycle with t_k >= -time: of a part of a cycle nothing is before.
+            // The first cycle with t_k >= -time: rounded towards the step.
             let ns = time_ns(value, &Allowed::Any)?;
             ns.unsigned_abs() / cycle_ns
         };
@@ -58,7 +58,7 @@ impl Moment {
         Self::Cycle(i64::try_from(cycle).unwrap_or(i64::MAX))
     }
 
-    /// Its cycle, counted from `base`; `end` is `last` from everywhere. None before cycle 0.
+    /// Returns the cycle, relative to `base`; `end` is always `last`. `None` before cycle 0.
     pub(super) fn from(self, base: u64, last: u64) -> Option<u64> {
         match self {
             Self::Cycle(cycle) if cycle >= 0 => Some(base.saturating_add(cycle.unsigned_abs())),
@@ -67,12 +67,12 @@ impl Moment {
         }
     }
 
-    /// As [`Moment::from`]; what lies before cycle 0 is cycle 0.
+    /// Does the same as [`Moment::from`]; a cycle before cycle 0 gives cycle 0.
     pub(super) fn after(self, base: u64, last: u64) -> u64 {
         self.from(base, last).unwrap_or(0)
     }
 
-    /// How many cycles before what it is counted from it lies.
+    /// Returns the number of cycles before the reference.
     pub(super) fn back(self) -> u64 {
         match self {
             Self::Cycle(cycle) if cycle < 0 => cycle.unsigned_abs(),
@@ -81,7 +81,7 @@ impl Moment {
     }
 }
 
-/// A cycle, or the number of cycles that a time takes.
+/// Reads a number of cycles, or a time that is converted to it.
 pub(super) fn cycles(value: &Value<'_>, cycle_ns: u64) -> Option<u64> {
     if value.is_integer() {
         return value.integer(0..=MAX_CYCLES);
@@ -95,7 +95,7 @@ pub(super) fn cycles(value: &Value<'_>, cycle_ns: u64) -> Option<u64> {
     Some(cycles)
 }
 
-/// As [`cycles`], but at least one.
+/// Does the same as [`cycles`], but at least one.
 pub(super) fn positive_cycles(value: &Value<'_>, cycle_ns: u64) -> Option<u64> {
     if value.is_integer() {
         return value.integer(1..=MAX_CYCLES);
@@ -108,7 +108,7 @@ pub(super) fn positive_cycles(value: &Value<'_>, cycle_ns: u64) -> Option<u64> {
     Some(cycles)
 }
 
-/// A time in nanoseconds, not negative.
+/// Reads a time, not negative; returns it in ns.
 pub(super) fn nanoseconds(value: &Value<'_>) -> Option<u64> {
     time_ns(value, &Allowed::NotNegative).and_then(|ns| u64::try_from(ns).ok())
 }
@@ -129,25 +129,25 @@ fn time_ns(value: &Value<'_>, allowed: &Allowed) -> Option<i64> {
     }
 }
 
-/// The text of a number without a unit.
+/// Returns the text of a number without unit.
 pub(super) fn bare(value: &Value<'_>) -> Option<String> {
     let text = value.peek()?;
     parse_decimal(text).is_ok().then(|| excerpt(text))
 }
 
-/// `cycle 1500 (1.5 s)`
+/// Returns text such as `cycle 1500 (1.5 s)`.
 pub(super) fn text(cycle: u64, cycle_ns: u64) -> String {
     format!("cycle {cycle} ({} s)", seconds(cycle, cycle_ns))
 }
 
-/// t_k (s) as an exact decimal.
+/// Returns t_k in s as an exact decimal.
 pub(super) fn seconds(cycle: u64, cycle_ns: u64) -> String {
     let mut text = String::new();
     push_seconds(&mut text, cycle, cycle_ns);
     text
 }
 
-/// As [`seconds`], at the end of a text.
+/// Does the same as [`seconds`], but appends to a text.
 pub(super) fn push_seconds(text: &mut String, cycle: u64, cycle_ns: u64) {
     use std::fmt::Write;
     const SECOND: u128 = 1_000_000_000;
@@ -158,6 +158,6 @@ pub(super) fn push_seconds(text: &mut String, cycle: u64, cycle_ns: u64) {
         part /= 10;
         digits -= 1;
     }
-    // Writing to a text cannot fail.
+    // Writing to a string cannot fail.
     let _ = if digits == 0 { write!(text, "{whole}") } else { write!(text, "{whole}.{part:0digits$}") };
 }

@@ -1,27 +1,27 @@
-//! The cell that a scenario is for.
+//! Finds the cell of a scenario.
 //!
-//! Law      key `cell` of the scenario, a file from the folder of the scenario on; without it NAME.yaml next to NAME.scenario.yaml. A cell that
-//!          is given next to the key goes first, with a note if it is another file
-//! Reads    that key only: what else is wrong with the scenario shows when it is read for the cell
+//! Law      key `cell` of the scenario, relative to its folder; without the key, NAME.yaml next to NAME.scenario.yaml.
+//!          A cell given on the command line overrides the key, with a note if it is another file
+//! Reads    only that key; other errors of the scenario are found when it is read with the cell
 //! Refuses  a scenario without a cell, and a key that names no file
 
 use crate::document::{Document, Place, Problems, Value};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How the name of a scenario ends whose cell may be next to it.
+/// File name suffix of a scenario whose cell may be next to it.
 pub const SUFFIX: &str = ".scenario.yaml";
 
-/// The value of key `cell`, and where it is.
+/// Value of key `cell`, and its location.
 struct Key {
     place: Place,
     path: PathBuf,
 }
 
-/// The file of the cell that a scenario is for.
+/// Returns the path of the cell of a scenario.
 ///
 /// # Errors
-/// The scenario cannot be read, or says nothing of a cell, or the cell that it names does not exist.
+/// Returns an error if the scenario cannot be read, names no cell, or names one that does not exist.
 pub fn cell_of(scenario: &Path) -> Result<PathBuf, Problems> {
     let refuse = |place: Place, sentence: String| {
         let problems = Problems::new(&scenario.display().to_string());
@@ -42,14 +42,14 @@ pub fn cell_of(scenario: &Path) -> Result<PathBuf, Problems> {
     }
 }
 
-/// NAME.yaml next to NAME.scenario.yaml, whether it exists or not; none for another name.
+/// Returns NAME.yaml next to NAME.scenario.yaml, whether it exists or not; `None` for another name.
 pub fn cell_next_to(scenario: &Path) -> Option<PathBuf> {
     let name = scenario.file_name()?.to_str()?;
     let stem = name.strip_suffix(SUFFIX).filter(|stem| !stem.is_empty())?;
     Some(scenario.with_file_name(format!("{stem}.yaml")))
 }
 
-/// A note, if the scenario names another cell than the one that is used; none is the built-in demo.
+/// Returns a note if the scenario names another cell than the used one; `None` as used cell is the built-in demo.
 pub fn other_cell(scenario: &Path, used: Option<&Path>) -> Option<String> {
     let Key { place: Place { line, col }, path } = key(scenario).ok().flatten()?;
     if used.is_some_and(|used| is_same(used, &path)) {

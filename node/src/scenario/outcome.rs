@@ -1,4 +1,4 @@
-//! What became of a command of a scenario, over all the times that it was given.
+//! Result of a command of a scenario, over all times that it was given.
 
 use super::Plan;
 use super::moment::text;
@@ -14,44 +14,44 @@ use lineshaft_core::parameter::ROWS;
 use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
 
-/// How a command was answered.
+/// Answer to a command.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Answer {
     Accepted,
     Refused(Event),
-    /// Not at all: the event found no room.
+    /// There was no answer: the event did not fit into the queue.
     None,
-    /// The command was not given: too many wait for a cycle.
+    /// The command was not given, because too many were waiting for a cycle.
     NoRoom,
     /// There was no plant, no such drive, or no room for a latch.
     NotInjected,
 }
 
-/// What became of an act.
+/// Result of an act.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
-    /// The first answer that is wrong.
+    /// First unexpected answer.
     wrong: Option<(u64, Answer)>,
     wrong_times: u64,
-    /// The first refusal that is right.
+    /// First expected refusal.
     refused: Option<(u64, Event)>,
     refused_times: u64,
 }
 
-/// Is the answer the one that the step expects?
+/// Whether the answer is the one that the step expects.
 pub(super) fn is_expected(answer: &Answer, wanted: Option<&Refusal>, deed: Option<&Deed>, plan: &Plan) -> bool {
     match (answer, wanted) {
         (Answer::Accepted, None) => true,
-        // The sentence was compared when the scenario was read.
+        // The message was compared when the scenario was read.
         (Answer::Refused(_), Some(_)) if matches!(deed, Some(Deed::Refused(_))) => true,
         (Answer::Refused(event), Some(wanted)) => names(event, wanted, deed, plan),
         _ => false,
     }
 }
 
-/// Is what is wanted said by the sentence, by the parameter or by the code?
+/// Whether the message, the parameter or the code matches the expected refusal.
 fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> bool {
-    // Of a function it is the number of a field, which the sentence names.
+    // For a function it is the number of a field, which the message names.
     let number = event.parameter.filter(|_| !matches!(event.source, Object::Function(_)));
     let row = number.and_then(|row| ROWS.get(usize::from(row)));
     let code = Code::rows().find(|row| row.code == event.code);
@@ -60,19 +60,19 @@ fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> b
     wanted.fits(event.code, &[&sentence(event, &plan.config), &by_id], &names)
 }
 
-/// Whose outcome it is: an act of a step, or an entry of `drive`.
+/// Act of a step, or entry of `drive`, to which a result belongs.
 pub(super) struct Source<'a> {
     place: Place,
     verb: &'a str,
     deed: Option<&'a Deed>,
-    /// The sentence of a request that never became a command.
+    /// Message of a request that was refused before it became a command.
     refusal: Option<&'a str>,
-    /// What the step expects.
+    /// Refusal that the step expects.
     wanted: Option<&'a Refusal>,
 }
 
 impl<'a> Source<'a> {
-    /// Of the outcome at that place.
+    /// Returns the source of the result with this index.
     pub(super) fn of(plan: &'a Plan, index: usize) -> Self {
         match plan.acts.get(index) {
             Some(act) => {
@@ -91,7 +91,7 @@ impl<'a> Source<'a> {
 }
 
 impl Outcome {
-    /// Notes an answer.
+    /// Records an answer.
     pub(super) fn note(&mut self, cycle: u64, answer: Answer, is_expected: bool) {
         match answer {
             Answer::Refused(event) if is_expected => {
@@ -106,7 +106,7 @@ impl Outcome {
         }
     }
 
-    /// What is wrong with it.
+    /// Returns the failure, if any.
     pub(super) fn failure(&self, source: &Source<'_>, plan: &Plan) -> Option<Failure> {
         let (cycle, answer) = self.wrong.as_ref()?;
         let verb = source.verb;
@@ -133,7 +133,7 @@ impl Outcome {
         Some(Failure { place: source.place, sentence })
     }
 
-    /// The refusal that was expected.
+    /// Returns the refusal that was expected.
     pub(super) fn expected(&self, source: &Source<'_>, plan: &Plan) -> Option<Failure> {
         let (cycle, event) = self.refused.as_ref()?;
         let (verb, said) = (source.verb, said(event, source, plan));
@@ -147,7 +147,8 @@ fn said(event: &Event, source: &Source<'_>, plan: &Plan) -> String {
     own.unwrap_or_else(|| sentence(event, &plan.config))
 }
 
-/// A goal that is not active has the number that the run gave it; the scenario knows it by its id.
+/// Replaces the number of a goal that is not active by its ID; the number was assigned by the run, and the scenario has
+/// only the ID.
 fn by_id(event: &Event, deed: Option<&Deed>, plan: &Plan) -> Option<String> {
     let Some(Deed::Cancel(place)) = deed else { return None };
     let id = plan.ids.get(*place).filter(|_| event.code == Code::UNKNOWN_GOAL)?;

@@ -1,11 +1,11 @@
-//! A running scenario, whoever runs the cycle.
+//! Executes a scenario, independent of the code that runs the cycle.
 //!
 //! In each cycle, in this order:
 //!
-//! 1. [`Player::before`]: steps that are due fire; injections go to the plant;
-//! 2. inputs are read, then [`Player::override_inputs`] puts the driven values in;
-//! 3. the machine's cycle, with [`Player::commands`];
-//! 4. [`Player::after`]: answers, conditions and expectations are judged.
+//! 1. [`Player::before`]: steps that are due fire; injections are applied to the plant;
+//! 2. inputs are read, then [`Player::override_inputs`] replaces driven values;
+//! 3. the cycle of the machine, with [`Player::commands`];
+//! 4. [`Player::after`]: answers, conditions and expectations are evaluated.
 
 use super::drive::Target;
 use super::judge::{End, Record, Seen};
@@ -22,36 +22,37 @@ use lineshaft_core::signal::Value as Number;
 use lineshaft_core::sim::Plant;
 use std::collections::VecDeque;
 
-/// Commands that may wait for a later cycle because a cycle takes no more; what comes on top is not given, and told.
+/// Maximum number of commands that wait for a later cycle because a cycle accepts no more; further ones are not given
+/// and are reported.
 pub(super) const MOST_HELD: usize = 4096;
 
 /// No step is due.
 const NEVER: u64 = u64::MAX;
 
-/// A running scenario.
+/// State of a scenario that is executed.
 #[derive(Debug)]
 pub struct Player {
     scenario: Scenario,
-    /// The cycle that runs, or ran last.
+    /// Current or last cycle.
     cycle: u64,
-    /// Cycles that have run.
+    /// Number of cycles that have run.
     ran: u64,
     steps: Vec<StepState>,
-    /// For each step, the cycle in which it fired first.
+    /// First cycle in which each step fired.
     fired: Vec<Option<u64>>,
     next_due: u64,
-    /// For each id, the sequence number of the last command that carried it; 0 for none yet.
+    /// Sequence number of the last command with each ID; 0 if there was none yet.
     goals: Vec<u64>,
-    /// Stops, then all else, that have no cycle yet: one takes so many only.
+    /// Stops, then other commands, that wait for a cycle, because a cycle accepts only a limited number.
     held: [VecDeque<(Command, Pending)>; 2],
     stop: Vec<Command>,
     queue: Vec<Command>,
-    /// Setpoints of this cycle.
+    /// Setpoints of the current cycle.
     stream: Setpoints,
     pending: Vec<Pending>,
-    /// For each act, then for each entry of `drive`.
+    /// Results of the acts, then of the entries of `drive`.
     outcomes: Vec<Outcome>,
-    /// For each entry of `drive`, what its memory cell held at the end of the last cycle.
+    /// Value of the memory cell of each entry of `drive` at the end of the last cycle.
     memory: Vec<Option<Number>>,
     records: Vec<Record>,
     /// Memory for the values of a condition.
@@ -64,7 +65,7 @@ struct StepState {
     times: u64,
 }
 
-/// A command of this cycle and whose it is.
+/// A command of the current cycle, and its source.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     sequence: u64,
@@ -74,7 +75,7 @@ struct Pending {
 }
 
 impl Player {
-    /// A scenario before its cycle 0.
+    /// Creates the state before cycle 0.
     pub fn new(scenario: &Scenario) -> Self {
         let plan = &scenario.0;
         let due = |step: &Step| match step.trigger {
@@ -101,14 +102,14 @@ impl Player {
         }
     }
 
-    /// Has every cycle of the scenario run?
+    /// Returns true if every cycle of the scenario has run.
     pub fn is_over(&self) -> bool {
         self.ran >= self.scenario.cycles()
     }
 
-    /// Starts a cycle, counted from 0 at the start of the scenario: steps that are due fire. Each command takes the next
-    /// number after `sequence`, which is that of the last command of anybody. Without a plant nothing can be injected. The cycle has
-    /// room for so many commands; the stops come first, and what does not fit waits for the next cycle.
+    /// Starts a cycle, counted from 0 at the start of the scenario: steps that are due fire. Commands are numbered from
+    /// `sequence`, the number of the last command of any client. Without a plant nothing can be injected. The cycle
+    /// accepts `room` commands; stops have priority, and the others wait for the next cycle.
     pub fn before(&mut self, cycle: u64, sequence: &mut u64, mut plant: Option<&mut Plant>, room: usize) {
         self.cycle = cycle;
         self.stop.clear();
@@ -131,13 +132,13 @@ impl Player {
         self.release(room);
     }
 
-    /// Most commands that one cycle can add.
+    /// Returns the maximum number of commands that one cycle can add.
     pub fn most_commands(&self) -> u64 {
         let plan = &self.scenario.0;
         (plan.acts.len() + plan.drives.len()) as u64
     }
 
-    /// Gives the cycle what it has room for, the stops first.
+    /// Moves waiting commands into the cycle, up to `room`, stops first.
     fn release(&mut self, room: usize) {
         let [stops, others] = &mut self.held;
         let mut room = room;
@@ -197,7 +198,7 @@ impl Player {
         *sequence
     }
 
-    /// What lies along the way of a driven count, index pulses and marks, is passed by it.
+    /// Moves the simulation by driven counts, so that index pulses and marks on the way are detected.
     fn drive_counts(&self, plant: &mut Plant) {
         for drive in &self.scenario.0.drives {
             match (drive.target, drive.value(self.cycle)) {
@@ -208,7 +209,7 @@ impl Player {
         }
     }
 
-    /// Driven memory cells become commands, wherever the cell does not hold the value already.
+    /// Sends commands for driven memory cells that do not have the value yet.
     fn drive_memory(&mut self, sequence: &mut u64) {
         let scenario = self.scenario.clone();
         let plan = &scenario.0;
@@ -226,13 +227,13 @@ impl Player {
         }
     }
 
-    /// The commands of this cycle.
+    /// Returns the commands of the current cycle.
     pub fn commands(&self) -> Commands<'_> {
         let stream = Some(&self.stream).filter(|stream| !stream.is_empty());
         Commands { stop: &self.stop, queue: &self.queue, stream }
     }
 
-    /// Puts the driven values of this cycle in the place of what was read.
+    /// Replaces inputs by the driven values of the current cycle.
     pub fn override_inputs(&self, inputs: &mut Inputs) {
         for drive in &self.scenario.0.drives {
             if let Some(value) = drive.value(self.cycle) {
@@ -241,7 +242,7 @@ impl Player {
         }
     }
 
-    /// Ends a cycle: `machine` has just run it.
+    /// Ends a cycle that `machine` has just run.
     pub fn after(&mut self, machine: &Machine) {
         let scenario = self.scenario.clone();
         let plan = &scenario.0;
@@ -282,7 +283,7 @@ impl Player {
         }
     }
 
-    /// A `when` step that is armed and has not fired yet.
+    /// Evaluates `when` steps that are armed and have not fired yet.
     fn judge_conditions(&mut self, machine: &Machine, plan: &Plan) {
         for (index, step) in plan.steps.iter().enumerate() {
             let Trigger::When { predicate, after } = &step.trigger else { continue };
@@ -300,7 +301,7 @@ impl Player {
         }
     }
 
-    /// The step that fired last, for people; none before the first one.
+    /// Returns the step that fired last, for people; `None` before the first one.
     pub fn last_step(&self) -> Option<String> {
         let fired = self.fired.iter().enumerate().filter_map(|(place, cycle)| Some(((*cycle)?, place)));
         let (_, place) = fired.max()?;
@@ -308,7 +309,7 @@ impl Player {
         Some(name.map_or_else(|| format!("step {}", place + 1), |name| format!("step `{name}`")))
     }
 
-    /// What became of it. Called before the scenario is over, it says how far it came.
+    /// Returns the report. Before the end of the scenario, the report is about the part that has run.
     pub fn finish(mut self) -> Report {
         for (_, pending) in self.held.iter().flatten() {
             self.outcomes[pending.outcome].note(self.cycle, Answer::None, false);
@@ -364,7 +365,7 @@ impl Player {
         failures
     }
 
-    /// Steps that never fired, those that may or those that may not.
+    /// Returns the steps that never fired: the optional or the other ones.
     fn not_fired(&self, plan: &Plan, optional: bool) -> Vec<Failure> {
         let steps =
             plan.steps.iter().enumerate().filter(|(index, step)| {

@@ -1,7 +1,7 @@
 //! Conditions on signals and parameters, for `when` and `expect`.
 //!
-//! Law      is: equal, or |value - asked| <= within | not: unequal | min <= value <= max | all, any: of several
-//!          value = signal, signal AND mask, or signal + plus - minus, exact for whole numbers
+//! Law      is: equal, or |value - given| <= within | not: unequal | min <= value <= max | all, any: of several
+//!          value = signal, signal AND mask, or signal + plus - minus, exact for integers
 //! Reads    the board and the parameters in force at the end of a cycle
 //! Source   contract section 5
 
@@ -14,7 +14,7 @@ use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
 use lineshaft_core::unit::excerpt;
 use std::slice::Iter;
 
-/// A signal, the bits of a signal below a mask, a sum of signals, or a parameter.
+/// A signal, masked bits of a signal, a sum of signals, or a parameter.
 #[derive(Clone, Debug)]
 pub(super) struct Probe {
     name: String,
@@ -25,11 +25,11 @@ pub(super) struct Probe {
 #[derive(Clone, Copy, Debug)]
 enum Source {
     Signal(Signal, Type),
-    /// Bits of a signal.
+    /// Masked bits of a signal.
     Masked(Signal, Type, i64),
     /// The first signal + the second one - the third one.
     Sum((Signal, Type), Option<(Signal, Type)>, Option<(Signal, Type)>),
-    /// Axis or machine, and place of the row.
+    /// Axis or machine, and index of the row.
     Parameter(u16, u16),
 }
 
@@ -79,7 +79,7 @@ impl Probe {
         Some(Self { name: name.to_owned(), source: Source::Parameter(axis, place), ruler })
     }
 
-    /// The bits of a signal: of a whole number without a unit.
+    /// Applies a mask, permitted for an integer without unit.
     fn masked(self, mask: i64, value: &Value<'_>) -> Option<Self> {
         let Source::Signal(signal, kind) = self.source else { return None };
         if !matches!(kind, Type::Int | Type::Word) || self.ruler.measure != Measure::None || self.ruler.is_code {
@@ -92,7 +92,7 @@ impl Probe {
         Some(Self { name, source: Source::Masked(signal, kind, mask), ruler })
     }
 
-    /// The sum with `plus` and the difference with `minus`, of signals in the same unit.
+    /// Adds `plus` and subtracts `minus`, signals in the same unit.
     fn sum(self, others: [Option<(Option<Signal>, Value<'_>)>; 2], names: &Names<'_>) -> Option<Self> {
         let Source::Signal(signal, kind) = self.source else { return None };
         let mut sum = self;
@@ -111,8 +111,8 @@ impl Probe {
         Some(Self { source: Source::Sum((signal, kind), plus, minus), ..sum })
     }
 
-    /// How the sum with another signal is read and written. A memory cell has no unit of its own: it holds a number in
-    /// the unit of the signal that it is added to. `has_no_unit`: all terms so far are memory cells.
+    /// Returns the ruler of the sum with another signal. A memory cell has no unit: its number is in the unit of the
+    /// signal to which it is added. `has_no_unit`: all terms so far are memory cells.
     fn common_ruler(&self, other: Signal, value: &Value<'_>, names: &Names<'_>, has_no_unit: bool) -> Option<Ruler> {
         let (mine, theirs) = (&self.ruler, Ruler::of(names, other));
         let entry = names.directory.entry(other);
@@ -145,16 +145,16 @@ impl Probe {
             value.refuse(format!("{sentence}; a {what} needs the same unit"), None);
             return None;
         }
-        // Between two scales a millimetre has no meaning: only increments are left.
+        // A length has no meaning for a sum of two scales, so that only increments remain.
         Some(Ruler { scale: mine.scale.filter(|_| mine.scale == theirs.scale), ..plain })
     }
 
-    /// Reads key `within`: refused where the values have no order.
+    /// Reads key `within`; refuses it for values without an order.
     pub(super) fn read_tolerance(&self, within: &Value<'_>) -> Option<Number> {
         if self.is_ordered(within) { self.ruler.read_tolerance(within) } else { None }
     }
 
-    /// Whether the values have an order; where not, the key that needs one is a problem.
+    /// Whether the values have an order; otherwise the key that needs one is a problem.
     fn is_ordered(&self, key: &Value<'_>) -> bool {
         let is_ordered = self.ruler.is_ordered();
         if !is_ordered {
@@ -164,12 +164,12 @@ impl Probe {
         is_ordered
     }
 
-    /// What it is called in a report.
+    /// Returns the name for a report.
     pub(super) fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its value.
+    /// Returns the current value.
     pub(super) fn value(&self, machine: &Machine) -> Number {
         let value = |(signal, kind)| machine.board().value(signal, kind);
         match self.source {
@@ -184,7 +184,7 @@ impl Probe {
     }
 }
 
-/// first + plus - minus: whole numbers exactly, and saturated once at the end.
+/// Calculates first + plus - minus: exact for integers, and saturated once at the end.
 fn sum(first: Number, plus: Option<Number>, minus: Option<Number>) -> Number {
     let (plus, minus) = (plus.unwrap_or(Number::Int(0)), minus.unwrap_or(Number::Int(0)));
     match (first, plus, minus) {
@@ -196,7 +196,7 @@ fn sum(first: Number, plus: Option<Number>, minus: Option<Number>) -> Number {
     }
 }
 
-/// What is asked of a value.
+/// Check of a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Check {
     Is { value: Number, within: Option<Number> },
@@ -211,7 +211,7 @@ impl Check {
         let ordered = [&within, &min, &max].into_iter().flatten().next();
         let probe = probe?;
         let ruler = &probe.ruler;
-        // A problem names what the value is asked of: "x.state is `STANDSTIL`".
+        // The problem names the value that is checked: "x.state is `STANDSTIL`".
         let [is, not] = [is, not].map(|value| value.map(|value| value.called(probe.name.clone())));
         if ordered.is_some_and(|key| !probe.is_ordered(key)) {
             return None;
@@ -251,7 +251,7 @@ impl Check {
         check
     }
 
-    /// Does a value meet it?
+    /// Whether a value passes the check.
     pub(super) fn holds(&self, number: Number) -> bool {
         match *self {
             Self::Is { value, within: None } => same(number, value),
@@ -263,7 +263,7 @@ impl Check {
         }
     }
 
-    /// How far a value is from meeting it, for the closest one; none where near has no meaning.
+    /// Returns the distance of a value from passing, to find the closest one; `None` if distance has no meaning.
     pub(super) fn miss(&self, number: Number) -> Option<f64> {
         let far = match *self {
             Self::Is { value, .. } => distance(number, value).to_f64(),
@@ -277,7 +277,7 @@ impl Check {
         Some(far).filter(|far| !far.is_nan())
     }
 
-    /// What is asked, in words.
+    /// Returns the check as text.
     pub(super) fn text(&self, ruler: &Ruler) -> String {
         let text = |number: &Number| ruler.text(*number);
         match self {
@@ -291,12 +291,12 @@ impl Check {
     }
 }
 
-/// Equal; what is not set is the same as what is not set.
+/// Whether two values are equal; two unset values are equal.
 fn same(value: Number, other: Number) -> bool {
     value == other || value.to_f64().is_nan() && other.to_f64().is_nan()
 }
 
-/// NaN is at most nothing, and nothing at most NaN.
+/// Whether `value` is at most `other`; false if one of them is NaN.
 fn at_most(value: Number, other: Number) -> bool {
     match (value, other) {
         (Number::Int(value), Number::Int(other)) => value <= other,
@@ -320,7 +320,7 @@ pub(super) enum Predicate {
 }
 
 impl Predicate {
-    /// Reads the keys of a condition from a mapping that may have others.
+    /// Reads the keys of a condition from a mapping that may have other keys.
     pub(super) fn read(map: &mut Map<'_>, names: &Names<'_>) -> Option<Self> {
         let (all, any) = (map.optional("all"), map.optional("any"));
         match (all, any) {
@@ -346,12 +346,12 @@ impl Predicate {
         }
     }
 
-    /// Does it hold for what [`Predicate::look`] found?
+    /// Whether the condition is true for the values of [`Predicate::look`].
     pub(super) fn holds(&self, values: &[Number]) -> bool {
         self.holds_next(&mut values.iter())
     }
 
-    /// Each part takes its values, also where the ones before have settled it.
+    /// Each part takes its values, even if earlier parts have determined the result.
     fn holds_next(&self, values: &mut Iter<'_, Number>) -> bool {
         match self {
             Self::Test { check, .. } => values.next().is_some_and(|value| check.holds(*value)),
@@ -360,7 +360,7 @@ impl Predicate {
         }
     }
 
-    /// What [`Predicate::look`] found: `x.state is DISABLED`.
+    /// Formats the values of [`Predicate::look`]: `x.state is DISABLED`.
     pub(super) fn found(&self, values: &[Number]) -> String {
         let mut tests = Vec::new();
         self.tests(&mut tests);
@@ -375,7 +375,7 @@ impl Predicate {
         }
     }
 
-    /// What is asked: the value alone, or each part with its signal.
+    /// Formats the expected value alone, or each part with its signal.
     pub(super) fn expected(&self) -> String {
         match self {
             Self::Test { probe, check } => check.text(&probe.ruler),
@@ -384,7 +384,7 @@ impl Predicate {
         }
     }
 
-    /// What is asked, with the signal: `x.state STANDSTILL`.
+    /// Formats the condition with the signal: `x.state STANDSTILL`.
     pub(super) fn text(&self) -> String {
         match self {
             Self::Test { probe, .. } => format!("{} {}", probe.name, self.expected()),
@@ -412,6 +412,6 @@ fn read_several(value: &Value<'_>, names: &Names<'_>) -> Option<Vec<Predicate>> 
             part
         })
         .collect();
-    // Only now: every part has been read, so all that is wrong is told.
+    // Collected after all parts were read, so that all problems are reported.
     parts.into_iter().collect()
 }

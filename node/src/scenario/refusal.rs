@@ -1,8 +1,8 @@
-//! Key `refused` of a step: the refusal that its commands are to meet.
+//! Key `refused` of a step: the refusal that its commands must get.
 //!
-//! Law      a text is part of the sentence, or the name of the parameter or of the code; capitals and small letters are
-//!          alike. `{code: 98}` is the code by number or name; with `text` beside it, both. `any` is every refusal
-//! Refuses  true and false, which say nothing about the sentence
+//! Law      a text must be part of the message, or the name of the parameter or of the code, ignoring case.
+//!          `{code: 98}` is the code by number or name; with `text`, both must match. `any` matches every refusal
+//! Refuses  true and false, which do not describe the message
 //! Source   contract section 5
 
 use super::ruler::read_code;
@@ -11,10 +11,10 @@ use lineshaft_core::code::Code;
 use lineshaft_core::unit::excerpt;
 use std::fmt;
 
-/// The text that stands for every refusal; as a part of a sentence it is `{text: any}`.
+/// Text that matches every refusal; for a part of a message it is written `{text: any}`.
 const ANY: &str = "any";
 
-/// What a refusal is to say; without code and text, any refusal is meant.
+/// Expected refusal; without code and text, any refusal matches.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Refusal {
     code: Option<u32>,
@@ -53,7 +53,7 @@ impl Refusal {
         Some(Self { code: None, text: Some(text).filter(|text| *text != ANY).map(str::to_owned) })
     }
 
-    /// Is it that code, and does one of the sentences or names say the text?
+    /// Whether the code matches, and one of the messages or names matches the text.
     pub(super) fn fits(&self, code: Code, said: &[&str], names: &[&str]) -> bool {
         let is_said = |text: &String| {
             said.iter().any(|said| contains(said, text)) || names.iter().any(|name| name.eq_ignore_ascii_case(text))
@@ -68,7 +68,7 @@ impl fmt::Display for Refusal {
             (Some(code), Some(text)) => write!(f, "code {code} and `{}`", excerpt(text)),
             (Some(code), None) => write!(f, "code {code}"),
             (None, None) => f.write_str("any sentence"),
-            // Part of a sentence it may be, but seldom is.
+            // A number may be part of a message, but rarely is.
             (None, Some(text)) if text.parse::<u32>().is_ok() => {
                 write!(f, "the text `{text}` (a code is written `{{code: {text}}}`)")
             }
@@ -77,7 +77,7 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// Is the part in the text, whatever is written large and small?
+/// Whether the text contains the part, ignoring case.
 pub(super) fn contains(text: &str, part: &str) -> bool {
     text.contains(part) || text.to_lowercase().contains(&part.to_lowercase())
 }

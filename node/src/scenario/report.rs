@@ -1,4 +1,4 @@
-//! What became of a scenario, in words.
+//! Report of a scenario.
 
 use super::moment;
 use crate::document::Place;
@@ -6,66 +6,67 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// What became of a scenario. Its text is for people; [`Report::passed`] for programs.
+/// Result of a scenario. The text is for people; [`Report::passed`] is for programs.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// Name of the scenario.
     pub name: String,
-    /// Its file, as it was named to the program.
+    /// Path of its file, as given to the program.
     pub file: Arc<str>,
-    /// Cycles that were run.
+    /// Number of cycles that were run.
     pub cycles: u64,
-    /// Length of a cycle (ns).
+    /// Cycle time, in ns.
     pub cycle_ns: u64,
-    /// How long that took; left out where nobody measured it.
+    /// Duration of the run; `None` if it was not measured.
     pub wall: Option<Duration>,
-    /// How many expectations there are.
+    /// Number of expectations.
     pub expectations: usize,
-    /// Of these, how many were not judged as the optional step that they count from never fired.
+    /// Number of expectations that were not judged because the optional step from which they count never fired.
     pub not_judged: usize,
-    /// How many steps there are.
+    /// Number of steps.
     pub steps: usize,
-    /// Of these, how many fired.
+    /// Number of steps that fired.
     pub steps_fired: usize,
-    /// Optional steps that never fired, and why, by place.
+    /// Optional steps that never fired, with the reason, sorted by location.
     pub not_fired: Vec<Failure>,
-    /// What is wrong, by place.
+    /// Failures, sorted by location.
     pub failures: Vec<Failure>,
-    /// Commands that were refused as expected, by place.
+    /// Commands that were refused as expected, sorted by location.
     pub refused: Vec<Failure>,
     /// All expectations, in the order of the file.
     pub results: Vec<ExpectationResult>,
 }
 
-/// What became of an expectation.
+/// Result of an expectation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectationResult {
-    /// Where in the file.
+    /// Location in the file.
     pub place: Place,
-    /// What is expected, and in which cycles.
+    /// Expectation and its cycles, as text.
     pub text: String,
-    /// Whether it was judged: the optional step that it counts from may never have fired.
+    /// Whether it was judged; not if the optional step from which it counts never fired.
     pub is_judged: bool,
-    /// What was found instead, if it failed.
+    /// Actual value or events, if it failed.
     pub failure: Option<String>,
 }
 
-/// A sentence about a place in the scenario.
+/// A message about a location in the scenario.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Failure {
-    /// Where in the file.
+    /// Location in the file.
     pub place: Place,
-    /// What happened there, and what was expected.
+    /// Actual and expected result.
     pub sentence: String,
 }
 
 impl Report {
-    /// Is everything as it was expected?
+    /// Returns true if there are no failures.
     pub fn passed(&self) -> bool {
         self.failures.is_empty()
     }
 
-    /// What is wrong apart from the expectations, by place: commands and steps, or a run that ended early.
+    /// Returns the failures other than those of expectations, sorted by location: of commands, of steps, or of a run
+    /// that ended early.
     pub fn other_failures(&self) -> impl Iterator<Item = &Failure> {
         let results = &self.results;
         self.failures.iter().filter(move |failure| {

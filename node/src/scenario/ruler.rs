@@ -1,8 +1,9 @@
-//! Values of a signal: how a file writes them and how a report does.
+//! Reads values of a signal from a file, and formats them for a report.
 //!
-//! Law      bare numbers are in the signal's own unit (inc, inc/s, V); quantities become that by the object's scale,
-//!          whole ones to the nearest increment, half away from zero (contract section 1); enums go by name
-//!          values of parameters are read and written as those of a set of parameters
+//! Law      numbers without unit are in the unit of the signal (inc, inc/s, V); quantities are converted with the scale
+//!          of the object, integers to the nearest increment, half away from zero (contract section 1); enums are read
+//!          by name
+//!          values of parameters are read and written as in `set_parameters`
 
 use super::moment::bare;
 use super::names::{Names, did_you_mean, nearest};
@@ -16,25 +17,25 @@ use lineshaft_core::unit::{
     Dimension, Quantity, Scale, UnitError, excerpt, fraction_to_f64, number_to_text, parse_decimal,
 };
 
-/// How the values of a signal, or of the difference of two, are read and written.
+/// Format of the values of a signal, or of the difference of two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ruler {
     pub kind: Type,
     pub measure: Measure,
     pub scale: Option<Scale>,
-    /// Its numbers are codes of errors.
+    /// Whether its values are error codes.
     pub is_code: bool,
-    /// The bits of a signal that are compared; none for the signal as a whole.
+    /// Bits of a signal that are compared; `None` for the whole signal.
     pub mask: Option<i64>,
     /// The row of a parameter.
     pub row: Option<&'static Row>,
-    /// Minimum and maximum of whole numbers.
+    /// Minimum and maximum of integers.
     pub range: (i64, i64),
-    /// A command carries its whole numbers as f64, which has to hold them exactly.
+    /// Whether commands have its integers as f64, so that they must be exact.
     pub in_f64: bool,
 }
 
-/// The range of whole numbers without narrower bounds.
+/// Range of integers without narrower limits.
 pub(super) const ALL_WHOLE: (i64, i64) = (i64::MIN, i64::MAX);
 
 impl Ruler {
@@ -54,7 +55,7 @@ impl Ruler {
         }
     }
 
-    /// Values of a parameter, written as everywhere else that a parameter is.
+    /// Returns the ruler of a parameter, with the same format as elsewhere.
     pub(super) fn of_parameter(row: &'static Row, scale: Scale) -> Self {
         let kind = match row.measure {
             parameter::Measure::Choice(names) => Type::Enum(names),
@@ -76,19 +77,19 @@ impl Ruler {
         }
     }
 
-    /// Positions of an object of that scale.
+    /// Returns the ruler of positions of an object with that scale.
     pub(super) fn of_positions(scale: Scale) -> Self {
         let (kind, measure) = (Type::Int, Measure::Position);
         let scale = Some(scale);
         Self { kind, measure, scale, is_code: false, mask: None, row: None, range: ALL_WHOLE, in_f64: false }
     }
 
-    /// Returns the same with other bounds of whole numbers.
+    /// Returns the same ruler with another range of integers.
     pub(super) fn within(self, range: (i64, i64)) -> Self {
         Self { range, ..self }
     }
 
-    /// Has it an order, so that more and less have a meaning?
+    /// Whether the values have an order.
     pub(super) fn is_ordered(&self) -> bool {
         self.mask.is_none() && !matches!(self.kind, Type::Enum(_) | Type::Bit)
     }
@@ -115,7 +116,7 @@ impl Ruler {
         }
     }
 
-    /// Reads a distance from a value: not negative.
+    /// Reads a difference of values; it must not be negative.
     pub(super) fn read_tolerance(&self, value: &Value<'_>) -> Option<Number> {
         let number = self.read(value)?;
         if number.to_f64() < 0.0 {
@@ -163,7 +164,7 @@ impl Ruler {
         }
     }
 
-    /// Order of the derivative of a position.
+    /// Returns the order of the derivative of a position.
     fn order(&self) -> Option<u8> {
         match self.measure {
             Measure::Position => Some(0),
@@ -174,7 +175,7 @@ impl Ruler {
         }
     }
 
-    /// A value in the signal's unit and in the axis unit: `12582912 inc (120 mm)`.
+    /// Formats a value in the unit of the signal and in the axis unit: `12582912 inc (120 mm)`.
     pub(super) fn text(&self, number: Number) -> String {
         if let Some((row, scale)) = self.row.zip(self.scale) {
             return parameter_text(row, number, &scale);
@@ -204,13 +205,14 @@ impl Ruler {
     }
 }
 
-/// Returns true if an f64 holds a whole number exactly: each up to 2^53, beyond that only some.
+/// Returns true if an f64 represents an integer exactly: every one up to 2^53, beyond that only some.
 pub(super) fn is_exact(whole: i64) -> bool {
     // The cast rounds to the nearest f64, at most 2^63.
     whole as f64 as i128 == i128::from(whole)
 }
 
-/// Returns true if an f64 holds a whole number exactly. Otherwise refuses it, with the nearest one that is within the range.
+/// Returns true if an f64 represents an integer exactly. Otherwise refuses it, with the nearest one within the range as
+/// hint.
 pub(super) fn refuse_inexact(value: &Value<'_>, whole: i64, (low, high): (i64, i64)) -> bool {
     if is_exact(whole) {
         return true;
@@ -222,7 +224,7 @@ pub(super) fn refuse_inexact(value: &Value<'_>, whole: i64, (low, high): (i64, i
     false
 }
 
-/// Bits of a mask: a bit outside of it could never be met.
+/// Reads the bits of a mask; refuses bits outside of it, which would always be 0.
 fn read_bits(value: &Value<'_>, mask: i64) -> Option<i64> {
     let bits = value.integer(0..=i64::MAX)?;
     if bits & !mask != 0 {
@@ -249,7 +251,7 @@ fn read_parameter(value: &Value<'_>, row: &Row, scale: &Scale) -> Option<Number>
     }
 }
 
-/// A parameter's value as a number; what is not set is none.
+/// Converts the value of a parameter to a number; an unset value to NaN.
 pub(super) fn number(value: parameter::Value) -> Number {
     match value {
         parameter::Value::Unset => Number::Real(f64::NAN),
@@ -264,7 +266,7 @@ fn parameter_text(row: &Row, number: Number, scale: &Scale) -> String {
         Number::Real(value) if value.is_nan() => return "not set".to_owned(),
         Number::Real(value) => parameter::Value::Real(value),
     };
-    // Two values that differ are never told as one.
+    // Two different values must have different texts.
     if let (parameter::Value::Real(rate), Some(order)) = (value, row.measure.order()) {
         return scale.format_rate_precisely(rate, order);
     }
@@ -280,7 +282,7 @@ fn good<T>(value: &Value<'_>, result: Result<T, UnitError>) -> Option<T> {
     result.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
 }
 
-/// A code by number or name.
+/// Reads a code by number or name.
 pub(super) fn read_code(value: &Value<'_>) -> Option<u32> {
     if value.is_integer() {
         return value.integer(0..=u32::MAX);

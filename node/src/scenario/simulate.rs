@@ -1,4 +1,4 @@
-//! A scenario on a simulated machine, as fast as possible: no ROS, no clock.
+//! Runs a scenario on a simulated machine as fast as possible, without ROS and without a clock.
 
 use super::{Player, Report, Scenario, Trace, moment};
 use crate::cell::Cell;
@@ -23,25 +23,25 @@ use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Cycles from one look at the clock for the progress bar to the next.
+/// Number of cycles between two updates of the progress bar.
 const PROGRESS_CYCLES: u64 = 1024;
 
-/// How a simulation runs.
+/// Options of a simulation.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Where the traced signals go.
+    /// File for the traced signals.
     pub csv: Option<PathBuf>,
-    /// Where the run is recorded.
+    /// Options of the recording.
     pub record: Option<BagOptions>,
-    /// Print every event, as it comes, on standard output.
+    /// Whether every event is printed on standard output when it occurs.
     pub events: bool,
-    /// Show a progress bar, if standard error is a terminal.
+    /// Whether a progress bar is shown, if standard error is a terminal.
     pub progress: bool,
     /// Ends the simulation before its next cycle.
     pub interrupt: Interrupt,
 }
 
-/// Why a simulation could not be run to its end. What the scenario finds wrong is in its [`Report`].
+/// Reason why a simulation was not run to its end. Failures of the scenario are in its [`Report`].
 #[derive(Debug, thiserror::Error)]
 pub enum SimulateError {
     /// The trace could not be written: no such folder, no permission, no space.
@@ -49,36 +49,36 @@ pub enum SimulateError {
     Csv {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// The recording could not be begun: its place is taken or cannot be made.
+    /// The recording could not be created: its path is in use or invalid.
     #[error(transparent)]
     Place(BagError),
-    /// The recording could not be written to its end.
+    /// The recording could not be completed.
     #[error(transparent)]
     Record(#[from] BagError),
-    /// What was saved could not be written.
+    /// The stored values could not be written.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The cell makes no machine.
+    /// No machine can be made from the cell.
     #[error("the cell makes no machine: {0}")]
     Machine(#[from] ConfigError),
-    /// It was interrupted. What it was to write is complete up to there.
+    /// The simulation was interrupted. Its output files are complete up to that cycle.
     #[error("interrupted by {signal} after {} of {}; no expectation was judged", span(.ran, .cycle_ns), span(.cycles, .cycle_ns))]
     Interrupted {
-        /// By what.
+        /// Signal that interrupted it.
         signal: EndSignal,
-        /// Cycles that have run.
+        /// Number of cycles that have run.
         ran: u64,
-        /// Cycles of the scenario.
+        /// Number of cycles of the scenario.
         cycles: u64,
-        /// Length of a cycle (ns).
+        /// Cycle time, in ns.
         cycle_ns: u64,
     },
 }
 
-/// So many cycles, and their time.
+/// Formats a number of cycles, and their time.
 fn span(cycles: &u64, cycle_ns: &u64) -> String {
     format!("{cycles} cycles ({} s)", moment::seconds(*cycles, *cycle_ns))
 }
@@ -86,15 +86,17 @@ fn span(cycles: &u64, cycle_ns: &u64) -> String {
 /// Runs a scenario on the cell that it was read for, with a simulation in place of every backend.
 ///
 /// # Errors
-/// The trace or the recording cannot be written, the cell makes no machine, or it was interrupted.
+/// Returns an error if the trace or the recording cannot be written, if no machine can be made from the cell, or if it
+/// was interrupted.
 pub fn simulate(cell: &Cell, scenario: &Scenario, options: &Options) -> Result<Report, SimulateError> {
     simulate_with(cell, scenario, options, None)
 }
 
-/// The same with a store, from which the cell was loaded: what the scenario saves goes into it at the end of its cycle.
+/// Does the same with a store, from which the cell was loaded: values that the scenario stores are written at the end
+/// of the cycle.
 ///
 /// # Errors
-/// Likewise, or the store cannot be written.
+/// Returns the same errors, or an error if the store cannot be written.
 pub fn simulate_with(
     cell: &Cell,
     scenario: &Scenario,
@@ -119,7 +121,7 @@ pub fn simulate_with(
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(scenario);
     let mut sequence = 0;
-    // A bar between the lines of the events would tear them.
+    // A progress bar would be mixed with the lines of events.
     let mut bar = Progress::wanted("cycles", MOMENT, options.progress && !options.events);
     let mut lines = options.events.then(|| BufWriter::new(StandardOutput));
     let mut ended_by = None;
@@ -145,7 +147,8 @@ pub fn simulate_with(
         }
         if let Some(lines) = &mut lines {
             for event in machine.events() {
-                // The reader may have gone; the simulation goes on. Another error is reported at the end of the program.
+                // The reader may have closed the pipe; the simulation continues. Another error is reported at the end
+                // of the program.
                 let _ = writeln!(lines, "{}", line(cycle, event, player.commands(), machine.config()));
             }
         }
@@ -172,14 +175,14 @@ pub fn simulate_with(
     Ok(Report { wall: Some(started.elapsed()), ..player.finish() })
 }
 
-/// How far a simulation is, and the step that fired last.
+/// Returns the progress of a simulation, and the step that fired last.
 fn doing(player: &Player, cycle: u64, cycle_ns: u64) -> String {
     let seconds = cycle as f64 * cycle_ns as f64 / 1e9;
     let step = player.last_step().map_or_else(String::new, |step| format!(", {step}"));
     format!("{seconds:.1} s simulated{step}")
 }
 
-/// An event for people: when, how bad, of what kind, what it says and its code.
+/// Formats an event: time, severity, kind, message and code.
 fn line(cycle: u64, event: &Event, commands: Commands<'_>, config: &MachineConfig) -> String {
     let severity = match event.severity {
         Severity::Info => "info",
@@ -192,11 +195,11 @@ fn line(cycle: u64, event: &Event, commands: Commands<'_>, config: &MachineConfi
     format!("{when} {severity} {kind}: {said}{code}")
 }
 
-/// Keeps layer User on the disk, cycle by cycle.
+/// Writes the stored parameter values (layer User) to the disk after each cycle.
 struct Keeper {
     store: Store,
     image: ParameterImage,
-    /// Layer User as it was last seen.
+    /// Last state of layer User.
     seen: (Vec<AxisParameters>, MachineParameters),
 }
 
@@ -212,7 +215,8 @@ impl Keeper {
         }
         machine.copy_parameters(&mut self.image);
         let (user, own) = (&self.image.user, self.image.machine[1]);
-        // Who saves what is saved already asks for it to be there: others may have written into the file.
+        // Saving values that are stored already must write them again, because another program may have changed the
+        // file.
         let saves = commands.iter().any(|command| matches!(command.action, Action::SaveParameters(_)));
         if saves || (user, &own) != (&self.seen.0, &self.seen.1) {
             self.store.keep_all(machine.config(), user, &own)?;
@@ -244,7 +248,7 @@ impl<'a> TraceFile<'a> {
     }
 }
 
-/// Whoever opens a named pipe for writing waits for its reader: without one it is refused.
+/// Creates a file. Opening a named pipe for writing would wait for its reader, so a pipe without a reader is refused.
 fn create(path: &Path) -> io::Result<File> {
     if !fs::metadata(path).is_ok_and(|about| about.file_type().is_fifo()) {
         return File::create(path);

@@ -1,7 +1,8 @@
-//! Section `steps`: what happens when.
+//! Section `steps`: timed and conditional actions.
 //!
-//! Law      `at` steps act in their cycle. A `when` step arms when the step before it has fired (acted for the first
-//!          time), is judged at the end of a cycle k and acts in k + 1 + after; `every` and `count` repeat either
+//! Law      `at` steps act in their cycle. A `when` step is armed when the step before it has fired (acted for the
+//!          first time), is evaluated at the end of a cycle k and acts in k + 1 + after; `every` and `count` repeat
+//!          both kinds
 //! Source   contract section 5
 
 use super::moment::{self, Moment, positive_cycles};
@@ -20,34 +21,34 @@ pub(super) struct Step {
     pub name: Option<String>,
     pub trigger: Trigger,
     pub repeat: Option<Repeat>,
-    /// Its acts among those of all steps.
+    /// Range of its acts among those of all steps.
     pub acts: Range<usize>,
-    /// Its commands are to be refused so.
+    /// Refusal that its commands must get.
     pub refused: Option<Refusal>,
-    /// A step that may never fire.
+    /// Whether the step may never fire.
     pub optional: bool,
 }
 
-/// When a step fires.
+/// Condition under which a step fires.
 #[derive(Clone, Debug)]
 pub(super) enum Trigger {
     At(u64),
     When { predicate: Box<Predicate>, after: u64 },
 }
 
-/// How often it acts.
+/// Repetition of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Repeat {
     pub every: u64,
-    /// None: until the end.
+    /// Number of times; `None` for until the end.
     pub count: Option<u64>,
 }
 
-/// What steps are read with.
+/// Data for reading steps.
 pub(super) struct Reader<'a> {
     pub names: &'a Names<'a>,
     pub cycle_ns: u64,
-    /// Length of the scenario.
+    /// Length of the scenario, in cycles.
     pub cycles: u64,
     pub ids: Ids,
     pub acts: Vec<Act>,
@@ -75,7 +76,7 @@ impl Reader<'_> {
             steps.push(Step {
                 place: item.place(),
                 name,
-                // A step without one is a problem; it stays for what refers to it by name.
+                // A step without a trigger is a problem; it is kept for references to its name.
                 trigger: trigger.unwrap_or(Trigger::At(0)),
                 repeat,
                 acts: first..self.acts.len(),
@@ -124,7 +125,7 @@ impl Reader<'_> {
         }
     }
 
-    /// All times of an `at` step that has a count lie in the scenario.
+    /// Checks that all times of an `at` step with a count are within the scenario.
     fn check_last(&self, item: &Value<'_>, trigger: Option<&Trigger>, repeat: Option<Repeat>) {
         if let (Some(Trigger::At(at)), Some(Repeat { every, count: Some(count) })) = (trigger, repeat) {
             let last = at.saturating_add(every.saturating_mul(count - 1));

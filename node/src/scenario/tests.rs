@@ -1,4 +1,4 @@
-//! Scenarios by their reports, and their errors by exact text.
+//! Tests scenarios by their reports, and the exact text of their errors.
 
 mod contract;
 mod coordinate;
@@ -28,7 +28,8 @@ use lineshaft_core::drive::Backend;
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use std::path::Path;
 
-/// x and y: 1000 inc/mm, default 50 mm/s and 500 mm/s^2, so that 10 mm take 100 ms up, 100 ms at speed and 100 ms down.
+/// x and y: 1000 inc/mm, default 50 mm/s and 500 mm/s^2, so that 10 mm take 100 ms of acceleration, 100 ms at constant
+/// speed and 100 ms of deceleration.
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -62,13 +63,13 @@ fn scenario(text: &str) -> Scenario {
     Scenario::parse("s.yaml", text, &cell()).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
-/// What is wrong with a scenario, without the file's name.
+/// Returns the problems of a scenario, without the file name.
 fn problems(text: &str) -> String {
     let problems = Scenario::parse("s.yaml", text, &cell()).expect_err("this scenario has errors");
     problems.to_string().replace("s.yaml:", "")
 }
 
-/// What is wrong with one item of a section; `^` marks where it is told.
+/// Returns the problem of one item of a section; `^` marks its location.
 fn problem(section: &str, item: &str) -> String {
     let item_text = item.replacen('^', "", 1);
     let text = problems(&format!("{{scenario: s, cycles: 100, {section}: [\n\n{item_text}]}}"));
@@ -89,20 +90,20 @@ fn passes(text: &str) {
     assert!(report.passed(), "{report}");
 }
 
-/// The sentences of what is wrong, each with its line.
+/// Returns the messages of all failures, each with its line.
 fn failures(text: &str) -> Vec<String> {
     let report = run(text);
     report.failures.iter().map(|failure| format!("{}: {}", failure.place.line, failure.sentence)).collect()
 }
 
-/// The only failure of a scenario of 1000 cycles, without its line.
+/// Returns the only failure of a scenario of 1000 cycles, without its line.
 fn failure(rest: &str) -> String {
     let all = failures(&format!("scenario: s\ncycles: 1000\n{rest}"));
     assert_eq!(all.len(), 1, "{all:?}");
     all[0].split_once(": ").unwrap().1.to_owned()
 }
 
-/// The trace of a scenario.
+/// Returns the trace of a scenario.
 fn trace(text: &str) -> String {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("trace.csv");
@@ -114,7 +115,7 @@ fn trace(text: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// The values of one signal in every cycle.
+/// Returns the values of one signal in every cycle.
 fn values(signal: &str, cycles: u64, rest: &str) -> Vec<String> {
     let csv = trace(&format!("scenario: s\ncycles: {cycles}\ntrace: [{signal}]\n{rest}"));
     csv.lines().skip(1).map(|row| row.split(',').nth(2).unwrap().to_owned()).collect()

@@ -1,7 +1,8 @@
-//! Traced signals as CSV.
+//! Writes traced signals as CSV.
 //!
-//! Law      a head `cycle,time_s,<signal>..`, then a row per traced cycle with the values at its end: integers, enums, bits
-//!          and words as integers, reals as the shortest decimal that reads back, the time as an exact decimal; LF
+//! Law      a header `cycle,time_s,<signal>..`, then a row per traced cycle with the values at its end: integers,
+//!          enums, bits and words as integers, reals as the shortest decimal that is read back unchanged, the time as
+//!          an exact decimal; LF
 //! Source   contract section 5
 
 use super::{Scenario, moment};
@@ -20,10 +21,10 @@ pub struct Trace<W: Write> {
 }
 
 impl<W: Write> Trace<W> {
-    /// Writes the head. `directory` is that of the machine that the scenario runs on.
+    /// Writes the header. `directory` is that of the machine on which the scenario runs.
     ///
     /// # Errors
-    /// The writer's.
+    /// Returns the error of the writer.
     pub fn new(mut writer: W, scenario: &Scenario, directory: &Directory) -> io::Result<Self> {
         let plan = &scenario.0;
         let signals: Vec<_> = plan.trace.iter().map(|&signal| (signal, directory.entry(signal).kind)).collect();
@@ -40,14 +41,14 @@ impl<W: Write> Trace<W> {
     /// Writes a cycle, if it is traced.
     ///
     /// # Errors
-    /// The writer's.
+    /// Returns the error of the writer.
     pub fn write(&mut self, cycle: u64, board: &Board) -> io::Result<()> {
         if !cycle.is_multiple_of(self.every) {
             return Ok(());
         }
         let row = &mut self.row;
         row.clear();
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = write!(row, "{cycle},");
         moment::push_seconds(row, cycle, self.cycle_ns);
         for &(signal, kind) in &self.signals {
@@ -60,10 +61,10 @@ impl<W: Write> Trace<W> {
         self.writer.write_all(row.as_bytes())
     }
 
-    /// Writes what is left in buffers and returns the writer.
+    /// Writes the remaining buffered data and returns the writer.
     ///
     /// # Errors
-    /// The writer's.
+    /// Returns the error of the writer.
     pub fn finish(mut self) -> io::Result<W> {
         self.writer.flush()?;
         Ok(self.writer)

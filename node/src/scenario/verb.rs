@@ -1,4 +1,4 @@
-//! Verbs: what a step does, made into commands by the same requests as every other door.
+//! Verbs: convert the actions of a step to commands, with the same requests as all other interfaces.
 
 use super::inject::{self, Injection};
 use super::names::{Names, did_you_mean, meant_parameter, nearest};
@@ -37,7 +37,7 @@ pub(crate) use recorded::{parameter_change, recorded_command};
 pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
 
-/// Verbs that there are.
+/// Names of all verbs.
 pub(crate) const VERBS: [&str; 35] = [
     "enable",
     "disable",
@@ -89,35 +89,35 @@ const BUFFER_MODES: [(&str, u8); 6] = [
 ];
 const DIRECTIONS: [(&str, u8); 4] = [("shortest", 0), ("positive", 1), ("negative", 2), ("current", 3)];
 
-/// One deed of a step.
+/// One action of a step.
 #[derive(Clone, Debug)]
 pub(super) struct Act {
     pub place: Place,
     pub verb: String,
     pub deed: Deed,
-    /// Place of its id among the ids of the scenario.
+    /// Index of its ID among the IDs of the scenario.
     pub id: Option<usize>,
 }
 
-/// What an act does.
+/// Effect of an act.
 #[derive(Clone, Debug)]
 pub(super) enum Deed {
     Command(Action),
-    /// A request that is refused in itself, with the sentence, as the step expects.
+    /// A request that is invalid in itself, with the error message, as the step expects.
     Refused(String),
-    /// Ends the goal of the command that carried that id last.
+    /// Cancels the goal of the last command with that ID.
     Cancel(usize),
     Inject(Injection),
-    /// Streamed setpoints: they go beside the commands and are not answered.
+    /// Streamed setpoints: they are sent in addition to commands and get no answer.
     Stream(Setpoints),
 }
 
-/// Ids of commands: who carries one and who names one.
+/// IDs of commands, with their definitions and references.
 #[derive(Default)]
 pub(super) struct Ids {
     names: Vec<String>,
     carried: Vec<bool>,
-    /// Where ids were named that nobody had carried until then: id, label and place.
+    /// References to IDs that no command had before: ID and location.
     open: Vec<(usize, Place)>,
 }
 
@@ -140,25 +140,25 @@ impl Ids {
         Some(place)
     }
 
-    /// Ids that a cancel names and no command carries.
+    /// Returns the IDs that a cancel refers to and no command has.
     pub(super) fn missing(&self) -> impl Iterator<Item = (Place, String)> {
         let open = self.open.iter().filter(|(id, _)| !self.carried[*id]);
         open.map(|&(id, place)| (place, format!("no command has the id `{}`", excerpt(&self.names[id]))))
     }
 
-    /// All of them, each at its place.
+    /// Returns all IDs by index.
     pub(super) fn into_names(self) -> Vec<String> {
         self.names
     }
 }
 
-/// What the verbs of one step are read with.
+/// Data for reading the verbs of one step.
 pub(super) struct Reader<'a> {
     pub names: &'a Names<'a>,
     pub ids: &'a mut Ids,
-    /// The step expects its commands to be refused so.
+    /// Refusal that the step expects for its commands.
     pub refused: Option<&'a Refusal>,
-    /// What was recorded was a command already: it is read also where it asks for nothing.
+    /// Whether the verb was recorded: it was a command then, and is read even if it has no effect.
     pub recorded: bool,
 }
 
@@ -261,7 +261,7 @@ impl Reader<'_> {
         }
     }
 
-    /// What became of a request: a command, or a refusal that the step expects.
+    /// Converts the result of a request: to a command, or to a refusal that the step expects.
     fn settle(&self, value: &Value<'_>, result: Result<Action, RequestError>) -> Option<Deed> {
         self.settle_as(value, result.map(Deed::Command))
     }
@@ -298,7 +298,7 @@ impl Reader<'_> {
         self.axis_set(value, axes, |axes| Action::ResetParameters { axes, layer })
     }
 
-    /// A command for the axes of a list; without a list, for all.
+    /// Reads a command for the axes of a list; without a list, for all axes.
     fn axis_set(
         &self,
         value: &Value<'_>,
@@ -360,8 +360,8 @@ impl Reader<'_> {
         Some(Deed::Cancel(place))
     }
 
-    /// Refuses a verb that asks for nothing, whose success would say that something was done; false for one that was recorded,
-    /// and where a key that is not one of `known` tells what was meant.
+    /// Refuses a verb without effect, because success would mean that something was executed. Returns false for a
+    /// recorded verb, and if a key that is not one of `known` shows what was meant.
     fn refuse_nothing(&self, value: &Value<'_>, verb: &str, known: &[&str]) -> bool {
         let is_meant = |key: &Value<'_>| key.peek().is_none_or(|key| !known.contains(&key));
         if self.recorded || value.entries().is_none_or(|entries| entries.iter().any(|(key, _)| is_meant(key))) {
@@ -404,7 +404,7 @@ impl Reader<'_> {
         refused.or_else(|| Some(Deed::Command(Action::SetParameters(changes.into()))))
     }
 
-    /// What a name and a value ask for; none where the value is none at all, which is noted.
+    /// Reads a parameter change from a name and a value; returns `None` if the value is invalid, which is reported.
     fn change(&self, name: Option<&str>, input: &Value<'_>) -> Option<Result<Change, RequestError>> {
         let name = name?;
         let (object, row) = name.split_once('.').unwrap_or((name, ""));
@@ -417,13 +417,13 @@ impl Reader<'_> {
     fn set_memory(&self, value: &Value<'_>) -> Option<Deed> {
         let entries = value.entries()?;
         if entries.is_empty() {
-            // Of what is no mapping that is told already.
+            // A value that is no mapping has been reported already.
             if value.is_map() {
                 value.refuse("set_memory is empty; `cell: value` is expected", None);
             }
             return None;
         }
-        // All of them, so that every problem is noted.
+        // All entries are read, so that every problem is reported.
         let values: Vec<_> = entries.iter().map(|(key, value)| self.set_cell(key, value)).collect();
         let values: Vec<_> = values.into_iter().collect::<Option<_>>()?;
         Some(Deed::Command(Action::SetMemory(values.into())))
@@ -455,13 +455,13 @@ impl Reader<'_> {
     }
 }
 
-/// A verb without arguments.
+/// Reads a verb without arguments.
 fn nothing(value: &Value<'_>, action: Action) -> Option<Deed> {
     value.map(value.label())?.finish();
     Some(Deed::Command(action))
 }
 
-/// A choice by name or number; 0 when it is left out.
+/// Reads a choice by name or number; 0 if it is absent.
 fn number(map: &mut Map<'_>, key: &str, names: &[(&str, u8)]) -> Option<u8> {
     match map.optional(key) {
         None => Some(0),
@@ -470,7 +470,7 @@ fn number(map: &mut Map<'_>, key: &str, names: &[(&str, u8)]) -> Option<u8> {
     }
 }
 
-/// Reads a value that a memory cell can hold, as `~/set_memory` takes it. A command carries it as an f64, which must be exact.
+/// Reads a value that a memory cell can hold, like `~/set_memory`. A command has it as an f64, which must be exact.
 fn memory_value(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
     let Some((low, high)) = kind.whole_range() else { return value.number(f64::NEG_INFINITY..=f64::INFINITY) };
     let whole = value.integer(low..=high)?;
@@ -485,7 +485,7 @@ fn optional_amount(map: &mut Map<'_>, key: &str, order: u8, scale: Option<&Scale
     map.optional(key).map_or(Some(Amount::default()), |value| amount(&value, order, scale, inc))
 }
 
-/// The rates of a goal; none where one of them is wrong, which is told.
+/// Reads the rates of a goal; returns `None` if one of them is wrong, which is reported.
 fn optional_rates(map: &mut Map<'_>, scale: Option<&Scale>, inc: bool) -> Option<Rates> {
     let amounts = Rates::FIELDS.map(|(key, order)| optional_amount(map, key, order, scale, inc));
     let [Some(velocity), Some(acceleration), Some(deceleration), Some(jerk)] = amounts else { return None };

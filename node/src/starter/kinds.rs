@@ -1,36 +1,36 @@
-//! The kinds of starters: the files of each, as they are in launch-configs.
+//! Kinds of starters, with their files in launch-configs.
 //!
-//! A starter that is a file of launch-configs/new names itself by its kind, `gear.yaml`; one that is taken from another
-//! example has its names there replaced.
+//! A starter in launch-configs/new refers to itself by its kind, `gear.yaml`; in one that is based on another example,
+//! the names of that example are replaced.
 
-/// What `lineshaft new` writes for one kind.
+/// Files that `lineshaft new` writes for one kind.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StarterKind {
     /// Name of the kind.
     pub(crate) name: &'static str,
-    /// One line for a list.
+    /// One-line description.
     pub(crate) help: &'static str,
-    /// Files: the end of the name, after the name of the cell, and the text. The cell is first, the scenario second.
+    /// Files: suffix after the name of the cell, and text. The cell is first, the scenario second.
     pub(crate) files: &'static [(&'static str, &'static str)],
-    /// Texts in the files that name other files, and what is written instead; `NAME` is the name of the cell.
+    /// Texts in the files that name other files, and their replacements; `NAME` is the name of the cell.
     pub(super) replaced: &'static [(&'static str, &'static str)],
-    /// Whether the cell has real drives, so that it is rehearsed with `run --sim`.
+    /// Whether the cell has real drives, so that it is tested with `run --sim`.
     pub(crate) is_real: bool,
 }
 
-/// End of the name of a cell.
+/// File name suffix of a cell.
 pub(super) const CELL: &str = ".yaml";
-/// End of the name of a scenario.
+/// File name suffix of a scenario.
 pub(super) const SCENARIO: &str = ".scenario.yaml";
 
-/// The text of a file of launch-configs.
+/// Text of a file of launch-configs.
 macro_rules! example {
     ($path:literal) => {
         include_str!(concat!("../../../launch-configs/", $path))
     };
 }
 
-/// A kind whose files are in launch-configs/new.
+/// Returns a kind whose files are in launch-configs/new.
 const fn simulated(
     name: &'static str,
     help: &'static str,
@@ -40,7 +40,7 @@ const fn simulated(
     StarterKind { name, help, files, replaced, is_real: false }
 }
 
-/// All kinds; the first one is written where none is named.
+/// All kinds; the first one is the default.
 pub(crate) static KINDS: [StarterKind; 9] = [
     simulated(
         "demo",
@@ -133,18 +133,18 @@ pub(crate) static KINDS: [StarterKind; 9] = [
 ];
 
 impl StarterKind {
-    /// The kind of that name, in capitals or not.
+    /// Returns the kind with that name, ignoring case.
     pub(crate) fn find(name: &str) -> Option<&'static Self> {
         KINDS.iter().find(|kind| kind.name.eq_ignore_ascii_case(name))
     }
 
-    /// A text of it for a cell of that name.
+    /// Returns a text of the kind for a cell with that name.
     pub(super) fn text_for(&self, text: &str, name: &str) -> String {
-        // Replaces one name after the other in one pass, so that an inserted name is not replaced again.
+        // Replaces all names in one pass, so that an inserted name is not replaced again.
         let (mut made, mut rest) = (String::with_capacity(text.len()), text);
         let next = |rest: &str| {
             let found = self.replaced.iter().filter_map(|&(from, to)| Some((rest.find(from)?, from, to)));
-            // Of names that begin at one place the longest one.
+            // Of names that begin at the same place, the longest one is replaced.
             found.min_by_key(|(at, from, _)| (*at, std::cmp::Reverse(from.len())))
         };
         while let Some((at, from, to)) = next(rest) {

@@ -1,6 +1,6 @@
-//! Starters: what `lineshaft new` writes, a commented cell and a scenario that passes on it.
+//! Starters: the files that `lineshaft new` writes, a commented cell and a scenario that passes with it.
 //!
-//! Law      all files of a kind are written next to each other, or none; an existing file is only replaced when that is asked for
+//! Law      all files of a kind are written next to each other, or none; an existing file is replaced only on request
 //! Refuses  a file that does not end in .yaml, a name that would have to be quoted in YAML, an existing file, a folder
 //!          that cannot be written
 
@@ -14,19 +14,19 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The files of a starter, by their paths.
+/// Files of a starter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Starter {
-    /// The paths in the order of the kind: the cell, the scenario, what they name.
+    /// Paths in the order of the kind: the cell, the scenario, the files that they name.
     pub(crate) paths: Vec<PathBuf>,
     texts: Vec<String>,
 }
 
 impl Starter {
-    /// The files of a kind for the cell at `file`.
+    /// Creates the files of a kind for the cell at `file`.
     ///
     /// # Errors
-    /// A name that no cell of a starter may have, in a sentence.
+    /// Returns an error message for a name that no cell of a starter may have.
     pub(crate) fn new(kind: &StarterKind, file: &Path) -> Result<Self, String> {
         let name = cell_name(file)?;
         let path = |(end, _): &(&str, &str)| file.with_file_name(format!("{name}{end}"));
@@ -35,10 +35,10 @@ impl Starter {
         Ok(Self { paths, texts })
     }
 
-    /// Writes them; with `replace` also over existing files.
+    /// Writes the files; with `replace` also over existing ones.
     ///
     /// # Errors
-    /// The file that exists or cannot be written, in a sentence; then nothing is written.
+    /// Returns an error message about a file that exists or cannot be written; then nothing is written.
     pub(crate) fn write(&self, replace: bool) -> Result<(), String> {
         if replace { self.replace() } else { self.create() }
     }
@@ -78,19 +78,20 @@ impl Starter {
     }
 }
 
-/// Cell and scenario of the built-in demo, as they are printed.
+/// Returns cell or scenario of the built-in demo, as they are printed.
 pub(crate) fn demo(scenario: bool) -> &'static str {
     let end = if scenario { SCENARIO } else { CELL };
     let mut files = KINDS.iter().filter(|kind| kind.name == "demo").flat_map(|kind| kind.files);
     files.find(|(known, _)| *known == end).map_or("", |(_, text)| text)
 }
 
-/// Removes a file of a starter that could not be written as a whole; there is nothing else to do where that fails.
+/// Removes an incomplete file of a starter; an error is ignored, because nothing else can be done.
 fn remove(path: &Path) {
     let _ = fs::remove_file(path);
 }
 
-/// The name of a cell: its file without .yaml. It is written into other files, so only some characters are allowed.
+/// Returns the name of a cell: its file without .yaml. It is written into other files, so only some characters are
+/// permitted.
 fn cell_name(file: &Path) -> Result<&str, String> {
     let shown = file.display();
     let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The files of starters: they pass alone, and no other file is touched.
+//! Tests that starters pass, and that they change no other file.
 
 use super::*;
 use crate::cell::Cell;
@@ -11,7 +11,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// Every kind on its own in an empty folder, under a name that is not that of the kind.
+/// Every kind in an otherwise empty folder, with a name other than that of the kind.
 #[test]
 fn each_starter_passes_alone_in_its_folder() {
     for kind in &KINDS {
@@ -30,7 +30,7 @@ fn each_starter_passes_alone_in_its_folder() {
     }
 }
 
-/// Each text of the tables is in a file, and no file names another one by its old name.
+/// Each text of the tables is in a file, and no file refers to another one by its old name.
 #[test]
 fn a_starter_names_its_own_files_only() {
     for kind in &KINDS {
@@ -47,7 +47,7 @@ fn a_starter_names_its_own_files_only() {
     }
 }
 
-/// A cell may be called like what is replaced: nothing is replaced twice.
+/// The name of a cell may be one of the replaced texts: nothing is replaced twice.
 #[test]
 fn a_cell_may_be_called_like_a_kind() {
     let gear = StarterKind::find("gear").unwrap();
@@ -57,7 +57,7 @@ fn a_cell_may_be_called_like_a_kind() {
     assert!(made("my.gear.yaml")[0].contains("lineshaft sim my.gear.yaml --scenario my.gear.scenario.yaml\n"));
 }
 
-/// The demo that is printed is the one that runs, and its description is the file that is written with it.
+/// The printed demo is the one that runs, and its description is the file that is written with it.
 #[test]
 fn the_demo_that_is_printed_is_the_built_in_one() {
     let cell = Cell::parse("demo.yaml", demo(false)).unwrap();
@@ -82,7 +82,7 @@ fn an_existing_file_is_replaced_with_force_only() {
     starter.write(true).unwrap();
     assert_eq!(names(folder.path()), ["m.csv", "m.scenario.yaml", "m.table.yaml", "m.yaml"]);
     assert!(fs::read_to_string(path("m.csv")).unwrap().starts_with("# form y, 81 points"));
-    // A link that leads nowhere is an existing file, too.
+    // A broken symbolic link is an existing file, too.
     std::os::unix::fs::symlink("nowhere", path("n.yaml")).unwrap();
     let starter = Starter::new(StarterKind::find("gear").unwrap(), &path("n.yaml")).unwrap();
     assert!(

@@ -1,6 +1,6 @@
-//! The files of a store: the present one, the generation before it, and how one takes the place of the other.
+//! Files of a store: the current one, the previous generation, and the replacement of one by the other.
 //!
-//! Law      the present name always leads to a whole file, at every moment and after a cut of power
+//! Law      the current name always refers to a complete file, at every moment and after a power failure
 
 use super::{StoreError, text};
 use crate::document::MAX_BYTES;
@@ -10,40 +10,40 @@ use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-/// Where the files of a store are, all in one folder.
+/// Paths of the files of a store, all in one folder.
 #[derive(Clone, Debug)]
 pub(super) struct Files {
     pub current: PathBuf,
-    /// The generation before.
+    /// Previous generation.
     pub previous: PathBuf,
-    /// Held by the program that writes.
+    /// Lock file, locked by the program that writes.
     pub lock: PathBuf,
-    /// What becomes the present one.
+    /// File that becomes the current one.
     new: PathBuf,
-    /// What becomes the generation before.
+    /// File that becomes the previous generation.
     old: PathBuf,
     folder: PathBuf,
 }
 
-/// How the present file was found.
+/// State of the current file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Present {
-    /// There is none.
+    /// The file does not exist.
     Missing,
-    /// Whole.
+    /// The file is complete.
     Good,
-    /// Not whole: it must not become the generation before.
+    /// The file is damaged; it must not become the previous generation.
     Damaged,
 }
 
-/// What counts: a file and its text.
+/// The valid file, and its text.
 #[derive(Debug)]
 pub(super) struct Found {
     pub text: Option<(PathBuf, String)>,
     pub present: Present,
 }
 
-/// What a look into a file shows.
+/// Result of reading a file.
 enum Look {
     Missing,
     Good(String),
@@ -51,7 +51,7 @@ enum Look {
 }
 
 impl Files {
-    /// The files of the store `path`; where it is a link, those of the file that it leads to.
+    /// Returns the files of the store `path`; for a symbolic link, those of its target.
     pub(super) fn of(path: &Path) -> Result<Self, StoreError> {
         let refuse = |reason: String| StoreError::Place { path: path.to_owned(), reason };
         let path = &fs::canonicalize(path).unwrap_or_else(|_| behind_link(path));
@@ -82,7 +82,7 @@ impl Files {
         })
     }
 
-    /// What counts. Damage is told.
+    /// Returns the valid file. Reports damage.
     pub(super) fn find(&self) -> Result<Found, StoreError> {
         let current = match look(&self.current)? {
             Look::Good(text) => {
@@ -116,7 +116,7 @@ impl Files {
         Err(StoreError::Damaged { path: self.current.clone(), current, before })
     }
 
-    /// What the present file holds now; beside its text why it is no good one.
+    /// Returns the present state of the current file, with its text or the reason why it is invalid.
     pub(super) fn again(&self) -> (Present, Result<String, String>) {
         match look(&self.current) {
             Ok(Look::Missing) => (Present::Missing, Err("it is not there".to_owned())),
@@ -126,11 +126,11 @@ impl Files {
         }
     }
 
-    /// Puts a new text in the place of the present file, which becomes the generation before if it is whole. `may` is asked
-    /// before each step.
+    /// Replaces the current file by a new text; the current file becomes the previous generation if it is complete.
+    /// `may` is called before each step.
     ///
     /// # Errors
-    /// The disk's; the present file is what it was.
+    /// Returns the error of the disk; the current file is then unchanged.
     pub(super) fn replace(
         &self,
         text: &str,
@@ -139,13 +139,13 @@ impl Files {
     ) -> io::Result<()> {
         let replaced = self.steps(text, present, may);
         if replaced.is_err() {
-            // What is left of them is replaced by the next save.
+            // Remaining files are replaced by the next save.
             let _ = [&self.new, &self.old].map(fs::remove_file);
         }
         replaced
     }
 
-    /// The same without clearing up, as a program that is killed does not.
+    /// Does the same without cleanup, like a program that is killed.
     pub(super) fn steps(
         &self,
         text: &str,
@@ -166,14 +166,14 @@ impl Files {
         match present {
             Present::Good => {
                 may("link")?;
-                // Not every file system has links.
+                // Not every file system has hard links.
                 fs::hard_link(&self.current, &self.old).or_else(|_| copy(&self.current, &self.old))?;
                 may("keep")?;
                 fs::rename(&self.old, &self.previous)?;
-                // Two names of one file are not renamed onto each other; then both stay.
+                // Renaming has no effect if both names refer to one file; then both remain.
                 remove(&self.old)?;
             }
-            // Who took the present one away wants no older one either.
+            // A user who deleted the current file does not want the older one either.
             Present::Missing => {
                 may("forget")?;
                 remove(&self.previous)?;
@@ -192,7 +192,7 @@ fn look(path: &Path) -> Result<Look, StoreError> {
     let read = open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
     match read {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Look::Missing),
-        // That is put right by who runs it.
+        // The user must fix the permissions.
         Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
             return Err(StoreError::Place { path: path.to_owned(), reason: format!("it cannot be read: {error}") });
         }
@@ -205,7 +205,7 @@ fn look(path: &Path) -> Result<Look, StoreError> {
     Ok(text::checked(bytes).map_or_else(Look::Damaged, Look::Good))
 }
 
-/// Where a link leads behind which nothing is yet.
+/// Returns the target of a symbolic link whose target does not exist.
 fn behind_link(path: &Path) -> PathBuf {
     let target = fs::read_link(path).ok();
     target.map_or_else(|| path.to_owned(), |target| path.parent().map_or(target.clone(), |folder| folder.join(&target)))

@@ -1,12 +1,13 @@
-//! The store: layer User of the parameters in a file, so that it outlives the program (MACS-STO-04, MACS-STO-06).
+//! Store: keeps layer User of the parameters in a file across restarts of the program (MACS-STO-04, MACS-STO-06).
 //!
-//! Law      what was told to be kept is on the disk, whole; whatever happens while it is written, the file holds the set
-//!          before or the new one. What is read gives bit for bit the parameters that were written
-//! Writes   only what differs from what the file holds: its medium endures some ten thousand writes (MACS-STO-06)
-//! Refuses  a store that another program uses; a damaged one without a good generation before it; one that does not fit the
-//!          cell
+//! Law      a confirmed set is on the disk, complete; after any interruption of a write, the file has the previous set
+//!          or the new one. Reading gives the written parameters bit by bit
+//! Writes   only if the file differs, because its medium endures only some ten thousand writes (MACS-STO-06)
+//! Refuses  a store that another program uses; a damaged one without a valid previous generation; one that does not fit
+//!          the cell
 //!
-//! The file holds what differs from the cell, so that an edit of the cell counts for all that was never saved.
+//! The file has the values that differ from the cell, so that an edit of the cell applies to all values that were never
+//! saved.
 
 mod file;
 mod read;
@@ -23,31 +24,31 @@ use std::path::{Path, PathBuf};
 pub use read::{Stored, read_store};
 pub use text::store_text;
 
-/// Why a store cannot be used.
+/// Reason why a store cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// Its place cannot be one.
+    /// The path is invalid for a store.
     #[error("{}: {reason}", .path.display())]
     Place {
-        /// As it was given.
+        /// Path as given.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         reason: String,
     },
     /// Another program uses it.
     #[error("{}: another program keeps its parameters there; end it, or name another file with --store", .0.display())]
     InUse(PathBuf),
-    /// Neither of both generations can be read.
+    /// Neither of the two generations can be read.
     #[error(
         "{}: it is damaged: {current}. {before}. Put a good copy in its place, or delete it to begin with the values of \
          the cell", .path.display()
     )]
     Damaged {
-        /// The store.
+        /// Path of the store.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Defect of the current file.
         current: String,
-        /// What is wrong with the generation before.
+        /// Defect of the previous generation.
         before: String,
     },
     /// The store does not fit the cell.
@@ -56,51 +57,53 @@ pub enum StoreError {
          one: what was saved is lost then", .path.display()
     )]
     Unfit {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// All that does not fit.
+        /// All values that do not fit.
         problems: Problems,
     },
-    /// Nothing is written here.
+    /// The store is read-only.
     #[error("{}: parameters are not kept there: {reason}", .path.display())]
     ReadOnly {
-        /// The store.
+        /// Path of the store.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         reason: String,
     },
-    /// The system.
+    /// An error of the operating system.
     #[error("{}: parameters cannot be written: {error}; what was saved before stands", .path.display())]
     Write {
-        /// The store.
+        /// Path of the store.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         error: io::Error,
     },
-    /// The text would not give the same parameters again.
+    /// The text would not give the same parameters when read.
     #[error("{}: these parameters cannot be written without a loss; what was saved before stands", .0.display())]
     Inexact(PathBuf),
 }
 
-/// The file that keeps layer User of one machine.
+/// File that keeps layer User of one machine.
 #[derive(Debug)]
 pub struct Store {
     files: Files,
-    /// The lock, held as long as this lives, however the process ends; or why nothing is written.
+    /// Lock, held during the lifetime of this object and released when the process ends in any way; or the reason why
+    /// the store is read-only.
     lock: Result<File, String>,
-    /// The text that counts, and the file that it stands in.
+    /// Valid text, and its file.
     found: Option<(PathBuf, String)>,
     present: Present,
-    /// Saved values as they stand in the file that counts.
+    /// Saved values in the valid file.
     body: String,
     generation: u64,
 }
 
 impl Store {
-    /// Opens a store for this program alone. It need not exist; its folder must.
+    /// Opens a store for this program only. The file need not exist; its folder must exist.
     ///
     /// # Errors
-    /// Another program uses it; both generations are damaged; it cannot be a file, or cannot be read.
+    /// Returns an error if another program uses it, if both generations are damaged, or if it is no file or cannot be
+    /// read.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         let files = Files::of(path)?;
         let lock = match lock(&files.lock) {
@@ -111,10 +114,10 @@ impl Store {
         Self::read(files, lock)
     }
 
-    /// The same; where another program uses it, it is read, and never written.
+    /// Does the same; if another program uses the store, it is opened read-only.
     ///
     /// # Errors
-    /// Likewise.
+    /// Returns the same errors, except for use by another program.
     pub fn open_beside(path: &Path) -> Result<Self, StoreError> {
         match Self::open(path) {
             Err(StoreError::InUse(_)) => {
@@ -136,20 +139,20 @@ impl Store {
         Ok(store)
     }
 
-    /// The file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.files.current
     }
 
-    /// Number of the set that the file holds; 0 before the first.
+    /// Returns the number of the set in the file; 0 before the first one.
     pub fn generation(&self) -> u64 {
         self.generation
     }
 
-    /// Puts what is saved into `config`, as layer User of its start.
+    /// Applies the saved values to `config`, as layer User at its start.
     ///
     /// # Errors
-    /// What is saved does not fit that cell; nothing is changed then.
+    /// Returns an error if the saved values do not fit that cell; nothing is changed then.
     pub fn load(&self, config: &mut MachineConfig) -> Result<(), StoreError> {
         let Some((path, text)) = &self.found else { return Ok(()) };
         let label = path.display().to_string();
@@ -175,19 +178,19 @@ impl Store {
         Ok(())
     }
 
-    /// Writes layer User down; false where the file holds that set already.
+    /// Writes layer User; returns false if the file has that set already.
     ///
     /// # Errors
-    /// The set cannot be written; the file holds what it held.
+    /// Returns an error if the set cannot be written; the file is unchanged.
     #[cfg(test)]
     pub fn keep(&mut self, config: &MachineConfig, user: &[AxisParameters]) -> Result<bool, StoreError> {
         self.keep_all(config, user, &config.global.power_on())
     }
 
-    /// Writes layer User of the axes and of the machine down; false where the file holds that set already.
+    /// Writes layer User of the axes and of the machine; returns false if the file has that set already.
     ///
     /// # Errors
-    /// The set cannot be written; the file holds what it held.
+    /// Returns an error if the set cannot be written; the file is unchanged.
     pub fn keep_all(
         &mut self,
         config: &MachineConfig,
@@ -197,7 +200,7 @@ impl Store {
         self.keep_while(config, (user, machine), &mut |_| Ok(()))
     }
 
-    /// What counts is what the file holds now: others may have written, damaged or taken away what was kept there.
+    /// Reads the file again, because another program may have changed, damaged or deleted it.
     fn look_again(&mut self) {
         let (present, found) = self.files.again();
         let path = self.path().display();
@@ -226,7 +229,7 @@ impl Store {
         self.present = present;
     }
 
-    /// `may` is asked before each step on the disk.
+    /// Writes a set; `may` is called before each step on the disk.
     fn keep_while(
         &mut self,
         config: &MachineConfig,
@@ -256,7 +259,7 @@ impl Store {
     }
 }
 
-/// Does the text give these parameters, bit for bit?
+/// Whether the text gives these parameters, bit by bit.
 fn gives(text: &str, config: &MachineConfig, user: &[AxisParameters], machine: &MachineParameters) -> bool {
     let Ok(stored) = read_store("store", text, config) else { return false };
     if stored.machine.unwrap_or(config.global.parameters) != *machine {
@@ -265,18 +268,18 @@ fn gives(text: &str, config: &MachineConfig, user: &[AxisParameters], machine: &
     std::iter::zip(&config.axes, stored.sets).map(|(axis, set)| set.unwrap_or(axis.parameters)).eq(user.iter().copied())
 }
 
-/// A process that is being started holds a copy of the lock for a moment, so that to close it would not be enough.
+/// A process that is being started has a copy of the lock for a moment, so that closing it would not be sufficient.
 impl Drop for Store {
     fn drop(&mut self) {
         if let Ok(lock) = &self.lock {
-            // Closing it releases it, too, as soon as no copy is left.
+            // Closing also releases it, as soon as there is no copy.
             let _ = lock.unlock();
         }
     }
 }
 
 fn lock(path: &Path) -> Result<File, TryLockError> {
-    // Whoever opens a pipe waits for its other end.
+    // Opening a pipe would block until its other end is opened.
     if path.exists() && !path.is_file() {
         return Err(TryLockError::Error(io::Error::other("it is no file")));
     }

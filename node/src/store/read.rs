@@ -1,4 +1,4 @@
-//! A store against the cell that is to start with it.
+//! Reads a store and checks it with the cell that is to start with it.
 
 use super::text::{FORMAT, scale_text};
 use crate::document::{Document, Problems, Value};
@@ -11,24 +11,24 @@ use lineshaft_core::text::sentence;
 use lineshaft_core::unit::excerpt;
 use lineshaft_core::vocabulary;
 
-/// Before the scale of an axis whose positions count against its encoder.
+/// Prefix of the scale of an axis whose positions count opposite to its encoder.
 const AGAINST: char = '-';
 
-/// What a store holds for a cell.
+/// Content of a store for a cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stored {
     /// Number of the set.
     pub generation: u64,
-    /// How many values it holds.
+    /// Number of values.
     pub values: usize,
-    /// Layer User by axis, where something of it was saved.
+    /// Layer User of each axis, if it has saved values.
     pub sets: Vec<Option<AxisParameters>>,
-    /// Layer User of the machine, where something of it was saved.
+    /// Layer User of the machine, if it has saved values.
     pub machine: Option<MachineParameters>,
 }
 
 impl Stored {
-    /// Makes it layer User of the machine's start.
+    /// Applies it as layer User at the start of the machine.
     pub fn put_into(self, config: &mut MachineConfig) {
         for (axis, set) in config.axes.iter_mut().zip(self.sets) {
             axis.saved = set;
@@ -37,10 +37,10 @@ impl Stored {
     }
 }
 
-/// Reads the text of a store for a cell. `label` names it in problems.
+/// Reads the text of a store for a cell. `label` is its name in problems.
 ///
 /// # Errors
-/// All that does not fit, by line and column.
+/// Returns all errors with line and column.
 pub fn read_store(label: &str, text: &str, config: &MachineConfig) -> Result<Stored, Problems> {
     let document = Document::parse(label, text);
     let stored = document.root("the store").and_then(|root| read(&root, config));
@@ -67,7 +67,7 @@ fn read(root: &Value<'_>, config: &MachineConfig) -> Option<Stored> {
     let fits = check_axes(&axes, config);
     let values = map.required("parameters");
     map.finish();
-    // Where increments mean something else, no value is worth a look.
+    // If increments have another meaning, no value is checked.
     let values = values.filter(|_| fits)?;
     let nothing = || (0, vec![None; config.axes.len()], None);
     let (values, sets, machine) = if values.is_null() { nothing() } else { sets(&values, config)? };
@@ -75,7 +75,7 @@ fn read(root: &Value<'_>, config: &MachineConfig) -> Option<Stored> {
     Some(Stored { generation: generation?, values, sets, machine })
 }
 
-/// Do the increments of the store mean what those of the cell mean?
+/// Checks that the increments of the store have the meaning of those of the cell.
 fn check_axes(axes: &[(Value<'_>, Value<'_>)], config: &MachineConfig) -> bool {
     let mut fits = true;
     for (name, scale) in axes {
@@ -100,8 +100,8 @@ fn check_axes(axes: &[(Value<'_>, Value<'_>)], config: &MachineConfig) -> bool {
     fits
 }
 
-/// Do the positions of the store count the way in which they will be read? Where the cell turned the sense of rotation over,
-/// limits would guard other places.
+/// Checks that the positions of the store count in the direction in which they will be read. If the cell reversed the
+/// direction of rotation, saved limits would apply to other positions.
 fn check_senses(axes: &[(Value<'_>, Value<'_>)], sets: &[Option<AxisParameters>], config: &MachineConfig) {
     for (name, scale) in axes {
         let found = std::iter::zip(&config.axes, sets).find(|(axis, _)| name.peek() == Some(axis.name.as_str()));
@@ -118,10 +118,10 @@ fn check_senses(axes: &[(Value<'_>, Value<'_>)], sets: &[Option<AxisParameters>]
     }
 }
 
-/// How many values there are, and the sets of the axes and of the machine.
+/// Number of values, and the sets of the axes and of the machine.
 type Sets = (usize, Vec<Option<AxisParameters>>, Option<MachineParameters>);
 
-/// The sets that result when the values take the place of those of the cell, and how many values they are.
+/// Returns the sets that result if the values replace those of the cell, and the number of values.
 fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<Sets> {
     let entries = values.entries()?;
     let changes = crate::parameters::changes(values, config, &Directory::default())?;
@@ -181,7 +181,7 @@ fn code_of(refused: Refused) -> Code {
     }
 }
 
-/// A key whose value cannot stand beside the others of an axis, and why.
+/// Returns a key whose value contradicts the others of an axis, with the reason.
 fn contradiction(place: usize, set: &AxisParameters, config: &MachineConfig) -> Option<(&'static str, String)> {
     let axis = config.axes.get(place)?;
     let change = |key: &'static str| {
@@ -192,7 +192,7 @@ fn contradiction(place: usize, set: &AxisParameters, config: &MachineConfig) -> 
         Err(Contradiction::Above(low, high)) => {
             let (low_change, high_change) = (change(low)?, change(high)?);
             let code = Code::PARAMETERS_CONTRADICT;
-            // The one that was saved is to blame; the other one stands in the cell, which a person may have changed.
+            // The saved value is reported; the other one is in the cell, which the user may have changed.
             let is_cells =
                 |change: &Change| change.row().is_some_and(|row| row.value(&axis.parameters) == change.value);
             let (guilty, other) =
@@ -213,7 +213,7 @@ fn contradiction(place: usize, set: &AxisParameters, config: &MachineConfig) -> 
     Some((problem.key(), told(problem.code, &change(problem.key())?, problem.asked, problem.limit, config)))
 }
 
-/// The sentence of a refusal.
+/// Returns the message of a refusal.
 fn told(code: Code, change: &Change, asked: Number, limit: Number, config: &MachineConfig) -> String {
     let refusal = Refusal::new(code, change.object()).with(asked, limit);
     sentence(&Refusal { parameter: Some(change.row), ..refusal }.event(0), config)

@@ -1,4 +1,4 @@
-//! The store on a disk that fails, with files that are damaged, for cells that were changed.
+//! Tests the store with failing disks, damaged files and changed cells.
 
 mod exact;
 mod unfit;
@@ -9,7 +9,7 @@ use lineshaft_core::parameter::MachineParameters;
 use std::fs;
 use tempfile::TempDir;
 
-/// Two axes, each with a few values of its own.
+/// Two axes, each with a few own values.
 const CELL: &str = "\
 lineshaft: 1
 cycle: 1 ms
@@ -24,7 +24,7 @@ fn config() -> MachineConfig {
     Cell::parse("cell.yaml", CELL).expect("the cell of the tests").machine
 }
 
-/// A folder with a store in it.
+/// A folder with a store.
 struct Bench {
     folder: TempDir,
     config: MachineConfig,
@@ -43,7 +43,7 @@ impl Bench {
         Store::open(&self.path("p.yaml"))
     }
 
-    /// Both axes with values that carry `n`.
+    /// Returns parameters of both axes with values derived from `n`.
     fn user(&self, n: i64) -> Vec<AxisParameters> {
         let mut user: Vec<_> = self.config.axes.iter().map(|axis| axis.parameters).collect();
         for axis in &mut user {
@@ -53,14 +53,14 @@ impl Bench {
         user
     }
 
-    /// Saves `n`; the generation.
+    /// Saves `n`; returns the generation.
     fn save(&self, n: i64) -> u64 {
         let mut store = self.open().expect("a store");
         assert!(store.keep(&self.config, &self.user(n)).expect("a disk"), "{n} was there");
         store.generation()
     }
 
-    /// The `n` that all values carry; none where nothing is saved.
+    /// Returns the `n` of all values; `None` if nothing is saved.
     fn loaded(&self) -> Result<Option<i64>, StoreError> {
         let store = self.open()?;
         let mut config = self.config.clone();
@@ -95,7 +95,7 @@ fn what_was_saved_is_there_for_the_next_program_and_what_is_unchanged_is_not_wri
     assert!(!store.keep(&bench.config, &bench.user(2)).unwrap());
     use std::os::unix::fs::MetadataExt;
     assert_eq!(fs::metadata(bench.path("p.yaml")).unwrap().ino(), before.ino(), "it was written again");
-    // Deleted: nothing is saved, and that is written.
+    // Deleting all values is a change, which is written.
     let init: Vec<_> = bench.config.axes.iter().map(|axis| axis.parameters).collect();
     assert!(store.keep(&bench.config, &init).unwrap());
     drop(store);
@@ -131,7 +131,7 @@ fn the_file_is_what_the_documentation_shows() {
     );
 }
 
-/// A disk that fails at any step: the set before stands, whole, and the next save does what it should.
+/// A disk that fails at any step: the previous set is complete, and the next save works.
 ///
 /// Proves: MACS-STO-06
 #[test]
@@ -162,7 +162,7 @@ fn whatever_step_fails_the_old_set_stands_or_the_new_one() {
             .to_string();
         assert!(error.contains("p.yaml: parameters cannot be written: ") && error.contains("storage"), "{error}");
         drop(store);
-        // Only when the names are changed already does the new one count, and it is not told to be kept.
+        // The new set is valid only after the names were changed, and it is not confirmed.
         let expected = if *failing == "sync folder" { 3 } else { 2 };
         assert_eq!(bench.loaded().unwrap(), Some(expected), "{failing}");
         assert_eq!(bench.files(), [".p.yaml.lock", "p.yaml", "p.yaml.previous"], "{failing}");
@@ -173,7 +173,7 @@ fn whatever_step_fails_the_old_set_stands_or_the_new_one() {
     }
 }
 
-/// The program is gone between two steps, with all that it left.
+/// The program ends between two steps, and leaves all its files.
 #[test]
 fn whatever_step_was_the_last_one_the_next_program_finds_a_whole_set() {
     for left in 0..9 {
@@ -199,7 +199,7 @@ fn whatever_step_was_the_last_one_the_next_program_finds_a_whole_set() {
     }
 }
 
-/// Every bit flipped, and the text cut at every length: the same set, or the generation before.
+/// Every bit flipped, and the text cut at every length: reading gives the same set, or the previous generation.
 ///
 /// Proves: MACS-STO-06
 #[test]
@@ -230,7 +230,7 @@ fn damage_is_found_wherever_it_is_and_the_generation_before_is_used() {
     check(&[0; 4096], "zeros");
     check(&[0xff; 100], "no text");
     assert_eq!(bench.loaded().unwrap(), Some(1));
-    // The damaged file does not become the generation before: the good one stays, until it is one back.
+    // The damaged file does not become the previous generation: the valid one is kept until there is a newer one.
     let mut store = bench.open().unwrap();
     assert!(store.keep(&bench.config, &bench.user(1)).unwrap(), "the same set, and yet the file is mended");
     assert!(store.keep(&bench.config, &bench.user(5)).unwrap());
@@ -267,7 +267,7 @@ fn without_the_file_nothing_is_saved_and_the_generation_before_goes() {
     assert_eq!(bench.files(), [".p.yaml.lock", "p.yaml"], "it would bring back what was taken away");
 }
 
-/// While a program runs: what it saves next is on the disk again, also where that is what the file had held.
+/// At run time: the next saved set is on the disk again, even if it is the set that the file had.
 #[test]
 fn a_file_that_was_taken_away_is_written_by_the_next_save() {
     for (next, generation) in [(2, 3), (1, 3), (7, 3)] {
@@ -282,7 +282,7 @@ fn a_file_that_was_taken_away_is_written_by_the_next_save() {
         drop(store);
         assert_eq!(bench.loaded().unwrap(), Some(next));
     }
-    // Nothing to save needs no file.
+    // Without saved values no file is needed.
     let bench = Bench::new();
     bench.save(1);
     let mut store = bench.open().unwrap();
@@ -326,8 +326,8 @@ fn two_programs_do_not_write_one_store() {
     assert_eq!(bench.loaded().unwrap(), Some(1));
 }
 
-/// What somebody did to the file while the program runs is found with the next save, also of an unchanged set: garbage,
-/// a part, the set of another machine, another kind of file, nothing.
+/// A change of the file by another program at run time is detected by the next save, even of an unchanged set: garbage,
+/// a part, the set of another machine, another kind of file, no file.
 #[test]
 fn a_file_that_was_overwritten_from_outside_is_written_again() {
     let bench = Bench::new();
@@ -340,11 +340,11 @@ fn a_file_that_was_overwritten_from_outside_is_written_again() {
         fs::write(&path, text).unwrap();
         assert!(store.keep(&bench.config, &bench.user(2)).unwrap(), "{what}");
         assert!(!store.keep(&bench.config, &bench.user(2)).unwrap(), "once");
-        // What was damaged is no generation before.
+        // A damaged file does not become the previous generation.
         let before = fs::read_to_string(bench.path("p.yaml.previous")).unwrap();
         assert!(before.contains("generation: 1\n"), "{what}: {before}");
     }
-    // A good set of somebody else is the generation before.
+    // A valid set of another program becomes the previous generation.
     let other = Bench::new();
     for n in 1..=40 {
         other.save(n);
@@ -355,7 +355,7 @@ fn a_file_that_was_overwritten_from_outside_is_written_again() {
     assert_eq!(fs::read(bench.path("p.yaml.previous")).unwrap(), fs::read(other.path("p.yaml")).unwrap());
     fs::remove_file(&path).unwrap();
     assert!(store.keep(&bench.config, &bench.user(2)).unwrap());
-    // A folder cannot be replaced, which is told; a pipe can, and nobody waits for who writes into it.
+    // A folder cannot be replaced, which is reported; a pipe can, and opening it does not block.
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
     let error = store.keep(&bench.config, &bench.user(2)).unwrap_err().to_string();
@@ -367,7 +367,7 @@ fn a_file_that_was_overwritten_from_outside_is_written_again() {
     assert_eq!(bench.loaded().unwrap(), Some(2));
 }
 
-/// A generation before that is no file is none, and keeps nobody waiting.
+/// A previous generation that is no file is ignored, and opening it does not block.
 #[test]
 fn a_pipe_in_the_place_of_a_store_is_not_waited_for() {
     let bench = Bench::new();
@@ -391,7 +391,7 @@ fn a_place_that_is_none_is_refused() {
     assert!(refused(PathBuf::from("/")).contains("/: it is no name of a file"));
 }
 
-/// A folder in which nothing can be made: what is there counts, and saving says why not.
+/// A folder without write permission: the existing file is read, and saving reports the reason of its failure.
 #[test]
 fn a_store_that_cannot_be_locked_is_read() {
     let bench = Bench::new();
@@ -417,7 +417,7 @@ fn a_link_stays_one_and_the_rights_of_the_file_too() {
     symlink(bench.path("far/q.yaml"), bench.path("p.yaml")).unwrap();
     bench.save(2);
     assert!(fs::symlink_metadata(bench.path("p.yaml")).unwrap().is_symlink());
-    // Also where nothing is behind it yet.
+    // Also if the target does not exist yet.
     symlink("far/new.yaml", bench.path("new.yaml")).unwrap();
     Store::open(&bench.path("new.yaml")).unwrap().keep(&bench.config, &bench.user(3)).unwrap();
     assert!(fs::symlink_metadata(bench.path("new.yaml")).unwrap().is_symlink());
@@ -426,7 +426,8 @@ fn a_link_stays_one_and_the_rights_of_the_file_too() {
     assert_eq!(bench.loaded().unwrap(), Some(2));
 }
 
-/// What the machine has is kept as what axes have, and read back; the cell's own values stand for nothing.
+/// Parameters of the machine are stored like those of axes, and read back; values equal to those of the cell are not
+/// stored.
 #[test]
 fn parameters_of_the_machine_are_kept() {
     let bench = Bench::new();
@@ -446,12 +447,12 @@ fn parameters_of_the_machine_are_kept() {
     bench.open().unwrap().load(&mut loaded).unwrap();
     assert_eq!(loaded.global.saved, Some(machine));
     assert!(loaded.axes.iter().all(|axis| axis.saved.is_none()));
-    // Nobody has written that; what runs the virtual master is nothing to begin with.
+    // This program does not write it; a velocity that moves the virtual master must not be applied at the start.
     let sets: Vec<_> = std::iter::zip(&config.axes, &user).collect();
     let body = text::body_with(&sets, (&config.global.parameters, &MachineParameters { pulsvel: 7, ..machine }));
     let error = read::read_store("p", &text::whole(3, &body), &config).map(drop).unwrap_err().to_string();
     assert!(error.contains("machine: pulsvel begins anew with each start and is never saved"), "{error}");
-    // Back to the cell: nothing is held.
+    // Back to the values of the cell: nothing is stored.
     assert!(bench.open().unwrap().keep_all(&config, &user, &config.global.parameters).unwrap());
     let mut loaded = config.clone();
     bench.open().unwrap().load(&mut loaded).unwrap();

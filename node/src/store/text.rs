@@ -1,7 +1,7 @@
-//! The text of a store.
+//! Writes and checks the text of a store.
 //!
-//! Comments, `lineshaft_store: 1`, the generation, then the body: for each axis that has saved values the scale in which its
-//! increments are meant, and the values; at the end a line with the SHA-256 of all bytes before it.
+//! Comments, `lineshaft_store: 1`, the generation, then the body: the scale of the increments for each axis with saved
+//! values, and the values; at the end a line with the SHA-256 of all bytes before it.
 
 use crate::parameters::exact_text;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
@@ -10,11 +10,11 @@ use lineshaft_core::unit::{Fraction, Quantity, Scale, ScaleKind, Unit};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
-/// The format that this program writes and reads.
+/// Format version that this program writes and reads.
 pub(super) const FORMAT: &str = "1";
-/// How the last line begins.
+/// Prefix of the last line.
 const CHECKSUM: &str = "sha256: ";
-/// Hexadecimal digits of it.
+/// Number of hexadecimal digits of the checksum.
 const DIGITS: usize = 64;
 
 const HEAD: &str = "\
@@ -22,7 +22,7 @@ const HEAD: &str = "\
 # The last line tells whether the text is whole: a change by hand is taken for damage. Without this file nothing is saved.
 ";
 
-/// A set of layer User that goes with a recording; nothing where nothing was saved.
+/// Returns layer User as the text for a recording; `None` if nothing was saved.
 pub fn store_text(config: &MachineConfig) -> Option<String> {
     let is_saved = config.global.saved.is_some() || config.axes.iter().any(|axis| axis.saved.is_some());
     is_saved.then(|| {
@@ -32,21 +32,21 @@ pub fn store_text(config: &MachineConfig) -> Option<String> {
     })
 }
 
-/// Head, body and checksum.
+/// Returns head, body and checksum.
 pub(super) fn whole(generation: u64, body: &str) -> String {
     let text = format!("{HEAD}lineshaft_store: {FORMAT}\ngeneration: {generation}\n{body}");
     let checksum = checksum(&text);
     format!("{text}{CHECKSUM}{checksum}\n")
 }
 
-/// The body of axes alone.
+/// Returns the body for axes without the machine.
 pub(super) fn body(sets: &[(&AxisConfig, &AxisParameters)]) -> String {
     let machine = MachineParameters::default();
     body_with(sets, (&machine, &machine))
 }
 
-/// What is saved of each axis: the rows by which its values were given, as far as the cell does not give the same; and what of
-/// the machine is another value than in the cell.
+/// Returns the saved values of each axis, by the rows with which they were set, unless the cell gives the same; and the
+/// values of the machine that differ from the cell.
 pub(super) fn body_with(
     sets: &[(&AxisConfig, &AxisParameters)],
     (init, machine): (&MachineParameters, &MachineParameters),
@@ -55,11 +55,11 @@ pub(super) fn body_with(
     for (axis, user) in sets {
         let before = values.len();
         for row in saved_rows(axis, user) {
-            // Writing to a text cannot fail.
+            // Writing to a string cannot fail.
             let _ = writeln!(values, "  {}.{}: {}", axis.name, row.key, exact_text(row, user));
         }
         if values.len() > before {
-            // Counted against the encoder, an increment is one the other way.
+            // If positions count opposite to the encoder, the increment has the opposite direction.
             let sign = if user.sense().units { "-" } else { "" };
             let _ = writeln!(axes, "  {}: {sign}{}", axis.name, scale_text(&axis.scale));
         }
@@ -74,11 +74,11 @@ pub(super) fn body_with(
     format!("axes:\n{axes}parameters:\n{values}")
 }
 
-/// Rows that a store has to hold.
+/// Returns the rows that must be stored.
 fn saved_rows<'a>(axis: &'a AxisConfig, user: &'a AxisParameters) -> impl Iterator<Item = &'static Row> + 'a {
-    // Reading begins from the cell in the saved sense of rotation.
+    // Reading begins with the cell in the saved direction of rotation.
     let turned = axis.parameters.in_sense_of(user);
-    // The same value given by another row is not the same: it follows from others.
+    // The same value set by another row differs, because it depends on other values.
     let differs = move |row: &&Row| {
         let init = if row.key == "posdrct" { &axis.parameters } else { &turned };
         row.value(user) != row.value(init) || !init.gives(row)
@@ -86,7 +86,7 @@ fn saved_rows<'a>(axis: &'a AxisConfig, user: &'a AxisParameters) -> impl Iterat
     ROWS.iter().filter(|row| row.applies.to(axis) && user.gives(row)).filter(differs)
 }
 
-/// What one increment means, exactly: increments per m, or per revolution.
+/// Returns the exact meaning of an increment: increments per m, or per revolution.
 pub(super) fn scale_text(scale: &Scale) -> String {
     let name = match scale.kind() {
         ScaleKind::Linear => "m",
@@ -97,7 +97,7 @@ pub(super) fn scale_text(scale: &Scale) -> String {
     format!("{exact} inc/{name}")
 }
 
-/// A line for each value that takes the place of one of the cell.
+/// Returns a line for each value that replaces one of the cell.
 pub(super) fn differences(config: &MachineConfig, sets: &[Option<AxisParameters>]) -> Vec<String> {
     let mut lines = Vec::new();
     for (axis, user) in std::iter::zip(&config.axes, sets).filter_map(|(axis, set)| Some((axis, set.as_ref()?))) {
@@ -109,10 +109,10 @@ pub(super) fn differences(config: &MachineConfig, sets: &[Option<AxisParameters>
     lines
 }
 
-/// The text where it is whole.
+/// Returns the text if it is complete.
 ///
 /// # Errors
-/// What is wrong with it.
+/// Returns a description of the defect.
 pub(super) fn checked(bytes: Vec<u8>) -> Result<String, String> {
     if bytes.is_empty() {
         return Err("it is empty".to_owned());
@@ -131,14 +131,14 @@ pub(super) fn checked(bytes: Vec<u8>) -> Result<String, String> {
     Ok(text)
 }
 
-/// The body of a whole text.
+/// Returns the body of a complete text.
 pub(super) fn body_of(text: &str) -> &str {
     let start = text.find("\naxes:").map_or(0, |place| place + 1);
     let end = text.rfind(CHECKSUM).unwrap_or(text.len());
     text.get(start..end).unwrap_or_default()
 }
 
-/// The generation of a whole text.
+/// Returns the generation of a complete text.
 pub(super) fn generation_of(text: &str) -> Option<u64> {
     text.lines().find_map(|line| line.strip_prefix("generation: "))?.parse().ok()
 }

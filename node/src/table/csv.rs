@@ -1,8 +1,10 @@
-//! Numbers of tables as CSV files.
+//! Reads and writes numbers of tables as CSV files.
 //!
-//! Law      one column, or place and value of form xy; `#` begins a comment; a byte order mark and CRLF are passed over
-//! Reads    whole numbers of 32 bits, which may have a decimal point and zeros behind it
-//! Refuses  anything else by line and column: NaN, fractions, a header, `;`, a decimal comma, places that do not rise, more than [`MOST`] points
+//! Law      one column, or position and value for form xy; `#` begins a comment; a byte order mark and CRLF are
+//!          accepted
+//! Reads    integers of 32 bits, optionally with a decimal point and zeros after it
+//! Refuses  anything else, with line and column: NaN, fractions, a header, `;`, a decimal comma, positions that do not
+//!          increase, more than [`MOST`] points
 
 use crate::document::Place;
 use lineshaft_core::table::{Form, MOST, Table};
@@ -12,15 +14,16 @@ use std::fmt::Write as _;
 use std::io::Read;
 use std::path::Path;
 
-/// Longest file (bytes): two numbers of 32 bits, and as much again for blanks and comments, for each of [`MOST`] points.
+/// Maximum size of a file, in bytes: two numbers of 32 bits for each of [`MOST`] points, and the same size for spaces
+/// and comments.
 const MAX_BYTES: u64 = 64 << 20;
-/// What Windows writes before a text in UTF-8.
+/// Windows programs write it before a text in UTF-8.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// Places of the master, empty but in form xy, and values.
+/// Positions of the master, empty except for form xy, and values.
 pub(crate) type Numbers = (Vec<i64>, Vec<i64>);
 
-/// What is wrong with a file, and where, if it could be read.
+/// Error of a file, with its location if it could be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Refused {
     pub(crate) place: Option<Place>,
@@ -33,7 +36,7 @@ impl Refused {
     }
 }
 
-/// The text of a file.
+/// Reads the text of a file.
 pub(crate) fn load(path: &Path) -> Result<String, Refused> {
     let mut bytes = Vec::new();
     let read = open_file(path).and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
@@ -48,10 +51,10 @@ pub(crate) fn load(path: &Path) -> Result<String, Refused> {
     })
 }
 
-/// The numbers of a text. The first problem with its place.
+/// Parses the numbers of a text. Returns the first problem with its location.
 pub(crate) fn parse(text: &str, form: Form) -> Result<Numbers, Refused> {
     let (mut x, mut y) = (Vec::new(), Vec::new());
-    // The line of the place before.
+    // Line of the previous position.
     let mut before = 0;
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     for (number, line) in (1..).zip(text.lines()) {
@@ -87,15 +90,15 @@ pub(crate) fn parse(text: &str, form: Form) -> Result<Numbers, Refused> {
 /// A line with numbers.
 #[derive(Clone, Copy)]
 struct Row<'a> {
-    /// All of it, with its comment.
+    /// Full line, with its comment.
     line: &'a str,
     data: &'a str,
-    /// From 1.
+    /// Line number, from 1.
     number: usize,
 }
 
 impl Row<'_> {
-    /// A problem with a part of the line: its place is where the part begins, behind blanks.
+    /// Returns a problem of a part of the line; its location is the start of the part, without spaces.
     fn refused(&self, part: &str, sentence: String) -> Refused {
         let blanks = part.len() - part.trim_start().len();
         // Parts are slices of the line.
@@ -104,7 +107,7 @@ impl Row<'_> {
         Refused::at(Place { line: self.number, col }, sentence)
     }
 
-    /// The number of a field.
+    /// Parses the number of a field.
     fn whole(&self, field: &str, is_first: bool) -> Result<i64, Refused> {
         let given = field.trim();
         whole(given).ok_or_else(|| match given.find(';') {
@@ -116,7 +119,7 @@ impl Row<'_> {
         })
     }
 
-    /// More columns than the form has, or fewer.
+    /// Returns the error for a wrong number of columns.
     fn other_columns(&self, form: Form) -> Refused {
         let columns = if form == Form::Xy { 2 } else { 1 };
         if self.data.contains(';') {
@@ -137,7 +140,7 @@ impl Row<'_> {
     }
 }
 
-/// A whole number, which may be written with a decimal point and zeros behind it.
+/// Parses an integer, optionally with a decimal point and zeros after it.
 fn whole(field: &str) -> Option<i64> {
     let digits = match field.split_once('.') {
         Some((digits, zeros)) if zeros.bytes().all(|c| c == b'0') => digits,
@@ -147,7 +150,7 @@ fn whole(field: &str) -> Option<i64> {
     digits.parse::<i32>().ok().map(i64::from)
 }
 
-/// Why a field is no whole number of 32 bits.
+/// Returns the reason why a field is no integer of 32 bits.
 fn why(field: &str, is_first: bool) -> String {
     let given = excerpt(field);
     match field.parse::<f64>() {
@@ -166,12 +169,12 @@ fn why(field: &str, is_first: bool) -> String {
     }
 }
 
-/// A table as CSV, behind lines of comment.
+/// Returns a table as CSV, after lines of comments.
 pub(crate) fn text(table: &Table, comments: &[String]) -> String {
     let mut text = comments.iter().fold(String::new(), |text, comment| text + "# " + comment + "\n");
     let mut places = table.x().iter();
     for value in table.y() {
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = match places.next() {
             Some(place) => writeln!(text, "{place},{value}"),
             None => writeln!(text, "{value}"),
@@ -291,12 +294,12 @@ mod tests {
         assert_eq!(load_of(b"0\n1\xff\n"), Err(Refused { place, sentence: "it is not UTF-8 text".to_owned() }));
         let long = vec![b'0'; 64 << 20 | 1];
         assert_eq!(load_of(&long).expect_err("long").sentence, "it is longer than 67108864 bytes");
-        // The longest numbers there are, with as many digits behind the point, fit.
+        // The longest numbers, with as many digits after the point, fit.
         assert!("-2147483648.0000000000,-2147483648.0000000000\r\n".len() * MOST <= 64 << 20);
     }
 
     proptest! {
-        /// What is written is read again.
+        /// A written table can be read back.
         #[test]
         fn a_csv_reads_back(points in proptest::collection::btree_map(any::<i32>(), any::<i32>(), 1..50), even in any::<bool>()) {
             let (x, y): (Vec<_>, Vec<_>) = points.into_iter().map(|(x, y)| (i64::from(x), i64::from(y))).unzip();
@@ -305,7 +308,7 @@ mod tests {
             prop_assert_eq!(parse(&text(&table, &["a cam".to_owned()]), form), Ok((x, y)));
         }
 
-        /// Whatever a file holds, there is a table or one sentence with a place in the text.
+        /// Any content of a file gives a table, or one error message with a location in the text.
         #[test]
         fn any_text_is_read_or_refused_at_a_place(text in "(?s)[ -~\u{b5}\r\n]{0,60}", form in 0_usize..3) {
             if let Err(Refused { place, sentence }) = parse(&text, Form::ALL[form].0) {

@@ -1,36 +1,36 @@
-//! Descriptions of tables: segments of the master, each with a way of the slave and a law.
+//! Descriptions of tables: segments of the master, each with a travel of the slave and a motion law.
 //!
-//! Law      point i of N is the plan at i L / (N - 1), in form xy at the nearest whole increment to it, rounded to the nearest increment; the first
-//!          one is 0, the last one the end of the plan
+//! Law      point i of N is the plan at i L / (N - 1), for form xy at the nearest integer increment, rounded to the
+//!          nearest increment; the first point is 0, the last one the end of the plan
 //! Reads    a document: form, points, cyclic, master, segments
-//! Refuses  a last segment that does not end with the period, what is no plan, points whose steps are 2^15 and more
+//! Refuses  a last segment that does not end with the period, invalid plans, points with steps of 2^15 or more
 
 use super::csv::Refused;
 use crate::document::{Document, Map, Place, Value};
 use lineshaft_core::law::{Law, Plan, PlanError, Segment};
 use lineshaft_core::table::{CurveError, Form, MOST, Table};
 
-/// The longest step between two points that a cam takes (inc).
+/// Maximum step between two points of a cam, in inc.
 const LONGEST_STEP: f64 = 32_767.0;
-/// Places and ways of a description (inc).
+/// Maximum of positions and travels of a description, in inc.
 const WIDEST: i64 = i32::MAX as i64;
 const FORMS: [(&str, Form); 2] = [("y", Form::Y), ("xy", Form::Xy)];
 
-/// A table to be made.
+/// Description of a table.
 #[derive(Clone, Debug)]
 pub(crate) struct Description {
     pub(crate) form: Form,
     pub(crate) points: usize,
-    /// Master increments of a period.
+    /// Period of the master, in increments.
     pub(crate) master: i64,
     pub(crate) segments: Vec<Segment>,
     pub(crate) plan: Plan,
-    /// Where problems with the number of points belong.
+    /// Location for problems with the number of points.
     place: Place,
 }
 
 impl Description {
-    /// The description that a document is; else its problems stand in it.
+    /// Reads the description in a document; problems are added to the document.
     pub(crate) fn read(document: &Document) -> Option<Self> {
         let root = document.root("the description")?;
         let mut map = root.map("the description")?;
@@ -74,13 +74,13 @@ impl Description {
         Some(Self { form, points, master, segments, plan, place: places })
     }
 
-    /// Where each segment begins, and where it ends.
+    /// Returns the start and the end of each segment.
     pub(crate) fn spans(&self) -> impl Iterator<Item = (f64, f64)> {
         let starts = std::iter::once(0.0).chain(self.segments.iter().map(|segment| segment.to));
         starts.zip(self.segments.iter().map(|segment| segment.to))
     }
 
-    /// Its points.
+    /// Returns the table with the points.
     pub(crate) fn table(&self) -> Result<Table, Refused> {
         let refused = |sentence| Refused { place: Some(self.place), sentence };
         let spans = self.points as i64 - 1;
@@ -107,9 +107,9 @@ impl Description {
         }
     }
 
-    /// Too few points for its velocity.
+    /// Returns the error for too few points for the velocity.
     fn too_steep(&self) -> String {
-        // Each end of a step, and in form xy its place, may be rounded by half an increment.
+        // Each end of a step, and for form xy its position, may be rounded by half an increment.
         let v = self.plan.peaks().v.value;
         let room = LONGEST_STEP - 1.0 - if self.form == Form::Xy { v } else { 0.0 };
         let needed = if room > 0.0 { (self.master as f64 * v / room).ceil() + 1.0 } else { f64::INFINITY };
@@ -123,7 +123,7 @@ impl Description {
         format!("{steps}; {needed} would do")
     }
 
-    /// What a file of its points tells first.
+    /// Returns the comments at the start of a file with the points.
     pub(crate) fn comments(&self) -> Vec<String> {
         let form = self.form.name();
         let round = if self.plan.is_cyclic() { "cyclic" } else { "once" };
@@ -150,7 +150,7 @@ fn segment(item: &Value<'_>) -> Option<Segment> {
     Some(Segment { to: to?, travel: travel?, law: law? })
 }
 
-/// The value that keeps segments from being a plan.
+/// Returns the value that makes a plan invalid.
 fn blame<'d>(items: &[Value<'d>], error: &PlanError) -> Option<Value<'d>> {
     let (segment, key) = match *error {
         PlanError::Empty => return None,
@@ -164,7 +164,7 @@ fn blame<'d>(items: &[Value<'d>], error: &PlanError) -> Option<Value<'d>> {
     items.get(segment.checked_sub(1)?).and_then(|item| member(item, key))
 }
 
-/// A value of a mapping that has been read.
+/// Returns a value of a mapping that has been read.
 fn member<'d>(item: &Value<'d>, key: &str) -> Option<Value<'d>> {
     item.entries()?.into_iter().find(|(name, _)| name.peek() == Some(key)).map(|(_, value)| value)
 }
@@ -194,8 +194,8 @@ mod tests {
         let knife = read(KNIFE).expect("good");
         assert_eq!((knife.form, knife.points, knife.master, knife.plan.is_cyclic()), (Form::Y, 5, 20_000, true));
         let table = knife.table().expect("points");
-        // At 0, 5000: rest. 10000: 5000 of 7000 into the rise. 15000: 3000 of 8000 into the fall,
-        // 1 - 10 z^3 + 15 z^4 - 6 z^5 = 0.72469 at z = 3/8.
+        // At 0, 5000: standstill. 10000: 5000 of 7000 into the rise. 15000: 3000 of 8000 into the fall, 1 - 10 z^3 + 15
+        // z^4 - 6 z^5 = 0.72469 at z = 3/8.
         let z: f64 = 5.0 / 7.0;
         let k = 1.0 / (4.0 + std::f64::consts::PI);
         let phase = (4.0 * z + 1.0) * std::f64::consts::PI / 3.0;
@@ -276,14 +276,14 @@ mod tests {
             );
             read(&text).expect("a plan").table()
         };
-        // 1.875 * 9000000 / 50000 = 337.5 inc per inc, 32766 inc and less in a step: 1030.03 of them, up to 1031.
+        // 1.875 * 9000000 / 50000 = 337.5 inc per inc, at most 32766 inc per step: 1030.03 steps, up to 1031.
         let sentence = "points is 900; with so few the steps between them are 32768 inc and more; 1032 would do";
         assert_eq!(
             steep(900, "y"),
             Err(Refused { place: Some(Place { line: 2, col: 9 }), sentence: sentence.to_owned() })
         );
         assert_eq!(steep(1032, "y").expect("enough").len(), 1032);
-        // Half an increment of the place at either end takes 337.5 more: 1040.75.
+        // Rounding of the position by half an increment at either end requires 337.5 more: 1040.75.
         assert!(steep(900, "xy").expect_err("steep").sentence.ends_with("; 1042 would do"));
         assert_eq!(steep(1042, "xy").expect("enough").len(), 1042);
         let text = "points: 2\nmaster: 1\ncyclic: false\nsegments: [{to: 1, travel: 2147483647, law: straight}]\n";
@@ -297,7 +297,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever the points, they begin at 0, end with the plan, and lie within half an increment of it.
+        /// For any number of points, they begin at 0, end with the plan, and are within half an increment of it.
         #[test]
         fn points_are_the_plan_rounded(
             points in 2_usize..500,

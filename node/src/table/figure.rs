@@ -1,4 +1,4 @@
-//! Position, velocity, acceleration and jerk over the master, a panel each.
+//! Draws position, velocity, acceleration and jerk over the master position, one panel each.
 
 use super::description::Description;
 use super::motion::{Motion, Points};
@@ -7,16 +7,16 @@ use crate::recording::series::{Kind, Series};
 use lineshaft_core::law::Derivatives;
 use std::path::Path;
 
-/// Points of a curve within a segment.
+/// Number of points of a curve within a segment.
 const PARTS: u32 = 500;
-/// Points of a curve along a spline, about.
+/// Approximate number of points of a curve along a spline.
 const MOST: usize = 20_000;
 const PANELS: [(&str, &str); 4] =
     [("position", "inc"), ("velocity", "inc/inc"), ("acceleration", "inc/inc^2"), ("jerk", "inc/inc^3")];
 
 type Curve = Vec<(f64, f64)>;
 
-/// How large a figure is (px), and what stands above it.
+/// Size of a figure, in px, and its title.
 #[derive(Clone, Debug)]
 pub(crate) struct Sheet {
     pub(crate) title: String,
@@ -51,13 +51,13 @@ fn series(name: &str, unit: &str, points: Curve) -> Series {
     Series { name, unit, kind: Kind::Real, topic: String::new(), points, gaps: Vec::new() }
 }
 
-/// A plan, segment by segment: where it jumps, its curve has two values at one place.
+/// Returns the curves of a plan, segment by segment: at a jump, a curve has two values at one position.
 fn planned(description: &Description) -> [Curve; 4] {
     let mut curves: [Curve; 4] = Default::default();
     for (from, to) in description.spans() {
         for part in 0..=PARTS {
             let x = from + (to - from) * f64::from(part) / f64::from(PARTS);
-            // The end of a segment as seen from within it.
+            // The end of a segment is evaluated within the segment.
             let seen = if part == PARTS { to.next_down() } else { x };
             let Derivatives { s, v, a, j } = description.plan.at(seen);
             curves.iter_mut().zip([s, v, a, j]).for_each(|(curve, value)| curve.push((x, value)));
@@ -66,7 +66,7 @@ fn planned(description: &Description) -> [Curve; 4] {
     curves
 }
 
-/// Points: a spline, or straight lines, a velocity that holds along each, and divided differences.
+/// Returns the curves of points: a spline, or straight lines, a constant velocity along each, and divided differences.
 fn between(points: &Points) -> [Curve; 4] {
     if let Some(spline) = points.table.spline() {
         let parts = (MOST / points.table.len().max(1)).clamp(1, PARTS as usize) as u32;

@@ -1,11 +1,11 @@
-//! Tables of form y as such of form xy, and back.
+//! Converts tables of form y to form xy, and back.
 //!
-//! Law      y: point i of N stands at i L / (N - 1) of a master's period L; the same points, no other ones
-//! Refuses  places that are no whole increments, places at unequal distances, words
+//! Law      form y: point i of N is at i L / (N - 1) of the period L of the master; the points do not change
+//! Refuses  positions that are no integer increments, positions at unequal distances, words
 
 use lineshaft_core::table::{CamSetting, Form, Table, TableError};
 
-/// Why a table has no other form.
+/// Reason why a table cannot be converted.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum FormError {
     #[error("words of a data block have no places; a table of form words stays one")]
@@ -20,7 +20,7 @@ pub(crate) enum FormError {
         "place {place} of point {point} is {distance} inc after the one before it, the first ones {first} inc; form y has equal distances"
     )]
     Uneven {
-        /// From 1, as lines count.
+        /// Number of the point, from 1, like line numbers.
         point: usize,
         place: i64,
         distance: i64,
@@ -30,7 +30,7 @@ pub(crate) enum FormError {
     Table(#[from] TableError),
 }
 
-/// The points with a place each, over a period of the master.
+/// Returns the points with a position each, over a period of the master.
 pub(crate) fn with_places(table: &Table, master: i64) -> Result<Table, FormError> {
     match table.form() {
         Form::Xy => return Ok(table.clone()),
@@ -42,11 +42,11 @@ pub(crate) fn with_places(table: &Table, master: i64) -> Result<Table, FormError
         return Err(FormError::Parts { points: table.len(), master });
     }
     let places: Vec<i64> = (0..=spans).map(|i| i * (master / spans)).collect();
-    // Form xy has its length in its places.
+    // For form xy the positions define the length.
     Ok(Table::new(Form::Xy, &places, table.y())?.with_cam(CamSetting { length: None, ..table.cam_setting() }))
 }
 
-/// The points without their places, which are at equal distances.
+/// Returns the points without their positions, which must be at equal distances.
 pub(crate) fn without_places(table: &Table) -> Result<Table, FormError> {
     match table.form() {
         Form::Y => return Ok(table.clone()),

@@ -1,33 +1,34 @@
-//! Whether an axis can follow a table, and how fast its master may run at most.
+//! Checks whether an axis can follow a table, and calculates the maximum speed of its master.
 //!
-//! Law      at a master speed w a slave has velocity y' w, acceleration y'' w^2, jerk y''' w^3; the fastest speed is the least of v / |y'|,
-//!          sqrt(a / |y''|), sqrt(d / |y''|) where it gets slower, cbrt(j / |y'''|). A jump is infinite in the next derivative
-//! Reads    what a table asks for, the limits of an axis; the master runs forward
+//! Law      at a master speed w a slave has velocity y' w, acceleration y'' w^2, jerk y''' w^3; the maximum speed is
+//!          the minimum of v / |y'|, sqrt(a / |y''|), sqrt(d / |y''|) for decelerations, cbrt(j / |y'''|). A jump is
+//!          infinite in the next derivative
+//! Reads    the derivatives of a table, the limits of an axis; the master runs forward
 
 use super::motion::Extremes;
 use lineshaft_core::law::{Jump, Peak};
 use lineshaft_core::parameter::AxisParameters;
 
-/// A limit of an axis, and what a table asks of it.
+/// A limit of an axis, and the demand of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Demand {
     /// Key of the limit.
     pub(crate) key: &'static str,
     /// 1 velocity, 2 acceleration, 3 jerk.
     pub(crate) order: u8,
-    /// (inc/s^order)
+    /// Limit, in inc/s^order.
     pub(crate) limit: f64,
-    /// What the table has for each increment of the master; infinite at a jump.
+    /// Maximum of the table, per increment of the master; infinite at a jump.
     pub(crate) peak: Peak,
 }
 
 impl Demand {
-    /// What it needs at a speed of the master (inc/s).
+    /// Returns the demand at a speed of the master, in inc/s.
     pub(crate) fn at(&self, speed: f64) -> f64 {
         self.peak.value * speed.powi(self.order.into())
     }
 
-    /// The fastest speed of the master that it permits (inc/s).
+    /// Returns the maximum speed of the master that it permits, in inc/s.
     pub(crate) fn fastest(&self) -> f64 {
         let ratio = self.limit / self.peak.value;
         match self.order {
@@ -37,13 +38,13 @@ impl Demand {
         }
     }
 
-    /// Does the table keep the limit? At the fastest speed it does, whatever rounding makes of it.
+    /// Whether the table respects the limit. At the maximum speed it does, whatever the rounding errors are.
     pub(crate) fn is_met(&self, speed: f64) -> bool {
         self.at(speed) <= self.limit * (1.0 + 1e-12)
     }
 }
 
-/// What a table asks of the limits of an axis; without `max_jerk` any jerk is permitted.
+/// Returns the demands of a table on the limits of an axis; without `max_jerk` any jerk is permitted.
 pub(crate) fn demands(extremes: &Extremes, parameters: &AxisParameters) -> Vec<Demand> {
     let of = |key, order, limit, peak| Demand { key, order, limit, peak };
     let (mut faster, mut slower, mut jerk) = (extremes.acceleration, extremes.deceleration, extremes.jerk);
@@ -69,12 +70,12 @@ pub(crate) fn demands(extremes: &Extremes, parameters: &AxisParameters) -> Vec<D
     demands
 }
 
-/// Is the slave faster behind a jump of its velocity?
+/// Whether the slave is faster after a jump of its velocity.
 fn is_faster(jump: &Jump) -> bool {
     jump.after.abs() > jump.before.abs()
 }
 
-/// The demand that binds first.
+/// Returns the demand that limits the speed most.
 pub(crate) fn binding(demands: &[Demand]) -> Option<&Demand> {
     demands.iter().min_by(|a, b| a.fastest().total_cmp(&b.fastest()))
 }
@@ -135,7 +136,7 @@ mod tests {
     }
 
     proptest! {
-        /// At the fastest speed all limits hold, a little above it one does not.
+        /// At the maximum speed all limits are respected, slightly above it one is not.
         #[test]
         fn the_fastest_speed_is_the_edge(asked in proptest::array::uniform4(1e-6_f64..10.0), limits in proptest::array::uniform4(1.0_f64..1e9)) {
             let demands = demands(&extremes(asked), &axis(limits));

@@ -1,6 +1,6 @@
-//! Tables as people write them: CSV files, descriptions of motions by laws, what they ask of an axis, figures.
+//! Tables in files: CSV, descriptions of motions by laws, demands on an axis, figures.
 //!
-//! No machine and no cell: `csv` is what cells read, the rest is for `lineshaft table`.
+//! It uses no machine and no cell: cells read `csv`, the rest is for `lineshaft table`.
 
 pub(crate) mod csv;
 pub(crate) mod description;

@@ -1,36 +1,37 @@
-//! How a slave moves along a table: its way and three derivatives by the place of the master.
+//! Motion of a slave along a table: its position and three derivatives over the master position.
 //!
-//! Law      a plan, and the spline through points: their own derivatives. Points: the slopes of the straight lines between them; a[i] = 2 y[x i-1, x i,
-//!          x i+1], j[i] = 6 y[x i-1 .. x i+2], divided differences; of a table that goes round its end is beside its start
+//! Law      a plan, and the spline through points: their own derivatives. Points: the slopes of the straight lines
+//!          between them; a[i] = 2 y[x i-1, x i, x i+1], j[i] = 6 y[x i-1 .. x i+2], divided differences; in a cyclic
+//!          table the end is adjacent to the start
 //! Reads    a description, or points
-//! Refuses  points that are no curve of a cam
+//! Refuses  points that are no valid curve of a cam
 
 use super::description::Description;
 use lineshaft_core::law::{Derivatives, Jump, Peak, Plan, Spline};
 use lineshaft_core::table::{CamSetting, CurveError, Form, Interpolation, Table};
 
-/// Parts of a segment that are looked at, each for a peak of its own.
+/// Number of parts of a segment that are searched, each for its own maximum.
 const PARTS: u32 = 256;
-/// The same of an interval of a spline, of which there may be a million.
+/// Number of parts of an interval of a spline, of which there may be a million.
 const PARTS_OF_SPLINE: u32 = 16;
 
-/// Takes a larger amount in the place of its own.
+/// Replaces a maximum by a larger absolute value.
 fn meet(peak: &mut Peak, value: f64, at: f64) {
     if value.abs() > peak.value {
         *peak = Peak { value: value.abs(), at };
     }
 }
 
-/// What a table asks of its slave for each increment of the master.
+/// Demands of a table on its slave, per increment of the master.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Extremes {
     pub(crate) velocity: Peak,
-    /// Of an acceleration that makes the slave faster.
+    /// Maximum acceleration that makes the slave faster.
     pub(crate) acceleration: Peak,
-    /// Of one that makes it slower.
+    /// Maximum acceleration that makes the slave slower.
     pub(crate) deceleration: Peak,
     pub(crate) jerk: Peak,
-    /// Beside them derivatives that jump.
+    /// Jumps of derivatives, in addition to the maxima.
     pub(crate) jumps: Vec<Jump>,
 }
 
@@ -41,20 +42,20 @@ pub(crate) enum Motion {
     Points(Points),
 }
 
-/// Points, and what lies between them.
+/// Points, and the curve between them.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
     pub(crate) table: Table,
-    /// Places of all points.
+    /// Positions of all points.
     pub(crate) x: Vec<f64>,
     pub(crate) is_cyclic: bool,
 }
 
-/// A derivative of points, with where each of its values stands.
+/// A derivative of points: position and value.
 type Derivative = Vec<(f64, f64)>;
 
 impl Points {
-    /// A table over its places, or over a period of its master.
+    /// Creates a motion from a table with positions, or over a period of its master.
     pub(crate) fn new(
         table: Table,
         master: Option<i64>,
@@ -87,7 +88,7 @@ impl Points {
         Ok(Self { table, x, is_cyclic })
     }
 
-    /// What keeps a function interpolator from it, if anything does.
+    /// Returns the reason why a function interpolator refuses the table, if it does.
     pub(crate) fn refused_by_functions(&self) -> Option<String> {
         self.table.shape().err().map(why)
     }
@@ -96,7 +97,7 @@ impl Points {
         self.x.last().copied().unwrap_or(0.0)
     }
 
-    /// Lengths of the straight lines, and their slopes.
+    /// Returns the lengths of the straight lines, and their slopes.
     fn lines(&self) -> (Vec<f64>, Vec<f64>) {
         let spans: Vec<f64> = self.x.windows(2).map(|pair| if let [a, b] = *pair { b - a } else { 1.0 }).collect();
         let rises = self.table.y().windows(2).map(|pair| if let [a, b] = *pair { (b - a) as f64 } else { 0.0 });
@@ -104,13 +105,14 @@ impl Points {
         (spans, slopes)
     }
 
-    /// Velocity on each line from its start on, acceleration at points, jerk in the middle of lines.
+    /// Returns the velocity from the start of each line, the acceleration at points, and the jerk at the middle of
+    /// lines.
     pub(crate) fn derivatives(&self) -> [Derivative; 3] {
         let (spans, slopes) = self.lines();
         let last = |list: &[f64]| list.last().copied().filter(|_| self.is_cyclic);
         let around = |list: &[f64]| list.first().copied().filter(|_| self.is_cyclic);
         let velocity: Derivative = self.x.iter().copied().zip(slopes.iter().copied()).collect();
-        // With the span before each point and the one behind it.
+        // With the spans before and after each point.
         let mut bends: Vec<(f64, f64, f64)> = Vec::with_capacity(slopes.len() + 1);
         let mut before = last(&spans).zip(last(&slopes));
         for ((x, span), slope) in self.x.iter().zip(&spans).zip(&slopes) {
@@ -133,7 +135,7 @@ impl Points {
         [velocity, bends.into_iter().map(|(x, a, _)| (x, a)).collect(), jerk]
     }
 
-    /// How much of acceleration and jerk may come from values that are whole increments alone.
+    /// Returns the part of acceleration and jerk that may be due to rounding of the values to integer increments.
     pub(crate) fn rounding(&self) -> (f64, f64) {
         let (spans, _) = self.lines();
         let least = spans.iter().copied().fold(f64::INFINITY, f64::min);
@@ -144,7 +146,8 @@ impl Points {
         self.table.spline().map_or_else(|| self.extremes_of_lines(), |spline| self.extremes_of(spline))
     }
 
-    /// Places in all intervals of a spline, so many parts each, with its derivatives there.
+    /// Returns positions in all intervals of a spline, with the derivatives there; each interval has this number of
+    /// parts.
     pub(crate) fn along<'a>(&'a self, spline: &'a Spline, parts: u32) -> impl Iterator<Item = (f64, Derivatives)> + 'a {
         self.x
             .windows(2)
@@ -176,7 +179,7 @@ impl Points {
         let mut found = Extremes::default();
         let slopes: Vec<f64> = velocity.iter().map(|(_, slope)| *slope).collect();
         velocity.iter().for_each(|(x, v)| meet(&mut found.velocity, *v, *x));
-        // The first bend lies before the first line where the table goes round, else behind it.
+        // In a cyclic table the first bend is before the first line, otherwise after it.
         let offset = usize::from(!self.is_cyclic);
         for (nth, (x, a)) in acceleration.iter().enumerate() {
             let line = |place: usize| slopes.get(place).or(slopes.first()).copied().unwrap_or(0.0);
@@ -190,12 +193,13 @@ impl Points {
     }
 }
 
-/// Does an axis take as a cam what functions do not? Its steps may be longer, and its values begin anywhere.
+/// Whether an axis accepts as a cam a table that functions refuse: its steps may be longer, and its values may begin
+/// anywhere.
 fn is_cam(table: &Table, error: &CurveError) -> bool {
     matches!(error, CurveError::Step(_) | CurveError::First(_)) && table.x().first().is_none_or(|first| *first == 0)
 }
 
-/// Why nothing runs along a table.
+/// Returns the reason why a table is no valid curve.
 fn why(error: CurveError) -> String {
     match error {
         CurveError::Words => "words of a data block are no curve; form y or xy is needed".to_owned(),
@@ -209,7 +213,7 @@ fn why(error: CurveError) -> String {
 }
 
 impl Motion {
-    /// The period of the master (inc).
+    /// Returns the period of the master, in inc.
     pub(crate) fn length(&self) -> f64 {
         match self {
             Self::Planned(description) => description.plan.length(),
@@ -217,7 +221,7 @@ impl Motion {
         }
     }
 
-    /// The way within a period (inc).
+    /// Returns the travel within a period, in inc.
     pub(crate) fn end(&self) -> f64 {
         match self {
             Self::Planned(description) => description.plan.end(),
@@ -235,7 +239,7 @@ impl Motion {
         }
     }
 
-    /// What it asks of its slave.
+    /// Returns the demands on the slave.
     pub(crate) fn extremes(&self) -> Extremes {
         match self {
             Self::Planned(description) => planned(description),
@@ -260,7 +264,7 @@ fn planned(description: &Description) -> Extremes {
     Extremes { velocity, acceleration, deceleration, jerk, jumps: plan.jumps() }
 }
 
-/// Acceleration and deceleration as they were searched; the larger one is known in closed form.
+/// Replaces the larger one of acceleration and deceleration, which were found by search, by its value in closed form.
 fn with_largest(mut sides: [Peak; 2], largest: Peak) -> [Peak; 2] {
     let [acceleration, deceleration] = &mut sides;
     let larger = if acceleration.value >= deceleration.value { acceleration } else { deceleration };
@@ -270,19 +274,19 @@ fn with_largest(mut sides: [Peak; 2], largest: Peak) -> [Peak; 2] {
     sides
 }
 
-/// The amount of the acceleration where it makes the slave faster, or slower; else 0.
+/// Returns the absolute acceleration where it makes the slave faster, or slower; otherwise 0.
 fn amount(plan: &Plan, x: f64, is_faster: bool) -> f64 {
     let at = plan.at(x);
     if (at.a * at.v >= 0.0) == is_faster { at.a.abs() } else { 0.0 }
 }
 
-/// The largest value within a segment, its ends as seen from within.
+/// Returns the largest value within a segment, with its ends evaluated from within.
 fn peak_within((from, to): (f64, f64), value: impl Fn(f64) -> f64) -> (f64, f64) {
     let (low, high) = (from.next_up(), to.next_down());
     let place = |part: u32| low + (high - low) * f64::from(part) / f64::from(PARTS);
     let best = (0..=PARTS).max_by(|a, b| value(place(*a)).total_cmp(&value(place(*b)))).unwrap_or(0);
     let (mut left, mut right) = (place(best.saturating_sub(1)), place((best + 1).min(PARTS)));
-    // The golden section leaves 2 in 3 of it each time.
+    // Each step of the golden section search reduces the interval to about 2/3.
     const GOLDEN: f64 = 0.618_033_988_749_895;
     for _ in 0..80 {
         let (a, b) = (right - GOLDEN * (right - left), left + GOLDEN * (right - left));
@@ -307,7 +311,8 @@ mod tests {
         (found - wanted).abs() <= 1e-9 * wanted.abs().max(1e-12)
     }
 
-    /// y = x^3 at unequal places: second and third divided differences of a cubic are 6 times the mean of three places, and 6.
+    /// y = x^3 at unequal positions: second and third divided differences of a cubic are 6 times the mean of three
+    /// positions, and 6.
     #[test]
     fn differences_of_a_cubic_are_its_derivatives() {
         let x = [0, 2, 3, 7, 8, 12];
@@ -343,10 +348,10 @@ mod tests {
         assert_eq!((acceleration.len(), jerk.len()), (3, 2));
         let found = Motion::Points(once).extremes();
         assert_eq!(found.velocity, Peak { value: 3.0, at: 10.0 });
-        // At 10 it gets faster forward, at 20 it turns from 3 to -1: slower; at 30 faster back.
+        // At 10 it accelerates forward, at 20 the slope changes from 3 to -1: slower; at 30 it accelerates backward.
         assert_eq!(found.acceleration, Peak { value: 0.2, at: 10.0 });
         assert_eq!(found.deceleration, Peak { value: 0.4, at: 20.0 });
-        // Round: at 0 from -3 to 1, slower.
+        // Cyclic: at 0 the slope changes from -3 to 1, slower.
         let round = Motion::Points(points(&x, &y, true)).extremes();
         assert_eq!((round.acceleration.value, round.deceleration), (0.2, Peak { value: 0.4, at: 0.0 }));
         assert!(near(round.jerk.value, 0.06) && round.jerk.at == 15.0);
@@ -367,7 +372,7 @@ mod tests {
         for (found, wanted) in peaks.into_iter().zip(wanted) {
             assert!((found / wanted - 1.0).abs() < 1e-4, "{found} {wanted}");
         }
-        // It is fastest at 0 and half-way, and turns round a quarter behind each.
+        // It is fastest at 0 and half-way, and reverses a quarter of the period after each.
         assert!((found.deceleration.at % 5_000.0 - 2_500.0).abs() < 100.0, "{found:?}");
         assert!(found.jumps.is_empty());
     }
@@ -400,7 +405,7 @@ mod tests {
         assert_eq!(said(Form::Y, &[], &[0], Some(5)), "a curve of 1 points goes nowhere; 2 at least are needed");
         assert_eq!(said(Form::Xy, &[3, 5], &[0, 1], None), "the curve begins at 3; 0 is needed");
         assert_eq!(said(Form::Xy, &[0, 5, 5], &[0, 1, 2], None), "point 3 is not after the one before it; places rise");
-        // An axis takes these as a cam.
+        // An axis accepts these as a cam.
         for (y, sentence) in [
             ([3, 1], "the curve begins at 3; 0 is needed"),
             ([0, 32_768], "point 2 is 32768 inc or more from the one before it;"),
@@ -414,14 +419,16 @@ mod tests {
         assert_eq!(points(&[0, 5], &[0, 1], true).refused_by_functions(), None);
     }
 
-    /// A rise to the speed of a straight line and a shorter way back to rest: braking is harder than speeding up.
+    /// A rise to the speed of a straight line and a shorter distance back to standstill: the deceleration is larger
+    /// than the acceleration.
     #[test]
     fn getting_slower_is_told_from_getting_faster() {
         let text = "points: 5\nmaster: 6000\ncyclic: false\nsegments:\n  - {to: 2000, travel: 1000, law: polynomial_5}\n  \
                     - {to: 5000, travel: 3000, law: straight}\n  - {to: 6000, travel: 500, law: polynomial_5}\n";
         let description = Description::read(&Document::parse("t", text)).expect("good");
         let found = Motion::Planned(description).extremes();
-        // From rest to v = 1 over h with way h / 2 and no acceleration at the ends, the acceleration is 6 z (1 - z) v / h: 1.5 v / h at most.
+        // From standstill to v = 1 over h with travel h / 2 and no acceleration at the ends, the acceleration is 6 z (1
+        // - z) v / h: at most 1.5 v / h.
         assert!(
             near(found.acceleration.value, 1.5 / 2000.0) && (found.acceleration.at - 1000.0).abs() < 1e-3,
             "{found:?}"

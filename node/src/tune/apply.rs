@@ -1,29 +1,31 @@
-//! Gains in the cell file, as [`cell_file`](crate::cell_file) sets parameters; what to write by hand instead is [`by_hand`].
+//! Writes gains into the cell file, like [`cell_file`](crate::cell_file) sets parameters; [`by_hand`] returns the lines
+//! for manual editing.
 
 use super::findings::Gain;
 use crate::cell_file::{self, EditError, Setting};
 use lineshaft_core::parameter::{Range, Row, Value};
 use std::path::Path;
 
-/// Lines to be pasted below an axis.
+/// Returns lines to be pasted below an axis.
 pub fn by_hand(gains: &[Gain]) -> String {
     gains.iter().map(|gain| format!("    {}: {}\n", gain.key, gain.written())).collect()
 }
 
-/// Writes gains of an axis into the cell file, which was `read` before the trial, and tells which were others; where none is, the file is left alone.
+/// Writes gains of an axis into the cell file, whose text was `read` before the trial; returns those that changed. If
+/// none changes, the file is not written.
 ///
 /// # Errors
-/// [`EditError`]; the file is what it was.
+/// Returns an [`EditError`]; the file is then unchanged.
 pub fn apply(path: &Path, read: &str, axis: &str, gains: &[Gain]) -> Result<Vec<Gain>, EditError> {
     let edited = cell_file::apply(path, read, &settings(axis, gains)?)?;
     let is_written = |gain: &&Gain| edited.written.iter().any(|setting| setting.key == gain.key);
     Ok(gains.iter().filter(is_written).copied().collect())
 }
 
-/// Gains as parameters of an axis.
+/// Converts gains to parameters of an axis.
 ///
 /// # Errors
-/// No such gain, or none with that value.
+/// Returns an error if there is no such gain, or if its value is not permitted.
 pub fn settings(axis: &str, gains: &[Gain]) -> Result<Vec<Setting>, EditError> {
     let setting = |gain: &Gain| {
         let refuse = || EditError::Value { key: gain.key.to_owned(), value: gain.written() };

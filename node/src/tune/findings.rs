@@ -1,15 +1,17 @@
-//! What tuning has found of an axis, before and after.
+//! Findings of tuning: the loops of an axis before and after.
 //!
-//! Law      each side is shown on the model that was found: margins from its frequency response, overshoot, settling and following error from
-//!          a step and a move that are simulated with the loops of the core
-//! Reads    a model, loops as they are, loops that were designed
-//! Writes   figures, curves and gains; nothing that moves
-//! Refuses  a record without a model ([`Refusal`]). Loops that cannot be shown, and gains that do not exist, are sentences of the findings
+//! Law      both sets of loops are evaluated with the identified model: margins from its frequency response; overshoot,
+//!          settling and following error from a step and a move that are simulated with the loops of the core
+//! Reads    a model, the present loops, the designed loops
+//! Writes   figures, curves and gains; nothing that causes motion
+//! Refuses  a record without a model ([`Refusal`]). Loops that cannot be evaluated, and missing gains, are messages in
+//!          the findings
 //!
-//! With a ratio of inertias an axis has the whole inertia in contact and that of its motor within the play: margins are the worse ones of both,
-//! curves, step and move those in contact.
+//! With an inertia ratio, an axis has its whole inertia in contact and only that of its motor within the backlash: the
+//! margins are the worse ones of both, while curves, step and move are those in contact.
 //!
-//! What a designed loop says nothing of (BANDWIDTH, KILIMTIME, REGWMIN, REGWMAX) stays as it is, and is part of what is shown.
+//! Gains that a design does not determine (BANDWIDTH, KILIMTIME, REGWMIN, REGWMAX) are kept and included in the
+//! evaluation.
 
 use lineshaft_core::config::AxisConfig;
 use lineshaft_core::parameter::{AxisParameters, Range, Row};
@@ -20,28 +22,29 @@ use lineshaft_tune::{
 };
 use serde::Serialize;
 
-/// An axis, and what it is moved by to be shown.
+/// An axis, and the motion with which it is evaluated.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Subject {
-    /// Its name in the cell.
+    /// Name in the cell.
     pub axis: String,
-    /// Name of its unit.
+    /// Name of the axis unit.
     pub unit: String,
-    /// Increments in one of it.
+    /// Increments per axis unit.
     pub increments: f64,
-    /// Way around the target in which it counts as reached (inc).
+    /// Distance to the target within which it counts as reached, in inc.
     pub window: f64,
-    /// Of the move (inc/s).
+    /// Velocity of the move, in inc/s.
     pub velocity: f64,
-    /// Of the move (inc/s^2).
+    /// Acceleration of the move, in inc/s^2.
     pub acceleration: f64,
 }
 
-/// Least window (inc).
+/// Minimum window, in inc.
 const LEAST_WINDOW: f64 = 3.0;
 
 impl Subject {
-    /// An axis of a cell, moved as a goal moves it that gives no rates; its window is `in_position_window`, 3 inc at least.
+    /// Returns an axis of a cell, moved like a goal without given rates; its window is `in_position_window`, at least 3
+    /// inc.
     pub fn of(axis: &AxisConfig, parameters: &AxisParameters) -> Self {
         Self {
             axis: axis.name.clone(),
@@ -55,122 +58,122 @@ impl Subject {
 }
 
 impl Subject {
-    /// Way around the target of a step in which that counts as reached (inc).
+    /// Returns the distance to the target of a step within which it counts as reached, in inc.
     pub fn step_window(&self, step: &Move) -> f64 {
         self.window.min((STEP_WINDOW * step.distance()).max(1.0))
     }
 }
 
-/// A gain, by the key of its parameter.
+/// A gain, with the key of its parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Gain {
-    /// As cells, ROS and docs/parameters.md have it.
+    /// Key, as in cells, ROS and docs/parameters.md.
     pub key: &'static str,
-    /// As it is; none where the loops that are have no such gain.
+    /// Present value; `None` if the present loops have no such gain.
     pub old: Option<f64>,
-    /// As it was found.
+    /// New value.
     pub new: f64,
 }
 
 impl Gain {
-    /// Would it be another one?
+    /// Returns true if the value changes.
     pub fn changes(&self) -> bool {
         self.old != Some(self.new)
     }
 
-    /// The new value as cells write it.
+    /// Returns the new value in the format of cells.
     pub fn written(&self) -> String {
         self.new.to_string()
     }
 }
 
-/// How the axis answers with given loops.
+/// Behaviour of the axis with given loops.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Answer {
     /// The loops.
     pub loops: Loops,
     /// Response of the open and the closed position loop.
     pub position: Bode,
-    /// Of the velocity loop; none where there is none.
+    /// Response of the velocity loop, if there is one.
     pub velocity: Option<Bode>,
-    /// Of the position loop, the worse ones of all regimes.
+    /// Margins of the position loop, the worst of all regimes.
     pub margins: Margins,
-    /// Of the velocity loop, likewise.
+    /// Margins of the velocity loop, the worst of all regimes.
     pub velocity_margins: Option<Margins>,
-    /// A step of the command.
+    /// Response to a step of the command.
     pub step: Trace,
-    /// A move.
+    /// Response to a move.
     pub moved: Trace,
 }
 
 impl Answer {
-    /// Are all loops stable?
+    /// Returns true if all loops are stable.
     pub fn is_stable(&self) -> bool {
         self.margins.is_stable() && self.velocity_margins.is_none_or(|margins| margins.is_stable())
     }
 }
 
-/// What was found.
+/// Result of tuning.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Findings {
-    /// Of which axis.
+    /// Axis.
     pub subject: Subject,
-    /// The model, its deviations, how much it explains.
+    /// Model with its deviations and quality.
     pub identified: Identified,
-    /// The record is that of an axis with play, or of another one that the model does not know.
+    /// Whether the record has backlash or another effect that the model lacks.
     pub is_misfit: bool,
-    /// What was wished.
+    /// Requirements of the design.
     pub wish: Wish,
-    /// The step of both answers.
+    /// Step of both responses.
     pub step: Move,
-    /// The move of both answers.
+    /// Move of both responses.
     pub to: Move,
-    /// With the gains as they are, or why that cannot be shown.
+    /// Behaviour with the present gains, or the reason why it cannot be evaluated.
     pub before: Result<Answer, String>,
-    /// With those that were found, or why there are none.
+    /// Behaviour with the new gains, or the reason why there are none.
     pub after: Result<Answer, String>,
-    /// In the order of the loops, from the position inwards; empty where there are none.
+    /// Gains in the order of the loops, from the position inwards; empty if there are none.
     pub gains: Vec<Gain>,
 }
 
-/// Part of the full output that a step may ask for by its proportional gain.
+/// Fraction of the full output that a step may require by its proportional gain.
 const STEP_OUTPUT: f64 = 0.3;
 
-/// Least and largest step (inc).
+/// Minimum and maximum step, in inc.
 const STEPS: (f64, f64) = (10.0, 1e9);
 
-/// A step counts as settled within this part of it, where `window` is wider.
+/// Fraction of a step within which it counts as settled, if `window` is wider.
 const STEP_WINDOW: f64 = 0.2;
 
-/// Time of a step in periods of the crossover, and its bounds (s).
+/// Duration of a step in periods of the crossover, and its limits in s.
 const STEP_TIME: (f64, f64, f64) = (15.0, 0.05, 3.0);
 
-/// Time behind a move (s).
+/// Time after a move, in s.
 const REST: f64 = 0.5;
 
-/// Most cycles of a move.
+/// Maximum number of cycles of a move.
 const MOST_CYCLES: f64 = 60_000.0;
 
 impl Findings {
-    /// Finds the model of a record and gains for it; `before` are the loops as they are. There are none for a model that is too far from
-    /// its record.
+    /// Identifies the model of a record and designs gains for it; `before` are the present loops. There are no gains
+    /// for a model that deviates too much from its record.
     ///
     /// # Errors
-    /// Why there is no model.
+    /// Returns the reason why there is no model.
     pub fn find(subject: Subject, record: &Record, wish: &Wish, before: &Loops) -> Result<Self, Refusal> {
         let identified = identify(record)?;
         let designed = design(&identified.for_design(wish.inertia_ratio), wish);
         let mut found = Self::of(subject, identified, wish, before, designed);
         let misfit = check_fit(&identified.model, record).err();
         found.is_misfit = misfit.is_some();
-        // Whoever tells the ratio says what is between motor and load.
+        // A given inertia ratio describes the backlash between motor and load, so a misfit is expected.
         if let Some(refusal) = misfit.filter(|_| wish.inertia_ratio == 0.0) {
             (found.after, found.gains) = (Err(refusal.to_string()), Vec::new());
         }
         Ok(found)
     }
 
-    /// Of a model and a design that are there.
+    /// Creates findings from an existing model and design.
     pub fn of(
         subject: Subject,
         identified: Identified,
@@ -196,13 +199,13 @@ impl Findings {
         }
     }
 
-    /// Gains that would be others.
+    /// Returns the gains that change.
     pub fn changes(&self) -> Vec<Gain> {
         self.gains.iter().filter(|gain| gain.changes()).copied().collect()
     }
 }
 
-/// Loops that were designed as the parameters of an axis have them: what the design leaves open stays, kv has four digits.
+/// Returns designed loops with the values of parameters: undetermined values are kept, kv has four digits.
 fn as_set(designed: &Loops, before: &Loops) -> Result<Loops, String> {
     let position = match (designed.position, before.position) {
         (PositionLaw::Proportional { kv }, _) => PositionLaw::Proportional { kv: servo_gain(kv)? },
@@ -217,7 +220,7 @@ fn as_set(designed: &Loops, before: &Loops) -> Result<Loops, String> {
 
 const KV: &str = "position_loop.kv";
 
-/// Rounded down, so that margins only grow, and within the range of its parameter.
+/// Rounds down, so that margins only increase, and limits the value to the range of its parameter.
 fn servo_gain(kv: f64) -> Result<f64, String> {
     let Some((_, Row { range: Range::Real(least, most), .. })) = Row::find(KV) else { return Ok(kv) };
     let kv = four_digits_down(kv.min(*most));
@@ -233,7 +236,7 @@ fn four_digits_down(value: f64) -> f64 {
     (value * shift * (1.0 + f64::EPSILON)).floor() / shift
 }
 
-/// The gains of loops, by the keys of their parameters.
+/// Returns the gains of loops, by the keys of their parameters.
 fn values(loops: &Loops) -> Vec<(&'static str, f64)> {
     let mut values = match loops.position {
         PositionLaw::Proportional { kv } => vec![(KV, kv)],
@@ -263,7 +266,7 @@ fn gains(before: &Loops, after: &Loops) -> Vec<Gain> {
     values(after).into_iter().map(|(key, new)| Gain { key, old: find(key), new }).collect()
 }
 
-/// What both sides are shown by.
+/// Motions with which both sets of loops are evaluated.
 struct Trials {
     model: Model,
     inertia_ratio: f64,
@@ -281,7 +284,7 @@ impl Trials {
         let (periods, least, most) = STEP_TIME;
         let (least, most) = (least.max(100.0 * model.cycle), most.max(200.0 * model.cycle));
         let step_time = (periods / crossover).clamp(least, most);
-        // As long at constant velocity as it takes to get there.
+        // Constant velocity for as long as the acceleration takes.
         let longest = MOST_CYCLES * model.cycle * subject.acceleration / 3.0;
         let velocity = subject.velocity.min(longest);
         let way = 2.0 * velocity * velocity / subject.acceleration;
@@ -312,7 +315,7 @@ impl Trials {
     }
 }
 
-/// Output of a lasting error of one increment, by the proportional gains.
+/// Returns the output for a constant error of one increment, by the proportional gains.
 pub(super) fn stiffness(loops: &Loops) -> f64 {
     use lineshaft_core::regulator::{K_OUT, VELOCITY_GAIN};
     let position = match loops.position {
@@ -322,7 +325,7 @@ pub(super) fn stiffness(loops: &Loops) -> f64 {
     position * loops.velocity.map_or(1.0, |inner| f64::from(inner.gains.proportional.abs()) * VELOCITY_GAIN)
 }
 
-/// To 1, 2 or 5 times a power of ten.
+/// Rounds down to 1, 2 or 5 times a power of ten.
 fn round_down(value: f64) -> f64 {
     let power = 10_f64.powi(value.log10().floor() as i32);
     let part = value / power;

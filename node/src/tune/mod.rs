@@ -1,12 +1,13 @@
-//! Tuning of an axis of a cell: what was found, as figures, text and plot, and its gains in the cell file.
+//! Tunes an axis of a cell: findings as figures, text and plot, and gains in the cell file.
 //!
-//! Law      `setting` says what may be done to the axis; `trial` enables, excites and disables it; `findings` compares the loops as they are with those that were designed, on the model of the axis; `text` and `plot` show that;
-//!          `apply` writes the gains where the cell has its parameters, and nothing else
+//! Law      `setting` has the permitted motion of the axis; `trial` enables, excites and disables it; `findings`
+//!          compares the present loops with the designed ones, with the model of the axis; `text` and `plot` present
+//!          the result; `apply` writes the gains at the parameters in the cell, and nothing else
 //! Reads    records, models, loops; the text of a cell
-//! Writes   sentences, figures, the cell file
-//! Refuses  with one sentence each
+//! Writes   messages, figures, the cell file
+//! Refuses  with one message each
 //!
-//! `trial` alone moves an axis, by commands; what runs the machine stands elsewhere.
+//! Only `trial` moves an axis, by commands; other modules run the machine.
 
 mod apply;
 mod findings;

@@ -1,10 +1,11 @@
-//! Findings as a picture: the open position loop before and after, a step before and after, and the record beside its model.
+//! Draws findings: the open position loop before and after, a step before and after, and the record with its model.
 //!
-//! Law      magnitude and phase over one logarithmic axis, with crossover and both margins of the loop that is proposed, or of the one that is
-//!          where there is no other; the record in stretches, each from where the model comes nearest to it
-//! Reads    findings, the record that they come from
+//! Law      magnitude and phase over one logarithmic axis, with crossover and both margins of the proposed loop, or of
+//!          the present one if there is no other; the record in sections, each from the point at which the model is
+//!          closest to it
+//! Reads    findings, and their record
 //! Writes   an SVG or a PNG
-//! Refuses  as figures do ([`Problem`]); a record that is none has no panel
+//! Refuses  the same as figures ([`Problem`]); an invalid record has no panel
 
 use super::findings::{Answer, Findings};
 use super::text::{decibel, frequency, rounded, share};
@@ -14,39 +15,39 @@ use std::path::Path;
 
 const WIDTH: u32 = 1000;
 
-/// Heights of magnitude, phase, step, record, difference (px).
+/// Heights of magnitude, phase, step, record, difference, in px.
 const HEIGHTS: [f64; 5] = [210.0, 170.0, 210.0, 190.0, 90.0];
 
-/// Frequencies that are shown, in parts of the crossovers.
+/// Frequency range, as multiples of the crossovers.
 const AROUND: (f64, f64) = (0.03, 30.0);
 
-/// Largest magnitude that is shown, either way (dB).
+/// Maximum magnitude, positive and negative, in dB.
 const MOST_GAIN: f64 = 60.0;
 
-/// Phases that are shown at most (degrees).
+/// Range of phases, in degrees.
 const PHASES: (f64, f64) = (-405.0, 45.0);
 
-/// Of a step that is shown, in parts of it.
+/// Range of a step, as multiples of its size.
 const STEP_SHOWN: (f64, f64) = (-0.3, 1.8);
 
-/// Air above and below curves, in parts of what they take.
+/// Margin above and below curves, as a fraction of their range.
 const AIR: f64 = 0.08;
 
-/// One side, with its name and its look.
+/// Name, line style and behaviour of one set of loops.
 type Side<'a> = (&'static str, Look, &'a Answer);
 
 /// Draws the findings of a record.
 ///
 /// # Errors
-/// [`Problem`]
+/// Returns a [`Problem`].
 pub fn draw_plot(findings: &Findings, record: &Record, target: Target) -> Result<Vec<u8>, Problem> {
     draw_chart(&chart(findings, record), target)
 }
 
-/// Draws them into a file, as its ending asks for; a file that exists is replaced.
+/// Draws them into a file in the format of its extension; an existing file is replaced.
 ///
 /// # Errors
-/// [`Problem`]
+/// Returns a [`Problem`].
 pub fn write_plot(findings: &Findings, record: &Record, path: &Path) -> Result<(), Problem> {
     replace(path, &draw_plot(findings, record, Target::of(path)?)?)
 }
@@ -68,14 +69,14 @@ fn axis(label: &str, low: f64, high: f64, spacing: Spacing) -> Axis {
     Axis { label: label.to_owned(), low, high, spacing }
 }
 
-/// By whole turns, so that the margin is seen from -180 degrees: the phase where it stands lies between -360 and 0.
+/// Shifts phases by full turns, so that the phase of the margin is between -360 and 0 degrees.
 fn turned(bode: &Bode) -> impl Fn(&Point) -> Point + use<> {
     let at = bode.at_phase_margin().or_else(|| bode.points.first().copied());
     let turns = at.map_or(0.0, |at| (at.open_phase / 360.0).ceil());
     move |point| Point { open_phase: point.open_phase - 360.0 * turns, ..*point }
 }
 
-/// Magnitude and phase.
+/// Returns the panels of magnitude and phase.
 fn response(sides: &[Side<'_>]) -> [Panel; 2] {
     let crossovers = || sides.iter().map(|side| side.2.position.margins.crossover).filter(|f| *f > 0.0);
     let ends = || sides.iter().filter_map(|side| side.2.position.points.last()).map(|point| point.frequency);
@@ -131,7 +132,7 @@ fn response(sides: &[Side<'_>]) -> [Panel; 2] {
     ]
 }
 
-/// Crossover and gain margin; phase margin.
+/// Returns the marks of crossover and gain margin, and of phase margin.
 fn pins(bode: &Bode) -> (Vec<Pin>, Vec<Pin>) {
     let turned = turned(bode);
     let at = bode.at_phase_margin().map(|point| turned(&point));
@@ -153,7 +154,8 @@ fn pins(bode: &Bode) -> (Vec<Pin>, Vec<Pin>) {
     (gains, phases.into_iter().collect())
 }
 
-/// Lowest and highest value of curves, within bounds, with air; what has to be seen of a loop, 0 dB or -180 degrees, is in the bounds.
+/// Returns the lowest and highest value of curves, within bounds, with margins; the bounds include 0 dB or -180
+/// degrees, which must be visible.
 fn extent(curves: &[Curve], (least, most): (f64, f64)) -> (f64, f64) {
     let values = || curves.iter().flat_map(|curve| &curve.points).map(|point| point.1).filter(|y| y.is_finite());
     let low = values().fold(f64::INFINITY, f64::min).clamp(least, most);
@@ -200,12 +202,12 @@ fn step(findings: &Findings, sides: &[Side<'_>]) -> Panel {
     }
 }
 
-/// So many of a unit in a second.
+/// Returns the factor and the name of the unit of time.
 fn time_unit(longest: f64) -> (f64, &'static str) {
     if longest < 1.0 { (1000.0, "ms") } else { (1.0, "s") }
 }
 
-/// What was measured beside its model, and the difference.
+/// Returns the measured values with the model, and the difference.
 fn fit(findings: &Findings, record: &Record) -> Option<[Panel; 2]> {
     let modelled = retrace(&findings.identified.model, record).ok()?;
     let first = record.positions.first().copied()?;
@@ -213,7 +215,7 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Panel; 2]> {
     let (end, subject) = (record.positions.len() as f64 * record.cycle, &findings.subject);
     let (scale, unit) = time_unit(end);
     let time = |k: usize| k as f64 * record.cycle * scale;
-    // A way of few increments, and of an axis without a unit, is shown in increments.
+    // A travel of few increments, and one of an axis without a unit, is shown in increments.
     let farthest = measured().fold(0.0_f64, |most, way| most.max(way.abs()));
     let in_unit = subject.has_unit() && !subject.unit.starts_with(|c: char| c.is_ascii_digit());
     let (per, way_unit) =

@@ -1,11 +1,12 @@
-//! What tuning may do to an axis, and what it is asked to find.
+//! Settings of tuning: the permitted excitation of an axis, and the requirements of the design.
 //!
-//! Law      an axis whose loops are closed here is excited below its position loop: at a velocity where its drive takes velocities, within max_acceleration, else with
-//!          an effort. Without other bounds: 30 % of max_velocity and of the effort, 0.4 s of that velocity either way, 6 s
+//! Law      an axis whose loops this program closes is excited below its position loop: by a velocity within
+//!          max_acceleration if its drive has interface velocity, otherwise by an effort. Default bounds: 30 % of
+//!          max_velocity and of the effort, 0.4 s of that velocity in both directions, 6 s
 //! Reads    the configuration of the axis and its parameters in force
-//! Writes   the bounds of the excitation, the loops as they are, what to design
-//! Refuses  an axis without such loops, one with two drives or with two encoders, bounds beyond those of the axis, a ratio of inertias of a drive that
-//!          takes velocities or of an encoder that need not be the motor's
+//! Writes   the bounds of the excitation, the present loops, the requirements of the design
+//! Refuses  an axis without such loops, one with two drives or two encoders, bounds beyond those of the axis, an
+//!          inertia ratio for interface velocity or for an encoder that may not be on the motor
 
 use lineshaft_core::axis::Source;
 use lineshaft_core::command::Level;
@@ -15,121 +16,121 @@ use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
 use lineshaft_tune::{Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets, Wish};
 
-/// What the user bounds; none: as the axis has it.
+/// Bounds given by the user; the default is that of the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bounds {
-    /// Either way from where it stands (inc).
+    /// Maximum travel in both directions from the start position, in inc.
     pub travel: Option<f64>,
-    /// Largest velocity (inc/s).
+    /// Maximum velocity, in inc/s.
     pub velocity: Option<f64>,
-    /// Largest effort in parts of the permitted one.
+    /// Maximum effort, as a fraction of the permitted one.
     pub effort: Option<f64>,
-    /// Time of the motion to and fro (s).
+    /// Duration of the motion, in s.
     pub duration: Option<f64>,
-    /// No bound: the inertia of the load in parts of the motor's, where there may be play between them.
+    /// Inertia of the load as a multiple of that of the motor, if there may be backlash between them; this is no bound.
     pub inertia_ratio: Option<f64>,
 }
 
-/// Why an axis is not tuned.
+/// Reason why an axis cannot be tuned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
-    /// No such axis.
+    /// There is no such axis.
     #[error("no axis is called `{name}`; there are {known}")]
     Unknown {
-        /// The name given.
+        /// Given name.
         name: String,
-        /// The names there are.
+        /// Names of the axes.
         known: String,
     },
-    /// Its loops are not closed here.
+    /// This program does not close its loops.
     #[error("{axis}: no loop of it is closed here ({how}); interface velocity or torque can be tuned")]
     NoLoop {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
-        /// Who closes it.
+        /// Device that closes the loops.
         how: &'static str,
     },
-    /// The law has gains of another kind.
+    /// The control law has gains of another kind.
     #[error("{axis}: regulator is integer, whose gains are those of its module; proportional and pid can be tuned")]
     Integer {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
     },
-    /// Its model would be one of a voltage.
+    /// The model would be that of a voltage.
     #[error(
         "{axis}: interface is voltage, and no model here is one of a winding; interface velocity or torque can be tuned"
     )]
     Voltage {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
     },
-    /// Nothing would keep it square.
+    /// A trial would skew the gantry.
     #[error("{axis}: it has two drives, which nothing keeps square while its position loop is open")]
     TwoDrives {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
     },
-    /// Nothing would stop it.
+    /// A trial could not stop the axis.
     #[error(
         "{axis}: its drive takes a torque as a voltage, and coasts where a trial leaves it to its stop; interface velocity, or a drive on a bus, can be tuned"
     )]
     Coasts {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
     },
-    /// Its model has one encoder.
+    /// The model supports only one encoder.
     #[error(
         "{axis}: ampencno {number} gives its velocity loop another encoder than its position loop has, and a model knows one; \
          an axis with ampencno -1 can be tuned"
     )]
     TwoEncoders {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
-        /// AMPENCNO
+        /// Value of AMPENCNO.
         number: i64,
     },
-    /// A bound that no excitation takes.
+    /// A bound is not permitted for an excitation.
     #[error("{axis}: {error}")]
     Excitation {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
-        /// Which.
+        /// Error of the bound.
         error: ModelError,
     },
-    /// A bound of an effort that nobody asks for.
+    /// A bound of an effort was given, but the interface is velocity.
     #[error("{axis}: effort bounds a drive that takes efforts; this one takes velocities")]
     NoEffort {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
     },
-    /// A ratio that nothing is made of.
+    /// An inertia ratio was given, but it has no use.
     #[error(
         "{axis}: inertia_ratio suits a drive that takes efforts; this one takes velocities, and closes its velocity loop through play itself"
     )]
     NoRatio {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
     },
-    /// Play would be within its loop.
+    /// Backlash would be within the loop.
     #[error(
         "{axis}: inertia_ratio suits an axis whose encoder sits on its motor and is told by its drive; its position comes from {from}"
     )]
     NotOfMotor {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
-        /// Where its position comes from.
+        /// Source of its position.
         from: String,
     },
-    /// A bound beyond its range.
+    /// A bound is outside of its range.
     #[error("{axis}: {name} is {value}; {allowed} is allowed")]
     Bound {
-        /// The axis.
+        /// Name of the axis.
         axis: String,
-        /// Which.
+        /// Name of the bound.
         name: &'static str,
-        /// As given.
+        /// Given value.
         value: String,
-        /// Its range.
+        /// Permitted range.
         allowed: String,
     },
 }
@@ -141,52 +142,53 @@ impl Unfit {
     }
 }
 
-/// Part of max_velocity, and of the effort, without another bound.
+/// Default fraction of max_velocity, and of the effort.
 const USUAL: f64 = 0.3;
-/// Time of the travel at the largest velocity (s).
+/// Duration of the travel at the maximum velocity, in s.
 const TRAVEL_TIME: f64 = 0.4;
-/// Way beyond the travel in parts of it.
+/// Margin beyond the travel, as a fraction of it.
 const MARGIN: f64 = 0.25;
-/// Part of the travel within which a drive of velocities has to stop: from where its excitation brakes to the end of the margin.
+/// Fraction of the travel within which a drive with interface velocity must stop: from the position at which its
+/// excitation brakes to the end of the margin.
 const BRAKING: f64 = 0.4;
-/// Time of the motion to and fro (s), and its range.
+/// Default duration of the motion, in s, and its range.
 const DURATION: f64 = 6.0;
 const DURATIONS: (f64, f64) = (1.0, 60.0);
-/// Time from nothing to the largest command (s).
+/// Time from zero to the maximum command, in s.
 const RAMP: f64 = 1.0;
-/// Least travel (inc).
+/// Minimum travel, in inc.
 const LEAST_TRAVEL: f64 = 100.0;
-/// A velocity is asked for beyond its bound, so that the bound is met.
+/// Factor by which a commanded velocity exceeds its bound, so that the bound is reached.
 const BEYOND: f64 = 1.2;
 
-/// Everything that one trial needs.
+/// Data for one trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// Place of the axis.
+    /// Index of the axis.
     pub axis: u16,
-    /// Of which loop the excitation is the value.
+    /// Loop whose input is the excitation.
     pub level: Level,
-    /// What it may do.
+    /// Permitted excitation.
     pub permitted: Permitted,
-    /// Largest change of a command in a cycle: a drive of velocities is asked for no more than max_acceleration.
+    /// Maximum change of a command per cycle; for interface velocity it is limited by max_acceleration.
     pub slew: f64,
-    /// Is the travel the user's? Else it may be less where there is no room.
+    /// Whether the user gave the travel; otherwise it may be reduced if there is too little room.
     pub is_given: bool,
-    /// It may not move without a reference.
+    /// Whether the axis must be homed before it moves.
     pub needs_reference: bool,
-    /// Software limits (inc).
+    /// Software limits, in inc.
     pub limits: (Option<i64>, Option<i64>),
-    /// The loops as they are.
+    /// Present loops.
     pub before: Loops,
-    /// What to design.
+    /// Requirements of the design.
     pub wish: Wish,
 }
 
 impl Setting {
-    /// Of the axis of that name, with its parameters in force.
+    /// Creates the setting of the axis with that name, with its parameters in force.
     ///
     /// # Errors
-    /// Why it is not tuned.
+    /// Returns the reason why it cannot be tuned.
     pub fn of(
         config: &MachineConfig,
         name: &str,
@@ -219,7 +221,7 @@ impl Setting {
         })
     }
 
-    /// The sentence that asks for leave to move a real drive, with what it will do.
+    /// Returns the question for permission to move a real drive, with the motion that follows.
     pub fn asks_for_leave(&self, axis: &AxisConfig) -> String {
         let Permitted { travel, margin, velocity, command, .. } = self.permitted;
         let (way, rate) = (axis.scale.format_increments((travel + margin) as i64), axis.scale.format_rate(velocity, 1));
@@ -234,10 +236,10 @@ impl Setting {
         )
     }
 
-    /// The bounds where it stands (inc): travel that was not asked for becomes less, if there is less room.
+    /// Returns the bounds at the present position, in inc: a default travel is reduced if there is less room.
     ///
     /// # Errors
-    /// There is too little.
+    /// Returns an error if there is too little room.
     pub fn at(&self, position: i64) -> Result<Permitted, f64> {
         let (low, high) = self.limits;
         let rooms = [low.map(|low| position.saturating_sub(low)), high.map(|high| high.saturating_sub(position))];
@@ -251,7 +253,7 @@ impl Setting {
             return Err(travel);
         }
         let slower = (travel / p.travel).min(1.0);
-        // Half of the velocity takes a quarter of the way to stop.
+        // Half of the velocity needs a quarter of the stopping distance.
         let command = if p.takes == Takes::Velocity { slower * p.command } else { p.command };
         let (margin, velocity) = (MARGIN * travel, slower * p.velocity);
         Ok(Permitted { travel, margin, velocity, command: command.max(1e-3), ..p })
@@ -277,7 +279,7 @@ fn takes(axis: &AxisConfig) -> Result<Takes, Unfit> {
     }
 }
 
-/// As they are, and what to design.
+/// Returns the present loops and the requirements of the design.
 fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> Result<(Loops, Wish), Unfit> {
     let timer = u32::try_from(p.pid.period_ms).unwrap_or(1);
     let (position, law) = match axis.law {
@@ -298,7 +300,7 @@ fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> 
     Ok((before, Wish { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }))
 }
 
-/// 0: none is told.
+/// Returns the inertia ratio; 0 if none is given.
 fn inertia_ratio(
     config: &MachineConfig,
     axis: &AxisConfig,
@@ -346,7 +348,7 @@ fn permitted(
     let velocity = judge("velocity", velocity, (1e-3 * p.max_velocity, p.max_velocity), "inc/s")?;
     let braking = if takes == Takes::Velocity { velocity * velocity / (2.0 * p.max_acceleration) } else { 0.0 };
     let usual = (TRAVEL_TIME * velocity).max(LEAST_TRAVEL).max(braking / BRAKING);
-    // What the velocity needs to stop is no choice.
+    // The stopping distance of the velocity cannot be reduced.
     let least = LEAST_TRAVEL.max((braking / BRAKING).floor());
     let travel = judge("travel", bounds.travel.unwrap_or(usual.round()), (least, 1e12), "inc")?;
     if bounds.effort.is_some() && takes == Takes::Velocity {
@@ -364,7 +366,7 @@ fn permitted(
         travel,
         margin: MARGIN * travel,
         velocity,
-        // The least that an excitation takes.
+        // Minimum of an excitation.
         command: command.clamp(1e-3, 1.0),
         ramp: RAMP,
         duration,

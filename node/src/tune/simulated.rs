@@ -1,4 +1,4 @@
-//! The trial of an axis of a simulated cell, as fast as it goes.
+//! Runs the trial of an axis of a simulated cell as fast as possible.
 
 use super::setting::{Setting, Unfit};
 use super::trial::{Ended, Trial};
@@ -13,27 +13,28 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::sim::Plant;
 use lineshaft_tune::Record;
 
-/// Why no trial was run.
+/// Reason why no trial was run.
 #[derive(Debug, thiserror::Error)]
 pub enum TrialError {
-    /// The axis, or a bound.
+    /// The axis or a bound is not suitable.
     #[error(transparent)]
     Unfit(#[from] Unfit),
-    /// The cell makes no machine.
+    /// No machine can be made from the cell.
     #[error("the cell makes no machine: {0}")]
     Machine(#[from] ConfigError),
     /// The run could not be recorded.
     #[error(transparent)]
     Record(#[from] BagError),
-    /// It was interrupted; the recording is complete up to there.
+    /// The trial was interrupted; the recording is complete up to that cycle.
     #[error("interrupted by {0}")]
     Interrupted(EndSignal),
 }
 
-/// Tries the axis on a simulation of all backends, and records the run if it is asked to. `prepare` may change the plant.
+/// Runs a trial of the axis with a simulation of all backends, and records it if requested. `prepare` may change the
+/// plant.
 ///
 /// # Errors
-/// Why none was run; how one ended that was is no error.
+/// Returns the reason why no trial was run; an early end of a trial is no error.
 pub fn try_simulated(
     cell: &Cell,
     setting: Setting,
@@ -43,10 +44,10 @@ pub fn try_simulated(
     try_until(cell, setting, record, prepare, &Interrupt::default())
 }
 
-/// The same, until it is interrupted.
+/// Does the same, until it is interrupted.
 ///
 /// # Errors
-/// Likewise, or that it was interrupted.
+/// Returns the same errors, or that it was interrupted.
 pub(crate) fn try_until(
     cell: &Cell,
     setting: Setting,
@@ -64,7 +65,7 @@ pub(crate) fn try_until(
     let mut number = 0;
     while trial.ended().is_none() && interrupt.requested().is_none() {
         commands.clear();
-        // Drives begin to speak with their first cycle.
+        // Drives are online after the first cycle.
         if machine.next_cycle() > 1 {
             commands.extend(trial.before(&machine, || number + 1));
         }

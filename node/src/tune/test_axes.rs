@@ -1,10 +1,10 @@
-//! Axes of which the tests know everything.
+//! Axes with known properties, for tests.
 
 use super::Subject;
 use lineshaft_core::regulator::{PidGains, VelocityGains, VelocityMethod};
 use lineshaft_tune::{Drive, Excitation, Inner, Law, Loops, Permitted, PositionLaw, Record, Takes, Targets, Wish};
 
-/// inc per turn
+/// Increments per revolution.
 const TURN: f64 = 2000.0;
 
 pub(super) fn subject() -> Subject {
@@ -18,7 +18,7 @@ pub(super) fn subject() -> Subject {
     }
 }
 
-/// A PID at 1 ms.
+/// Returns the requirements of a PID controller at 1 ms.
 pub(super) fn wish() -> Wish {
     Wish {
         law: Law::Pid { timer: 1 },
@@ -30,14 +30,14 @@ pub(super) fn wish() -> Wish {
     }
 }
 
-/// The gains of a new controller.
+/// Returns the gains of a new controller.
 pub(super) fn before() -> Loops {
     let gains = PidGains { proportional: 30, limit: 1000, bandwidth: 1000, period_ms: 1, ..PidGains::default() };
     let position = PositionLaw::Pid { gains, cycles: 1 };
     Loops { position, velocity: None, max_velocity: 95_493.0, max_acceleration: 400.0 * TURN }
 }
 
-/// kv and a velocity loop, for a drive of efforts.
+/// Returns kv and a velocity loop, for a drive with effort interface.
 pub(super) fn cascade() -> (Wish, Loops) {
     let method = VelocityMethod::Filtered { time: 0.001 };
     let wish = Wish { law: Law::Proportional, velocity: Some(method), max_velocity: 45.0 * TURN, ..wish() };
@@ -62,7 +62,8 @@ fn permitted(takes: Takes) -> Permitted {
     }
 }
 
-/// Excites what moves on by a part of a cycle: place and velocity (inc, inc/s), command, time of the part (s).
+/// Excites a plant that `step` advances by a part of a cycle: position and velocity (in inc, inc/s), command, time of
+/// the part (in s).
 fn record(takes: Takes, mut step: impl FnMut(&mut (f64, f64), f64, f64)) -> Record {
     const PARTS: usize = 20;
     let permitted = permitted(takes);
@@ -81,7 +82,7 @@ fn record(takes: Takes, mut step: impl FnMut(&mut (f64, f64), f64, f64)) -> Reco
     }
 }
 
-/// A drive of 300 rad/s that lags by 6 ms.
+/// Returns the record of a drive of 300 rad/s with a lag of 6 ms.
 pub(super) fn velocity_record() -> Record {
     let full = 300.0 / std::f64::consts::TAU * TURN;
     record(Takes::Velocity, |state, command, h| {
@@ -90,7 +91,7 @@ pub(super) fn velocity_record() -> Record {
     })
 }
 
-/// 500 rev/s^2 at full effort, 1.5 1/s of viscous and 15 rev/s^2 of dry friction.
+/// Returns the record of a drive with 500 rev/s^2 at full effort, 1.5 1/s of viscous and 15 rev/s^2 of dry friction.
 pub(super) fn effort_record() -> Record {
     record(Takes::Effort, |state, command, h| {
         let pull = 500.0 * TURN * command - 1.5 * state.1;

@@ -1,52 +1,52 @@
-//! Findings as people read them on a terminal.
+//! Formats findings for a terminal.
 //!
-//! Law      a block for the model, one for the loops before and after, one for the gains; then a sentence for each thing to be known.
-//!          Columns are as wide as their widest entry; each number has its unit, in increments and in the unit of the axis
+//! Law      a block for the model, one for the loops before and after, one for the gains; then warnings. Columns are as
+//!          wide as their widest entry; each number has its unit, in increments and in the unit of the axis
 //! Reads    findings
-//! Writes   lines of ASCII
+//! Writes   lines in ASCII
 //! Refuses  nothing
 //!
-//! A deviation counts as large beyond a tenth of its figure, where it also is more than a loop could tell: a tenth of a cycle, or two
-//! hundredths of the full output.
+//! A deviation counts as large if it exceeds a tenth of the value and also the resolution of a loop: a tenth of a
+//! cycle, or two hundredths of the full output.
 
 use super::findings::{Answer, Findings, Subject, stiffness};
 use lineshaft_tune::{Dynamics, Margins, Move};
 use std::fmt::Write as _;
 
-/// Below this share (%) a model is weak.
+/// Explained fraction, in %, below which a model is weak.
 const WELL_EXPLAINED: f64 = 95.0;
 
-/// Largest deviation in parts of its figure.
+/// Maximum deviation as a fraction of the value.
 const MOST_DEVIATION: f64 = 0.1;
 
-/// What a loop can tell: parts of a cycle, parts of the full output.
+/// Resolution of a loop: fraction of a cycle, fraction of the full output.
 const TELLS: (f64, f64) = (0.1, 0.02);
 
 const TIME_CONSTANT: &str = "time constant";
 const DELAY: &str = "delay";
 
-/// A figure of the model.
+/// A value of the model.
 struct Figure {
     name: &'static str,
     value: f64,
     deviation: f64,
-    /// Its unit; of a place or one of its rates: how many seconds it is divided by.
+    /// Unit; for a position or its derivatives, the power of seconds by which it is divided.
     unit: Unit,
-    /// A deviation below that matters to nobody.
+    /// Deviation below which it does not matter.
     tells: f64,
 }
 
 #[derive(Clone, Copy)]
 enum Unit {
-    /// By so many seconds.
+    /// Divided by this power of seconds.
     Rate(u32),
     Other(&'static str),
-    /// Shown in ms.
+    /// Time, shown in ms.
     Time,
 }
 
 impl Findings {
-    /// What has to be known of them, a sentence each.
+    /// Returns the warnings, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut said = Vec::new();
         let explained = self.identified.explained;
@@ -57,7 +57,7 @@ impl Findings {
         }
         let figures = self.figures();
         let vague = |figure: &&Figure| figure.part() > MOST_DEVIATION && figure.deviation > figure.tells;
-        // One takes the place of the other, and the loops see their sum.
+        // One can replace the other, because the loops depend on their sum.
         let lags = [TIME_CONSTANT, DELAY];
         let are_one = figures.iter().filter(|figure| lags.contains(&figure.name)).filter(vague).count() == lags.len();
         if are_one {
@@ -90,7 +90,7 @@ impl Findings {
         said
     }
 
-    /// What play, and a ratio of inertias that was told, mean for them.
+    /// Returns warnings about backlash and a given inertia ratio.
     fn of_play(&self) -> Vec<String> {
         let Dynamics::Effort { acceleration, coulomb, .. } = self.identified.model.dynamics else { return Vec::new() };
         let ratio = self.wish.inertia_ratio;
@@ -124,7 +124,7 @@ impl Findings {
         said
     }
 
-    /// The report.
+    /// Returns the report.
     pub fn text(&self) -> String {
         let subject = &self.subject;
         let mut text = format!("axis {}", subject.axis);
@@ -265,12 +265,12 @@ fn margin_rows(name: &str, row: Row<'_>, of: &dyn Fn(&Answer) -> Option<Margins>
 }
 
 impl Figure {
-    /// Its deviation in parts of it.
+    /// Returns the deviation as a fraction of the value.
     fn part(&self) -> f64 {
         self.deviation / self.value.abs()
     }
 
-    /// Does it matter, and may it be ten times as much as well?
+    /// Whether the value matters and may be ten times as large.
     fn is_unknown(&self) -> bool {
         self.part() > 10.0 && self.deviation > 10.0 * self.tells
     }
@@ -300,7 +300,7 @@ impl Subject {
         self.unit != "inc"
     }
 
-    /// `s`, `s^2`..
+    /// Returns `s`, `s^2` and so on.
     fn by(order: u32) -> String {
         match order {
             0 => String::new(),
@@ -313,13 +313,13 @@ impl Subject {
         format!("{} inc{}", short(value), Self::by(order))
     }
 
-    /// In the unit of the axis; a share of one, such as 0.1 mm, is a factor.
+    /// Formats a value in the unit of the axis; a fraction of a unit, such as 0.1 mm, is a factor.
     fn in_unit(&self, value: f64, order: u32) -> String {
         let times = if self.unit.starts_with(|c: char| c.is_ascii_digit()) { "* " } else { "" };
         format!("{} {times}{}{}", short(value / self.increments), self.unit, Self::by(order))
     }
 
-    /// A way: in increments where it is a few of them, else in the unit.
+    /// Formats a distance: in increments if it is a few of them, otherwise in the unit.
     pub(super) fn place(&self, increments: f64) -> String {
         if !self.has_unit() || increments.abs() < 1000.0 {
             self.counted(increments, 0)
@@ -333,10 +333,10 @@ impl Subject {
     }
 }
 
-/// Rows with columns below each other: the first one to the left, the others to the right.
+/// Formats rows with aligned columns: the first one left, the others right.
 fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    // A line that has one entry alone is a heading, and asks for no room.
+    // A row with a single entry is a heading, which does not affect the widths.
     let entries = || rows.iter().filter(|row| row.len() > 1);
     let width = |column: usize| entries().filter_map(|row| row.get(column)).map(|text| text.chars().count()).max();
     let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
@@ -373,17 +373,18 @@ pub(super) fn decibel(value: f64) -> String {
     if value.is_finite() { format!("{value:.1} dB") } else { "without end".to_owned() }
 }
 
-/// How much is explained (%); rounded to 100 it would seem to be all.
+/// Formats the explained fraction, in %; a value rounded to 100 would seem complete.
 pub(super) fn share(explained: f64) -> String {
     if explained > 99.99 { "more than 99.99".to_owned() } else { short(explained) }
 }
 
-/// With four digits.
+/// Formats a number with four digits.
 fn short(value: f64) -> String {
     rounded(value, 4)
 }
 
-/// With so many digits, whole numbers with all of theirs; very large and very small ones with a power of ten.
+/// Formats a number with this number of digits, integers with all of theirs; very large and very small ones with a
+/// power of ten.
 pub(super) fn rounded(value: f64, digits: i32) -> String {
     let size = value.abs();
     if size == 0.0 || !value.is_finite() {

@@ -1,13 +1,15 @@
-//! The trial: an axis is enabled, excited, and disabled, cycle by cycle.
+//! Trial: enables, excites and disables an axis, cycle by cycle.
 //!
-//! Law      enable | excitation by OUTAN, a command where the value is another one | disable, whatever ends it. What was put out in a
-//!          cycle and where the axis was then makes the record; of a cycle that was missed while a real drive went on, on a line between its neighbours
-//! Reads    signals and events of the cycle before; whether somebody stops it
-//! Writes   commands for this cycle, the record
-//! Refuses  an axis that is neither off nor at rest, has no room, lacks a reference that it needs, or leads others
+//! Law      enable | excitation by OUTAN, with a command whenever the value changes | disable, whatever the reason of
+//!          the end. The record has the output and the position of each cycle; for a missed cycle, during which a real
+//!          drive continues, they are interpolated linearly
+//! Reads    signals and events of the previous cycle; whether the trial was stopped
+//! Writes   the command of this cycle, the record
+//! Refuses  an axis that is neither off nor at standstill, has too little room, is not homed although that is required,
+//!          or leads others
 //! Source   MACS-CMD-28
 //!
-//! It takes no memory between its beginning and its end.
+//! It does not allocate between its start and its end.
 
 use super::setting::{Setting, Unfit};
 use crate::recording::encoder::sentence;
@@ -21,48 +23,48 @@ use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::state::{AXIS_STATES, AxisState};
 use lineshaft_tune::{Abort, Drive, Excitation, Record};
 
-/// What has ended a trial before its end.
+/// Reason why a trial was stopped early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// Who began it.
+    /// Cancelled by the client that began it.
     Cancel,
-    /// Somebody who stops the axis.
+    /// Another client stopped the axis.
     Halt,
-    /// A cycle that had no room for its command.
+    /// A cycle had no room for its command.
     NoRoom,
     /// No cycles run any more.
     NoCycles,
 }
 
-/// How a trial ended.
+/// End of a trial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ended {
-    /// With a whole record.
+    /// The record is complete.
     Done,
-    /// The excitation gave up.
+    /// The excitation was aborted.
     Aborted(Abort),
-    /// An error of the axis, or a refusal: its event.
+    /// An error of the axis, or a refusal, with its event.
     Failed(Event),
-    /// Somebody else moved or stopped it: its state.
+    /// Another client moved or stopped the axis; its state.
     Interrupted(i64),
-    /// Too little room: the travel that there is (inc).
+    /// There is too little room; the available travel, in inc.
     NoRoom(f64),
-    /// So many cycles were missed in a row.
+    /// This number of cycles was missed in a row.
     Missed(i64),
-    /// It was not let on to its end.
+    /// The trial was stopped.
     Stopped(Stop),
-    /// Axes follow it, which would be shaken, too: the first of them.
+    /// Axes follow it, which would be excited, too; the first of them.
     Leads(u16),
-    /// It has no reference, and may not move without one.
+    /// The axis is not homed, but must be.
     NotHomed,
-    /// It is not off, so long after it was asked to be.
+    /// The axis was not off within the time after the disable command.
     NotOff,
-    /// Nothing came in time.
+    /// There was no reaction in time.
     Late,
 }
 
 impl Ended {
-    /// Why there is no whole record; none where there is one.
+    /// Returns the reason why the record is incomplete; `None` if it is complete.
     pub fn sentence(self, config: &MachineConfig, setting: &Setting) -> Option<String> {
         Some(match self {
             Self::Done => return None,
@@ -99,16 +101,16 @@ impl Ended {
     }
 }
 
-/// What a trial does.
+/// Present action of a trial.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doing {
-    /// It switches the axis on.
+    /// Switches the axis on.
     Enabling,
-    /// It shakes the axis.
+    /// Excites the axis.
     Exciting,
-    /// It stops the axis and switches it off.
+    /// Stops the axis and switches it off.
     Disabling,
-    /// It is over.
+    /// Finished.
     Nothing,
 }
 
@@ -132,27 +134,27 @@ struct Signals {
     overruns: Signal,
 }
 
-/// Time for enabling and disabling, brakes and stops included (s).
+/// Time for enabling and disabling, including brakes and stops, in s.
 const SWITCH_TIME: f64 = 10.0;
-/// Of a velocity between two cycles (the rest is what it was).
+/// Weight of the velocity between two cycles (the rest is the previous value).
 const SMOOTHING: f64 = 0.3;
-/// A command is given again where it changes by more than this part of the permitted one.
+/// Change of a command, as a fraction of the permitted one, beyond which it is sent again.
 const STEP: f64 = 1.0 / 512.0;
-/// Longest record in times of ramp and duration.
+/// Maximum duration of a record, as a multiple of ramp and duration.
 const LONGEST: f64 = 8.0;
-/// Most cycles in a row that may be missed.
+/// Maximum number of cycles missed in a row.
 const MOST_MISSED: i64 = 10;
-/// Most cycles of a record.
+/// Maximum number of cycles of a record.
 const MOST_CYCLES: f64 = 2e6;
 
-// As `x.state` shows them.
+// Values of `x.state`.
 const DISABLED: i64 = AxisState::Disabled as i64;
 const STANDSTILL: i64 = AxisState::Standstill as i64;
 const OPERATION_ENABLED: i64 = DriveState::Enabled as i64;
 const QUICK_STOP_ACTIVE: i64 = DriveState::QuickStop as i64;
 const CONTINUOUS_MOTION: i64 = AxisState::ContinuousMotion as i64;
 
-/// A trial between two cycles.
+/// State of a trial between two cycles.
 #[derive(Debug)]
 pub struct Trial {
     setting: Setting,
@@ -162,23 +164,24 @@ pub struct Trial {
     record: Record,
     phase: Phase,
     stopped: Option<Stop>,
-    /// Number of the last command, and what it has put out.
+    /// Number of the last command.
     given: u64,
     sent: f64,
     start: i64,
     before: i64,
-    /// The drive is a real one: it goes on while cycles are missed, which a simulated one does not.
+    /// Whether the drive is a real one, which continues while cycles are missed; a simulated one does not.
     goes_on: bool,
-    /// Cycles that were missed until then.
+    /// Number of cycles missed so far.
     overruns: i64,
     velocity: f64,
 }
 
 impl Trial {
-    /// Before its first cycle, on a machine of that configuration, in the name of `source`.
+    /// Creates a trial before its first cycle, for a machine with that configuration; its commands are those of
+    /// `source`.
     ///
     /// # Errors
-    /// A bound that no excitation takes.
+    /// Returns an error if a bound is not permitted for an excitation.
     pub fn new(setting: Setting, source: Source, config: &MachineConfig, directory: &Directory) -> Result<Self, Unfit> {
         let p = setting.permitted;
         let name = config.axes.get(usize::from(setting.axis)).map_or("", |axis| axis.name.as_str());
@@ -215,12 +218,12 @@ impl Trial {
         })
     }
 
-    /// The same of a real drive, which goes on while cycles are missed.
+    /// Marks the drive as a real one, which continues while cycles are missed.
     pub fn of_real(self) -> Self {
         Self { goes_on: true, ..self }
     }
 
-    /// How it ended, once it is over and the axis off.
+    /// Returns how the trial ended, once it has ended and the axis is off.
     pub fn ended(&self) -> Option<Ended> {
         match self.phase {
             Phase::Over(ended) => Some(ended),
@@ -228,17 +231,17 @@ impl Trial {
         }
     }
 
-    /// What was seen.
+    /// Returns the record.
     pub fn record(&self) -> &Record {
         &self.record
     }
 
-    /// What it was to find.
+    /// Returns the setting.
     pub fn setting(&self) -> &Setting {
         &self.setting
     }
 
-    /// What it does, and the part of the excitation that is over, 0 to 1.
+    /// Returns the present action, and the finished fraction of the excitation, 0 to 1.
     pub fn progress(&self) -> (Doing, f64) {
         match self.phase {
             Phase::Begin | Phase::Enabling { .. } => (Doing::Enabling, 0.0),
@@ -248,19 +251,19 @@ impl Trial {
         }
     }
 
-    /// Has it stop the axis and switch it off, from its next cycle on.
+    /// Stops the axis and switches it off, from the next cycle on.
     pub fn stop(&mut self, why: Stop) {
         self.stopped = self.stopped.or(Some(why));
     }
 
-    /// It has no more cycles: what it has begun, others have ended.
+    /// Ends the trial without further cycles; the machine ends running motions by itself.
     pub fn give_up(&mut self) {
         if self.ended().is_none() {
             self.phase = Phase::Over(Ended::Stopped(Stop::NoCycles));
         }
     }
 
-    /// The command of this cycle, by what the cycle before has shown; `number` gives the one that it gets.
+    /// Returns the command of this cycle, according to the previous cycle; `number` returns its command number.
     pub fn before(&mut self, machine: &Machine, number: impl FnOnce() -> u64) -> Option<Command> {
         let action = self.step(machine)?;
         self.given = number();
@@ -308,13 +311,13 @@ impl Trial {
         }
     }
 
-    /// The refusal of its last command, or the error of the axis.
+    /// Returns the refusal of its last command, or the error of the axis.
     fn failure(&self, machine: &Machine) -> Option<Event> {
         let object = Object::Axis(self.setting.axis);
         let is_enabling = matches!(self.phase, Phase::Enabling { .. });
         let is_it = |event: &&Event| match event.kind {
             Kind::Refused => self.given != 0 && event.command == self.given,
-            // Of its enable: a command of others has ended it.
+            // The enable command was ended by another command.
             Kind::Done => event.command == self.given && is_enabling && !event.code.succeeds(),
             Kind::Error => event.source == object,
             _ => false,
@@ -323,17 +326,17 @@ impl Trial {
     }
 
     fn switch_cycles(&self) -> u32 {
-        // Saturates.
+        // The cast saturates.
         (SWITCH_TIME / self.setting.permitted.cycle) as u32
     }
 
-    /// Does nothing power the axis? Its state stays that of a quick stop until somebody resets it.
+    /// Whether the drive has no power. The state remains that of a quick stop until a reset.
     fn is_off(&self, machine: &Machine) -> bool {
         let drive = machine.board().int(self.signals.drive_state);
         !machine.board().bit(self.signals.enabled) && !matches!(drive, OPERATION_ENABLED | QUICK_STOP_ACTIVE)
     }
 
-    /// What it must not begin with.
+    /// Returns the reason why the trial must not begin.
     fn hindrance(&self, machine: &Machine, state: i64) -> Option<Ended> {
         if let Some(why) = self.stopped {
             return Some(Ended::Stopped(why));
@@ -348,13 +351,13 @@ impl Trial {
         (!is_homed).then_some(Ended::NotHomed)
     }
 
-    /// Whatever its state shows: one that is being switched on shows nothing of it yet.
+    /// Disables the axis in any state, because the state of an axis that is being switched on does not show it yet.
     fn end(&mut self, ended: Ended) -> Option<Action> {
         self.phase = Phase::Disabling { ended, left: self.switch_cycles() };
         Some(Action::Disable(AxisSet::one(self.setting.axis)))
     }
 
-    /// At rest and enabled: the position loop opens with the first value.
+    /// Begins at standstill with the axis enabled: the first value opens the position loop.
     fn begin(&mut self, machine: &Machine) -> Option<Action> {
         let position = machine.board().int(self.signals.position);
         let permitted = match self.setting.at(position) {
@@ -396,7 +399,7 @@ impl Trial {
         if room < cycles as usize {
             return self.end(Ended::Late);
         }
-        // The drive was asked for the same.
+        // The drive had the same command during the missed cycles.
         for cycle in 1..=cycles {
             self.record.push(self.sent, before.wrapping_add(way.wrapping_mul(cycle) / cycles));
         }

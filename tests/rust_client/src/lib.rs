@@ -1,4 +1,5 @@
-//! A client of Lineshaft in Rust, on crate `ros2-client`: it enables an axis, moves it with feedback, and reads where its joint is.
+//! Client of Lineshaft in Rust, based on crate `ros2-client`: it enables an axis, moves it with feedback, and reads the
+//! position of its joint.
 //!
 //! docs/rust_client.md explains it; `cargo run -p rust_client -- /lineshaft x 0.05` runs it.
 
@@ -17,33 +18,33 @@ use std::fmt::Debug;
 use std::net::{IpAddr, Ipv4Addr};
 use std::time::Duration;
 
-/// Longer than a node in order takes to be found, or to answer.
+/// Timeout of discovery and of each answer.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Longer than the motion takes.
+/// Timeout of the motion.
 const MOTION: Duration = Duration::from_secs(60);
 
-/// A type of `lineshaft_msgs` as `ros2-client` wants it: the trait is of that crate and the type of another one, so it takes a type of
-/// our own around it. On the wire it is the type itself.
+/// Adapts a type of `lineshaft_msgs` to the trait `Message` of `ros2-client`: trait and type belong to other crates, so
+/// this crate needs a wrapper type. The wrapper does not change the serialized form.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Ros<T>(pub T);
 
 impl<T: Serialize + serde::de::DeserializeOwned> Message for Ros<T> {}
 
-/// What has been seen of a motion.
+/// Observations of a motion.
 #[derive(Clone, Debug)]
 pub struct Moved {
     /// Feedback messages, in their order.
     pub feedback: Vec<MoveAxisFeedback>,
-    /// How the goal ended.
+    /// Final status of the goal.
     pub status: GoalStatusEnum,
-    /// What the machine says of its end.
+    /// Result that the machine reports.
     pub result: MoveAxisResult,
-    /// Actual position of the joint after that (m or rad).
+    /// Actual position of the joint after the motion (m or rad).
     pub joint: f64,
 }
 
-/// A node with what it takes to work with one Lineshaft node.
+/// A node with the clients and subscriptions for one Lineshaft node.
 pub struct Lineshaft {
     node: Node,
     enable: Client<Ros<AxesCommandRequest>, Ros<AxesCommandResponse>>,
@@ -51,7 +52,7 @@ pub struct Lineshaft {
     joints: Subscription<Ros<JointState>>,
 }
 
-/// The QoS of services and actions in ROS 2, and of `joint_states`.
+/// Returns the QoS of services and actions in ROS 2, and of `joint_states`.
 fn reliable(depth: usize) -> QosProfile {
     QosProfile::subscription_default().reliability_reliable(WhenFull::Fail).history(History::KeepLast { depth })
 }
@@ -61,11 +62,12 @@ fn text(error: impl Debug) -> String {
 }
 
 impl Lineshaft {
-    /// Opens a node of the name `rust_client` in a DDS domain, for the node `lineshaft` (`/lineshaft`, `/press/lineshaft`);
-    /// `loopback`: this host only, as ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST says it, which ros2-client does not read.
+    /// Opens a node with the name `rust_client` in a DDS domain, for the node `lineshaft` (`/lineshaft`,
+    /// `/press/lineshaft`);
+    /// `loopback`: this host only, like ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST, which ros2-client does not read.
     ///
     /// # Errors
-    /// A name that is none, or a network that is not there.
+    /// An invalid name, or no network.
     pub fn open(domain: u16, loopback: bool, lineshaft: &str) -> Result<Self, String> {
         let mut participant = rustdds::DomainParticipantBuilder::new(domain);
         if loopback {
@@ -74,10 +76,10 @@ impl Lineshaft {
         let context = Context::from_domain_participant(participant.build().map_err(text)?).map_err(text)?;
         let name = NodeName::new("/", "rust_client").map_err(text)?;
         let mut node = context.new_node(name, NodeOptions::new()).map_err(text)?;
-        // It hears what DDS discovers, so that one can wait for a service.
+        // It processes discovery data, which waiting for a service requires.
         tokio::spawn(node.spinner().map_err(text)?.spin());
 
-        // A server of Lineshaft answers in the mapping of whoever asks.
+        // A server of Lineshaft answers in the mapping of the client.
         let mapping = ServiceMapping::Enhanced;
         let enable = node
             .create_client(
@@ -103,7 +105,7 @@ impl Lineshaft {
                 qos,
             )
             .map_err(text)?;
-        // joint_states is a name of the namespace, not of the node.
+        // The topic joint_states belongs to the namespace, not to the node.
         let namespace = lineshaft.rsplit_once('/').map_or("/", |(namespace, _)| namespace);
         let namespace = if namespace.is_empty() { "/" } else { namespace };
         let name = Name::new(namespace, "joint_states").map_err(text)?;
@@ -112,10 +114,10 @@ impl Lineshaft {
         Ok(Self { node, enable, moves, joints })
     }
 
-    /// Waits until the node is there.
+    /// Waits until the node is discovered.
     ///
     /// # Errors
-    /// It is not.
+    /// It is not discovered within the timeout.
     pub async fn wait(&self) -> Result<(), String> {
         let there = async {
             self.enable.wait_for_service(&self.node).await;
@@ -130,7 +132,7 @@ impl Lineshaft {
     /// Switches axes on.
     ///
     /// # Errors
-    /// The sentence of the machine.
+    /// The message of the machine.
     pub async fn enable(&self, axes: &[&str]) -> Result<(), String> {
         let axes = axes.iter().map(|axis| (*axis).to_owned()).collect();
         let call = async { self.enable.async_call_service(Ros(AxesCommandRequest { axes })).await.map_err(text) };
@@ -138,12 +140,12 @@ impl Lineshaft {
         if answer.success { Ok(()) } else { Err(answer.message) }
     }
 
-    /// Moves an axis to a position (m or rad) and tells what was seen of it.
+    /// Moves an axis to a position (m or rad) and returns the observations.
     ///
     /// # Errors
     /// The goal was rejected, or there was no answer.
     pub async fn move_to(&self, axis: &str, position: f64) -> Result<Moved, String> {
-        // All else 0: absolute, in SI units, with the defaults of the axis.
+        // All other fields are 0: absolute, in SI units, with the defaults of the axis.
         let goal = MoveAxisGoal { axis: axis.to_owned(), position, ..MoveAxisGoal::default() };
         let send = async { self.moves.async_send_goal(Ros(goal)).await.map_err(text) };
         let (id, answer) = in_time(PATIENCE, "the goal is not answered", send).await?;
@@ -164,10 +166,11 @@ impl Lineshaft {
         Ok(Moved { feedback, status, result, joint: self.joint(axis).await? })
     }
 
-    /// Where a joint is now (m or rad): by the newest message, of which none that waited from before counts.
+    /// Returns the present position of a joint (m or rad) from the next message; messages that were received before are
+    /// discarded.
     ///
     /// # Errors
-    /// No message comes, or it does not name the joint.
+    /// No message is received, or it does not contain the joint.
     pub async fn joint(&self, name: &str) -> Result<f64, String> {
         while self.joints.take().map_err(text)?.is_some() {}
         let take = async { self.joints.async_take().await.map_err(text) };

@@ -19,7 +19,7 @@ fn cell(cycle: &str, bus: &str, drives: &[String]) -> Cell {
     Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
-/// The file that stands for the cell: its EDS is the one of the tests of CAN.
+/// Path of the cell file, in the folder that has the EDS of the CAN tests.
 fn file() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can/c.yaml")
 }
@@ -40,11 +40,11 @@ fn rates_of_a_serial_adapter_reach_its_bus() {
     let line = "transport: 'slcan:/dev/ttyUSB0', bitrate: 800000";
     assert_eq!(rates(line), (Some(800_000), None));
     assert_eq!(rates(&format!("{line}, serial_baudrate: 921600")), (Some(800_000), Some(921_600)));
-    // Any rate that the interface of Linux has.
+    // Any bit rate is allowed for a Linux interface.
     assert_eq!(rates("transport: 'socketcan:can0', bitrate: 750000"), (Some(750_000), None));
 }
 
-/// Of 7 bytes: 47 + 56 + 89 / 4 = 125. SYNC and two frames for each drive.
+/// Bits of a frame with 7 bytes: 47 + 56 + 89 / 4 = 125. SYNC and two frames for each drive.
 ///
 /// Proves: MACS-CAN-16
 #[test]
@@ -56,7 +56,7 @@ fn a_cycle_that_does_not_fit_the_bit_rate_is_refused_with_the_sum() {
     let fits = cell("2 ms", BUS, &drives).buses(None).unwrap();
     let load = "backend bus0: 9 frames of 1055 bits at most in each cycle of 2000 us: 53 % of 1000000 bit/s";
     assert_eq!(load_of(&fits[0]).as_deref(), Some(load));
-    // Of an interface of Linux nobody knows the rate, where the cell does not say it.
+    // The bit rate of a Linux interface is unknown unless the cell gives it.
     let unknown = cell("1 ms", "transport: 'socketcan:can0'", &drives).buses(None).unwrap();
     assert_eq!(load_of(&unknown[0]), None);
 }
@@ -78,7 +78,7 @@ fn a_drive_with_the_node_of_the_master_is_refused() {
     assert_eq!(cell("4 ms", &none, &["node: 127".to_owned()]).buses(None).unwrap()[0].master, None);
 }
 
-/// Vendor and product are those of the file, unless the cell says others; its digital inputs and error code have a place.
+/// Vendor and product are those of the file unless the cell gives others; digital inputs and error code are mapped.
 #[test]
 fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
     let drive = "node: 3, eds: cia402_sim.eds, identity: {product: 7, serial: 9}, feed: 20 mm, heartbeat: 50 ms, \
@@ -96,7 +96,7 @@ fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
     assert_eq!(drive.layout.told.len(), 2);
 }
 
-/// A folder with a configuration, and where a cell would be in it.
+/// Returns a folder with a configuration, and the path of a cell in it.
 fn with_file(text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("x.dcf"), text).unwrap();
@@ -104,8 +104,9 @@ fn with_file(text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
     (folder, cell)
 }
 
-/// Values that a tool of a maker may have read from a drive that ran: each can be written, by its access. The mask of the outputs (60FEh:02)
-/// and objects of the manufacturer are configuration; 1017h is of the master; what the cell gives itself it means.
+/// Values that a tool of the manufacturer may have read from a running drive. All of them are writable. The mask of the
+/// outputs (60FEh:02) and manufacturer-specific objects are configuration; the master writes 1017h; values in the cell
+/// are kept.
 #[test]
 fn a_configuration_is_told_without_what_acts_or_is_a_setpoint() {
     let mut text = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
@@ -165,7 +166,8 @@ fn mode_that_goes_by_sdo_is_one_line() {
     }
 }
 
-/// Outputs (6200h) of a module are left out; what they do in a fault (6206h) and a filter, 6003h as the preset of encoders, are written.
+/// Outputs (6200h) of a module are left out; the fault behaviour of outputs (6206h) and a filter are written. The
+/// filter is 6003h, which is the preset in encoders.
 #[test]
 fn a_configuration_of_a_module_is_told_without_its_outputs() {
     let object = |index: &str| format!("[{index}]\nDataType=5\nAccessType=rw\nParameterValue=1\n");
@@ -180,7 +182,7 @@ fn a_configuration_of_a_module_is_told_without_its_outputs() {
     assert_eq!(left_out_of(&buses[0]), [line]);
 }
 
-/// The sign says how a drive by number is watched; an AKD has 1/1000 rpm of its shaft: 10 mm, 10,000 increments.
+/// The sign of a drive type selects its supervision; an AKD uses 1/1000 rpm of its shaft: 10 mm, 10,000 increments.
 ///
 /// Proves: MACS-CAN-01, MACS-CAN-12
 #[test]
@@ -205,7 +207,7 @@ fn a_file_that_is_not_there_is_named() {
     assert!(said.starts_with("c.yaml:6:99: eds ") && said.contains("none.eds` cannot be read: "), "{said}");
 }
 
-/// 21 s, 65535 ms and an hour, as docs/can.md has them.
+/// 21 s, 65535 ms and one hour, as in docs/can.md.
 #[test]
 fn times_of_a_bus_reach_the_ends_of_their_ranges() {
     let bus = format!("{BUS}, time: 3600 s, master: {{heartbeat: 21 s}}");
@@ -328,14 +330,15 @@ fn probes_need_a_dictionary() {
     assert!(refused(&cell).ends_with(sentence));
 }
 
-/// A cell of a drive at node 1, and what else `sections` say; `bus` are more keys of its bus.
+/// Returns a cell with a drive at node 1 and with `sections`; `bus` has additional keys of its bus.
 fn with_sections(bus: &str, sections: &str) -> Cell {
     let text = HEAD.replace("CYCLE", "4 ms").replace("BUS", &format!("{BUS}{bus}")) + &axis("x", "node: 1");
     let text = text.replace("axes:", &format!("{sections}axes:"));
     Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
-/// Places are those of the machine, by kind; a node that is no drive is a module, or an encoder, with a heartbeat of 100 ms.
+/// Indices are those of the machine, by kind; a node that is no drive is a module or an encoder, with a heartbeat of
+/// 100 ms.
 #[test]
 fn terminals_stand_at_their_devices() {
     let sections = "io:
@@ -413,7 +416,7 @@ fn terminals_that_a_device_has_not_are_refused() {
     }
 }
 
-/// Cells that stand there for others to begin with.
+/// The cells in the examples folder.
 #[test]
 fn the_example_cells_make_buses() {
     let folder = file().parent().unwrap().to_owned();
@@ -430,7 +433,7 @@ fn the_example_cells_make_buses() {
     }
 }
 
-/// A folder with the EDS of the simulated drive, changed, as `drive.eds`, and where the cell beside it would be.
+/// Returns a folder with the changed EDS of the simulated drive as `drive.eds`, and the path of a cell next to it.
 fn beside(changes: &[(&str, &str)]) -> (tempfile::TempDir, std::path::PathBuf) {
     let mut text = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
     for (from, to) in changes {
@@ -443,7 +446,7 @@ fn beside(changes: &[(&str, &str)]) -> (tempfile::TempDir, std::path::PathBuf) {
     (folder, path)
 }
 
-/// The warnings of drives with this file, each after the name of the file.
+/// Returns the warnings about drives with this file, each after the name of the file.
 fn warned(changes: &[(&str, &str)], bus: &str, drives: &[&str]) -> Vec<String> {
     let (_folder, path) = beside(changes);
     let drives: Vec<_> = drives.iter().map(|drive| format!("{drive}, eds: drive.eds")).collect();
@@ -452,7 +455,7 @@ fn warned(changes: &[(&str, &str)], bus: &str, drives: &[&str]) -> Vec<String> {
     warnings.iter().map(|warning| warning.split_once("drive.eds`: ").expect("the file").1.to_owned()).collect()
 }
 
-/// Why a drive with this file is refused.
+/// Returns the reason why a drive with this file is refused.
 fn refused_by_file(changes: &[(&str, &str)], bus: &str, drive: &str) -> String {
     let (_folder, path) = beside(changes);
     let drive = format!("{drive}, eds: drive.eds");
@@ -466,7 +469,7 @@ fn a_file_with_an_unreadable_value_of_the_configuration_is_refused() {
     assert!(said.ends_with("[6081] ParameterValue=-1: -1 is not within 0 and 4294967295, as UNSIGNED32 is"), "{said}");
 }
 
-/// Of a file for two drives it is told once.
+/// A warning about a file that two drives share is given once.
 #[test]
 fn what_is_passed_over_in_a_file_is_told_once() {
     let warnings = warned(&[("[6041]\n", "[6041]\nParameterValue=x\n")], BUS, &["node: 3", "node: 4"]);
@@ -477,7 +480,7 @@ fn what_is_passed_over_in_a_file_is_told_once() {
     assert_eq!(warned(&[], BUS, &["node: 3"]), [""; 0]);
 }
 
-/// 2000h to 5FFFh are of the manufacturer (CiA 301). The file has 2000h as UNSIGNED32, 2010h as INTEGER16.
+/// 2000h to 5FFFh are manufacturer-specific (CiA 301). The file has 2000h as UNSIGNED32, 2010h as INTEGER16.
 #[test]
 fn values_of_unused_objects_of_the_manufacturer_are_counted() {
     let changes = [
@@ -488,7 +491,7 @@ fn values_of_unused_objects_of_the_manufacturer_are_counted() {
     let said = warned(&changes, BUS, &["node: 3"]);
     let [status, value, limits] = said.as_slice() else { panic!("{said:?}") };
     assert!(status.starts_with("line ") && status.contains("[6041] ParameterValue=x: "), "{status}");
-    // Of one there is no sum.
+    // A single one is not counted but reported.
     let end = "[2010] ParameterValue=70000: 70000 is not within -32768 and 32767, as INTEGER16 is; passed over";
     assert!(value.starts_with("line ") && value.ends_with(end), "{value}");
     let (begin, end) = (
@@ -496,12 +499,12 @@ fn values_of_unused_objects_of_the_manufacturer_are_counted() {
         ": [2000] LowLimit=x: \"x\" is no number: decimal (12), hexadecimal (0x0C) or octal (014)",
     );
     assert!(limits.starts_with(begin) && limits.ends_with(end), "{limits}");
-    // What `startup` writes is used.
+    // An object that `startup` writes is in use.
     let said = warned(&changes, BUS, &["node: 3, startup: [{index: 0x2000, value: 5, type: u32}]"]);
     assert_eq!(said.iter().filter(|said| said.starts_with("line ")).count(), 4, "{said:?}");
 }
 
-/// 185h is pp, pv, csp, csv. A default of 0 says nothing.
+/// 185h is pp, pv, csp, csv. A default of 0 means unknown.
 #[test]
 fn mode_that_the_file_does_not_offer_is_refused() {
     let at =
@@ -515,7 +518,7 @@ fn mode_that_the_file_does_not_offer_is_refused() {
     assert_eq!(warned(&[(from.as_str(), to.as_str())], BUS, &["node: 3"]), [""; 0]);
 }
 
-/// The file of a drive for a node with an input of `io`.
+/// The file of a drive, for a node with an input of `io`.
 #[test]
 fn file_of_another_profile_is_refused_for_a_module() {
     let (_folder, path) = beside(&[]);
@@ -526,7 +529,7 @@ fn file_of_another_profile_is_refused_for_a_module() {
     assert!(said.contains(sentence), "{said}");
 }
 
-/// A DCF for 500 kbit/s at a bus of 1 Mbit/s; the EDS knows 125, 250, 500 and 1000 kbit/s.
+/// A DCF for 500 kbit/s at a bus of 1 Mbit/s; the EDS has 125, 250, 500 and 1000 kbit/s.
 #[test]
 fn bit_rate_of_the_configuration_is_compared_with_that_of_the_backend() {
     let own = [("[Comments]\n", "[DeviceComissioning]\nBaudrate=500\n[Comments]\n")];
@@ -539,7 +542,7 @@ fn bit_rate_of_the_configuration_is_compared_with_that_of_the_backend() {
     assert_eq!(warned(&[], &odd, &["node: 3"]), [sentence]);
 }
 
-/// The warnings about inputs of drives that are not read, or the problems of the cell.
+/// Returns the warnings about inputs of drives that are not read, or the problems of the cell.
 fn unread(cell: &Cell) -> Result<Vec<String>, String> {
     let named = |text: &str| text.replace(&file().display().to_string(), "c.yaml").trim_end().to_owned();
     let buses = cell.buses(Some(&file())).unwrap_or_else(|problems| panic!("{problems}"));
@@ -549,7 +552,7 @@ fn unread(cell: &Cell) -> Result<Vec<String>, String> {
     }
 }
 
-/// A cell with this drive and these keys of its axis, and a section `io`.
+/// Returns a cell with this drive, these keys of its axis, and a section `io`.
 fn with_keys(drive: &str, keys: &str, io: &str) -> Cell {
     let axis = axis("x0", drive).replace("max_acceleration: 1 m/s^2}", &format!("max_acceleration: 1 m/s^2{keys}}}"));
     let text = HEAD.replace("CYCLE", "4 ms").replace("BUS", BUS).replace("axes:\n", &format!("{io}axes:\n")) + &axis;
@@ -558,8 +561,8 @@ fn with_keys(drive: &str, keys: &str, io: &str) -> Cell {
 
 const WITHOUT_EDS: &str = "the cell names no EDS or DCF file of it; give `eds`, or an entry of io of type di at this node, which maps 60FDh; or";
 
-/// 60FDh is mapped by the file of the drive, or by an entry of `io` at the drive. An axis with inputs for both limit switches needs no others, one with
-/// a modulo none.
+/// 60FDh is mapped by the file of the drive or by an entry of `io` at the drive. An axis with inputs for both limit
+/// switches needs no others, and an axis with a modulo needs none.
 #[test]
 fn limit_switches_that_are_not_read_are_warned_of_by_name_and_place() {
     let told = |line: u8, switches: &str, keys: &str| {
@@ -606,7 +609,8 @@ fn file_that_does_not_map_60fdh_is_named_in_the_warning() {
     assert!(warnings.len() == 1 && warnings[0].contains(why), "{warnings:?}");
 }
 
-/// Methods of CiA 402 by limit switches, the reference switch, the index; by the drive itself none of them is read here.
+/// CiA 402 methods that use limit switches, the reference switch or the index. With homing in the drive none of them is
+/// read here.
 #[test]
 fn homing_by_a_switch_or_an_index_that_is_not_read_is_refused() {
     let of =
@@ -635,7 +639,8 @@ fn homing_by_a_switch_or_an_index_that_is_not_read_is_refused() {
     }
 }
 
-/// The machine refuses such a homing as well, by the cell alone: recordings replay without the files of the drives.
+/// The machine refuses such a homing too, from the cell alone, because recordings are replayed without the files of the
+/// drives.
 #[test]
 fn machine_knows_the_axes_whose_drives_show_no_inputs() {
     let without = |drive: &str, io: &str| with_keys(drive, "", io).machine.global.without_inputs;

@@ -1,8 +1,10 @@
-//! What the master does not read of a drive on CAN, where its axis may need it: limit switches, the reference switch, index pulses.
+//! Finds inputs of a drive on CAN that the master does not read although the axis may need them: limit switches, the
+//! reference switch, index pulses.
 //!
-//! Law      the switches of a drive are bits of 60FDh, which a PDO carries if the file of the drive can map it or an entry of `io` names a bit;
-//!          its index pulses come by a touch probe. A switch with a digital input of its own is read there
-//! Refuses  a homing method whose switch or index pulse is read nowhere: the axis would not stop at it
+//! Law      the switches of a drive are bits of 60FDh, which a PDO has if the file of the drive can map it or an entry
+//!          of `io` names a bit; its index pulses come from a touch probe. A switch with its own digital input is read
+//!          from that
+//! Refuses  a homing method whose switch or index pulse is not read: the axis would not stop at it
 //! Source   CiA 402-2 (60FDh, homing methods)
 
 use super::super::can::CellDrive;
@@ -13,25 +15,25 @@ use lineshaft_can::drive::probe::Probe;
 use lineshaft_core::axis::Source;
 use lineshaft_core::config::AxisConfig;
 
-/// A drive, and what the master maps of it.
+/// A drive, and the objects of it that the master maps.
 pub(super) struct Unread<'a> {
     pub(super) axis: &'a AxisConfig,
-    /// Whether it is the second one of two drives of its axis.
+    /// Whether it is the second of two drives of its axis.
     pub(super) is_second: bool,
     /// Number of encoders of the machine.
     pub(super) encoders: usize,
-    /// What the cell says of it.
+    /// Keys of the drive in the cell.
     pub(super) described: &'a CellDrive,
     pub(super) device: &'a DeviceConfig,
 }
 
 impl Unread<'_> {
-    /// Returns a sentence for each switch and index pulse that homing needs and that is not read.
+    /// Returns a message for each switch and index pulse that homing needs and that is not read.
     pub(super) fn of_homing(&self) -> impl Iterator<Item = String> {
         [self.switch_of_homing(), self.index_of_homing()].into_iter().flatten()
     }
 
-    /// Returns a sentence if limit switches at the drive do not stop the axis. An axis with a modulo has no ends.
+    /// Returns a message if limit switches at the drive do not stop the axis. An axis with a modulo has no ends.
     pub(super) fn limit_switches(&self) -> Option<String> {
         let assigned = self.axis.power_on().assigned;
         let (switches, keys) = match (assigned.poslimitsw, assigned.neglimitsw) {
@@ -49,12 +51,12 @@ impl Unread<'_> {
         ))
     }
 
-    /// Whether a PDO carries the digital inputs of the drive (60FDh).
+    /// Whether a PDO has the digital inputs of the drive (60FDh).
     fn reads_inputs(&self) -> bool {
         self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == Told::Inputs)
     }
 
-    /// Why 60FDh is in no PDO, and how it comes into one.
+    /// Returns the reason why 60FDh is in no PDO, and how to map it.
     fn reason(&self) -> (String, &'static str) {
         match (self.described.drive_type, &self.described.device.eds) {
             (Some(_), _) => ("key `drivetype` fixes the process data".to_owned(), ""),
@@ -68,11 +70,11 @@ impl Unread<'_> {
         }
     }
 
-    /// The switch that homing looks for and that is read nowhere.
+    /// Returns a message if homing uses a switch that is not read.
     fn switch_of_homing(&self) -> Option<String> {
         let p = self.axis.power_on();
         let (switch, key) = if self.is_second {
-            // Homing squares an axis by the reference switch of each of its two drives.
+            // Homing squares a gantry axis with the reference switch of each of its two drives.
             let is_sought = p.gantry.second_refswitch == 0 && self.axis.seeks_reference_switch();
             is_sought.then_some(("reference switch", "i_refswitch_second"))?
         } else {
@@ -89,7 +91,7 @@ impl Unread<'_> {
         ))
     }
 
-    /// The index pulse that homing ends at and that is read nowhere.
+    /// Returns a message if homing uses an index pulse that is not read.
     fn index_of_homing(&self) -> Option<String> {
         let p = self.axis.power_on();
         let needs_index = matches!(p.homing.method, 1..=14 | 33 | 34 | -1 | -3) && !p.homing.in_drive;

@@ -1,13 +1,13 @@
-//! Keys of model motor: what a motor and its load are made of.
+//! Reads the keys of model motor: data of a motor and its load.
 //!
-//! Law      a motor has a rated torque, or a winding with a voltage; its load turns with it, or behind a stiffness
-//! Refuses  keys of a winding or of a coupling without one, what is said twice, values outside their ranges
+//! Law      a motor has a rated torque, or a winding with a voltage; its load is rigidly coupled, or by a stiffness
+//! Refuses  keys of a winding or of a coupling without one, values that are given twice, values outside their ranges
 
 use crate::document::{Allowed, Map, Value};
 use lineshaft_core::sim::{Amplifier, Coupling, Friction, Load, ModelError, Motor, MotorData, Reading, Stage};
 use lineshaft_core::unit::Dimension;
 
-/// The keys that no other model has.
+/// Keys that no other model has.
 pub(super) const KEYS: [&str; 24] = [
     "inertia",
     "load_inertia",
@@ -35,26 +35,26 @@ pub(super) const KEYS: [&str; 24] = [
     "seed",
 ];
 
-/// Where the encoder sits that the axis reads: read beside the keys above, as it is not only of numbers.
+/// Position of the encoder that the axis reads; not one of the keys above, because its value is no number.
 pub(super) const ENCODER_AT: &str = "encoder_at";
 
-/// Keys that need the one in front of them.
+/// Keys that require the first one of their row.
 const NEEDS: [(&str, &[&str]); 2] = [
     ("stiffness", &["coupling_damping", "backlash"]),
     ("voltage", &["resistance", "inductance", "torque_constant", "back_emf"]),
 ];
 
-/// Keys that say what the one in front of them says.
+/// Keys that exclude the first one of their row.
 const INSTEAD: [(&str, &[&str]); 2] =
     [("load_inertia", &["inertia_ratio"]), ("voltage", &["rated_torque", "max_torque", "torque_lag"])];
 
-/// Times of the rated torque that a motor makes for a while, where nothing else is said.
+/// Default maximum torque of a motor, as a multiple of the rated torque.
 const PEAK: f64 = 3.0;
 
-/// The values of the keys, by name.
+/// Values of the keys, by name.
 struct Given<'v, 'd> {
     values: &'v [Option<Value<'d>>; KEYS.len()],
-    /// All that was read so far was good.
+    /// Whether all values that were read so far are valid.
     good: std::cell::Cell<bool>,
 }
 
@@ -69,13 +69,13 @@ impl<'v, 'd> Given<'v, 'd> {
         read
     }
 
-    /// A number in SI, or what it is without its key.
+    /// Returns a number in SI, or the default if its key is missing.
     fn si(&self, key: &str, dimension: Dimension, usual: f64) -> f64 {
         let Some(value) = self.value(key) else { return usual };
         self.note(value.quantity(&[dimension], &Allowed::Any)).map_or(usual, |quantity| quantity.si())
     }
 
-    /// A time (ns), or 0 without its key.
+    /// Returns a time, in ns; 0 if its key is missing.
     fn nanoseconds(&self, value: Option<&Value<'_>>) -> i64 {
         let Some(value) = value else { return 0 };
         let time = value.quantity(&[Dimension::Time], &Allowed::Any).and_then(|time| {
@@ -102,12 +102,12 @@ impl<'v, 'd> Given<'v, 'd> {
             resistance: self.si("resistance", Dimension::Resistance, 1.0),
             inductance: self.si("inductance", Dimension::Inductance, 0.0),
             torque_constant,
-            // In SI both constants of a motor are one number.
+            // In SI both constants of a motor have the same value.
             back_emf: self.si("back_emf", Dimension::VoltageConstant, torque_constant),
         }
     }
 
-    /// Largest setpoint, in parts of the rated torque.
+    /// Returns the maximum setpoint, as a multiple of the rated torque.
     fn limit(&self, stage: Stage) -> f64 {
         match stage {
             Stage::Torque { rated, .. } if rated > 0.0 => {
@@ -118,7 +118,7 @@ impl<'v, 'd> Given<'v, 'd> {
         }
     }
 
-    /// Refuses what does not stand together.
+    /// Refuses keys that exclude or require others.
     fn check_company(&self) {
         for (first, others) in NEEDS.iter().filter(|(first, _)| self.value(first).is_none()) {
             for value in others.iter().filter_map(|key| self.value(key)) {
@@ -135,7 +135,7 @@ impl<'v, 'd> Given<'v, 'd> {
         }
     }
 
-    /// Reports the keys that must stand.
+    /// Reports required keys that are missing.
     fn check_missing(&self, map: &mut Map<'_>) {
         let has = |key: &str| self.value(key).is_some();
         let has_load = has("load_inertia") || has("inertia_ratio");
@@ -153,7 +153,7 @@ impl<'v, 'd> Given<'v, 'd> {
     }
 }
 
-/// The key that an error of the core speaks of.
+/// Returns the key that an error of the core refers to.
 fn key_of(error: &ModelError) -> &'static str {
     match error {
         ModelError::Motor { name, .. } => name,
@@ -162,7 +162,7 @@ fn key_of(error: &ModelError) -> &'static str {
     }
 }
 
-/// The motor; none where it has problems.
+/// Reads the motor; `None` if it has problems.
 pub(super) fn read(
     map: &mut Map<'_>,
     values: &[Option<Value<'_>>; KEYS.len()],
@@ -200,7 +200,7 @@ pub(super) fn read(
     for problem in data.problems() {
         let key = key_of(&problem);
         let value = if key == "dead_time" { dead_time } else { given.value(key) };
-        // What follows from another key has its problem there.
+        // A problem of a derived value is reported at the key from which it is derived.
         let value = value.or_else(|| given.value("inertia_ratio").filter(|_| key == "load_inertia"));
         if let Some(value) = value {
             value.refuse(problem.to_string(), None);

@@ -1,4 +1,4 @@
-//! Do the parameters of one axis agree that stand in one file? Each problem names what was written there.
+//! Checks that the parameters of one axis in a file are consistent. Each problem quotes the values of the file.
 
 use super::MOST;
 use crate::document::Value;
@@ -8,10 +8,11 @@ use lineshaft_core::parameter::{self, AxisParameters, Contradiction, Row};
 use lineshaft_core::text::{allowed_text, pair_text, value_text};
 use lineshaft_core::unit::{Scale, excerpt};
 
-/// Keys that stand in the file, with their values.
+/// Given keys, with their values.
 type Given<'g, 'd> = &'g [(&'static str, Value<'d>)];
 
-/// One value, two views: both in one file are an error, also where they agree; but where the view only keeps what is `off`.
+/// Refuses two keys that are views of one value, even if they agree; except if the view only stores a value that is
+/// `off`.
 pub(crate) fn double_views(given: Given<'_, '_>, off: impl Fn(&Row) -> bool) {
     for (key, value) in given {
         let Some((_, view)) = Row::find(key).filter(|(_, row)| row.is_view() && !off(row)) else { continue };
@@ -23,8 +24,8 @@ pub(crate) fn double_views(given: Given<'_, '_>, off: impl Fn(&Row) -> bool) {
     }
 }
 
-/// In inverted units a limit of MACS is the other native one, so that two names which are no views of each other may give one
-/// value. `set` is what the file gives, with its place.
+/// Refuses two keys of the same limit in inverted units: a limit of MACS is then the opposite native one, so that keys
+/// which are no views of each other may set the same value. `set` are the values of the file, with their locations.
 pub(crate) fn turned_views<'v, 'd: 'v>(
     parameters: &AxisParameters,
     set: impl Iterator<Item = (&'static Row, parameter::Value, &'v Value<'d>)>,
@@ -37,7 +38,7 @@ pub(crate) fn turned_views<'v, 'd: 'v>(
     }
 }
 
-/// Refuses what cannot stand together, every pair once, and what follows from values and leaves its range.
+/// Refuses inconsistent values, each pair once, and derived values outside of their range.
 pub(crate) fn contradictions(parameters: &AxisParameters, given: Given<'_, '_>, scale: &Scale, cycle_ns: Option<u64>) {
     let file = File { given, scale };
     let mut checked = *parameters;
@@ -47,7 +48,7 @@ pub(crate) fn contradictions(parameters: &AxisParameters, given: Given<'_, '_>, 
     while let Err(contradiction) = checked.check() {
         let key = match contradiction {
             Contradiction::Above(low, high) => {
-                // What was made harmless here is nothing that anybody wrote.
+                // A value that was replaced by a valid one below does not come from the file.
                 if !is_made_here(parameters, &checked, low, high) {
                     file.refuse_pair(parameters, low, high);
                 }
@@ -64,7 +65,7 @@ pub(crate) fn contradictions(parameters: &AxisParameters, given: Given<'_, '_>, 
                 key
             }
         };
-        // The next look must not find the same.
+        // The value is replaced, so that the next check does not find the same contradiction.
         let harmless =
             [parameter::Value::Unset, parameter::Value::Real(MOST), parameter::Value::Int(0), parameter::Value::Int(1)];
         let is_gone = Row::find(key)
@@ -75,7 +76,7 @@ pub(crate) fn contradictions(parameters: &AxisParameters, given: Given<'_, '_>, 
     }
 }
 
-/// Does a pair contradict only since one of the two was made harmless?
+/// Whether a pair contradicts only because one of its values was replaced.
 fn is_made_here(parameters: &AxisParameters, checked: &AxisParameters, low: &str, high: &str) -> bool {
     let value = |key, of| Row::find(key).map(|(_, row)| row.value(of));
     let number = |key| match value(key, parameters) {
@@ -84,19 +85,19 @@ fn is_made_here(parameters: &AxisParameters, checked: &AxisParameters, low: &str
         _ => f64::NAN,
     };
     let is_changed = [low, high].iter().any(|key| value(key, parameters) != value(key, checked));
-    // Only limits of the way contradict where they are the same.
+    // Only position limits contradict each other if they are equal.
     let (below, above) = (number(low), number(high));
     is_changed && (below < above || below == above && low != "min_position")
 }
 
-/// The keys of an axis in a file, and its scale.
+/// Keys of an axis in a file, and its scale.
 struct File<'g, 'd> {
     given: Given<'g, 'd>,
     scale: &'g Scale,
 }
 
 impl<'g, 'd> File<'g, 'd> {
-    /// What gives the value of a native key.
+    /// Returns the key that sets the value of a native key.
     fn of_root(&self, root: &str) -> Option<&'g (&'static str, Value<'d>)> {
         self.given.iter().find(|(key, _)| *key == root || Row::find(key).is_some_and(|(_, row)| row.root() == root))
     }
@@ -105,7 +106,7 @@ impl<'g, 'd> File<'g, 'd> {
         value_text(row, row.value(parameters), self.scale)
     }
 
-    /// A velocity that MACS gives by other numbers may be beyond what a cycle can do.
+    /// Refuses a velocity given by other parameters of MACS if it exceeds the maximum of a cycle.
     fn check_velocity(&self, parameters: &AxisParameters, highest: f64) {
         let Some((key, value)) = self.of_root("max_velocity").or(self.given.iter().find(|(key, _)| *key == "encoder"))
         else {
@@ -128,7 +129,7 @@ impl<'g, 'd> File<'g, 'd> {
         let (Some((_, low_row)), Some((_, high_row))) = (Row::find(low), Row::find(high)) else { return };
         let [lower, higher] = [low_row, high_row].map(|row| (row, row.value(parameters)));
         let (low_text, high_text) = pair_text(lower, higher, self.scale);
-        // A limit that follows from another key is told with it.
+        // If a limit follows from another key, that key is part of the message.
         let by =
             self.of_root(high).filter(|(key, _)| *key != high).map_or(String::new(), |(key, _)| format!(" ({key})"));
         let lies = if low_row.value(parameters) == high_row.value(parameters) {
@@ -148,9 +149,9 @@ impl<'g, 'd> File<'g, 'd> {
         value.refuse(sentence, None);
     }
 
-    /// A value that follows from others has left its range.
+    /// Refuses a value that is derived from others and is outside of its range.
     fn refuse_derived(&self, parameters: &AxisParameters, native: &'static str) {
-        // Without a velocity of its own nothing that follows from one means anything; that is told already.
+        // Without a velocity, values derived from it have no meaning; the missing velocity is reported already.
         if self.of_root("max_velocity").is_none() && parameters.max_velocity >= MOST {
             return;
         }
@@ -163,7 +164,7 @@ impl<'g, 'd> File<'g, 'd> {
     }
 }
 
-/// A key with its value as it was written.
+/// Returns a key with its value as written.
 fn said(key: &str, value: &Value<'_>) -> String {
     format!("{key} `{}`", excerpt(value.peek().unwrap_or_default()))
 }

@@ -1,11 +1,12 @@
-//! The keys of the reference selector.
+//! Tests the keys of the reference selector.
 
 use super::{HEAD, good, said};
 use lineshaft_core::object::{Leader, Object};
 
 const SOME: &str = "io:\n  mark: {type: di, backend: plant, address: 0, latch: true}\n  plain: {type: di, backend: plant, address: 1}\n  lamp: {type: do, backend: plant, address: 0}\nencoders:\n  belt: {backend: plant, address: 0, type: linear, scale: {increments: 1, per: 1 mm}}\n";
 
-/// Two linear axes `x` and `y` and a virtual `line`, with keys for x and y; x stands in line 13, y in line 14.
+/// Returns a cell with two linear axes `x` and `y` and a virtual `line`, with keys for x and y; x is in line 13, y in
+/// line 14.
 fn cell(x: &str, y: &str) -> String {
     let axis = |name, address, keys: &str| {
         let drive = format!("{{backend: plant, address: {address}}}");
@@ -110,7 +111,7 @@ fn a_table_that_is_no_cam_is_refused_where_it_is_named() {
     good(&with("{form: xy, points: [[0, 0], [5, 5]]}"));
 }
 
-/// Bare numbers are user units: mm, and mm per ms.
+/// Numbers without unit are user units: mm, and mm per ms.
 ///
 /// Proves: AMC-PAR-03, AMC-PAR-06
 #[test]

@@ -1,4 +1,4 @@
-//! Drives that are given a voltage, problem by problem.
+//! Tests drives with a voltage reference.
 
 use super::{assert_said, good, said};
 use lineshaft_core::command::{Action, Command, Commands, Level, OutAn, Source};
@@ -59,7 +59,7 @@ fn a_voltage_is_wired_by_the_entries_of_io() {
 const AT_MODULE: &str =
     "{reference: c, enable: ce, ready: ci, enable_time: 20 ms, interface: velocity, full_velocity: 400 mm/s}";
 
-/// No bus knows a drive at a module: it is real, and nothing of CAN is said of it.
+/// A drive at a module is on no bus: it is real, and has no keys for CAN.
 #[test]
 fn at_a_module_on_can_no_drive_is_on_the_bus() {
     let read = good(&cell(AT_MODULE, ", feedback: {encoder: can_belt}"));
@@ -70,7 +70,7 @@ fn at_a_module_on_can_no_drive_is_on_the_bus() {
     assert_eq!(buses[0].devices.iter().map(|device| device.node.get()).collect::<Vec<_>>(), [10, 11, 12]);
 }
 
-/// Its simulation moves: it comes on by its contact, and 100 of 400 mm/s are 2.5 V.
+/// Its simulation moves: it is enabled by its contact, and 100 of 400 mm/s are 2.5 V.
 #[test]
 fn a_module_on_can_is_simulated_with_what_hangs_on_it() {
     let read =
@@ -94,7 +94,7 @@ fn a_module_on_can_is_simulated_with_what_hangs_on_it() {
     let level = Level::Setpoint;
     let (volts, enable, count) = run(300, Some(Action::OutAn(OutAn { axis: 0, value: 1.0 / 3.0, level })));
     assert!((volts - 2.5).abs() < 1e-9 && enable, "{volts}");
-    // 0.3 s, less the 5 ms of its lag and some cycles.
+    // 0.3 s, minus its lag of 5 ms and some cycles.
     assert!((29_000..29_700).contains(&count), "{count}");
 }
 
@@ -193,7 +193,7 @@ fn each_problem_has_its_place() {
     );
 }
 
-/// What it is given has an end, and it tells nothing.
+/// The reference is limited to 10 V, and the drive reports no values.
 #[test]
 fn more_than_its_full_reference_and_what_it_would_have_to_tell_are_refused() {
     let drive = "{reference: a, enable: e, enable_time: 0 s, interface: velocity, full_velocity: 200 mm/s}";

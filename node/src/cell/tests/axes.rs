@@ -1,4 +1,4 @@
-//! Axes, problem by problem.
+//! Tests each problem of axes.
 
 use super::{HEAD, good, said};
 use lineshaft_core::config::AxisConfig;
@@ -14,14 +14,14 @@ const LINEAR: [(&str, &str); 6] = [
     ("max_acceleration", "8 m/s^2"),
 ];
 
-/// An axis `x` as [`LINEAR`] says, with some keys other or more; those stand first, from line 8 on and column 5.
+/// Returns the axis `x` of [`LINEAR`] with changed or additional keys; these come first, from line 8, column 5.
 pub(super) fn axis(keys: &[(&str, &str)]) -> String {
     let usual = LINEAR.iter().filter(|(key, _)| keys.iter().all(|(other, _)| other != key));
     let line = |(key, value): &(&str, &str)| format!("    {key}: {value}\n");
     format!("{HEAD}axes:\n  x:\n{}", keys.iter().chain(usual).map(line).collect::<String>())
 }
 
-/// The same, rotary in degrees with 100 inc per degree.
+/// Returns the same axis as a rotary one in degrees, with 100 inc per degree.
 fn rotary<'k>(keys: &[(&'k str, &'k str)]) -> String {
     let rotary = [
         ("type", "rotary"),
@@ -74,7 +74,7 @@ fn type_unit_and_scale_fit_each_other() {
     let tenths = read(&axis(&[("unit", "0.1 mm")])).scale;
     assert_eq!(tenths.unit().to_string(), "0.1 mm");
     assert_eq!(tenths.format_increments(tenths.position_from_unit(50.0).unwrap()), "50 * 0.1 mm");
-    // No machine has such a scale; what would follow from it is not told.
+    // No machine has such a scale; values derived from it are not reported.
     for (scale, one) in [("{increments: 1, per: 1e30 mm}", "1e27"), ("{increments: 1e20, per: 1 m}", "1e-20")] {
         let sentence = format!("8:25: scale: one increment is {one} m; 1e-18 to 1e9 m is allowed");
         let keys = [("scale", scale), ("max_position", "850 mm"), ("max_following_error", "10 mm")];
@@ -86,7 +86,7 @@ fn type_unit_and_scale_fit_each_other() {
     assert_eq!(read(&no_unit).scale.unit().to_string(), "m");
 }
 
-/// The cell of the oracles O-01 (25 : 1, 500 counts, 4 edges, 5 mm per turn) and O-03 (50.375 qc per unit).
+/// The cells of the oracles O-01 (25 : 1, 500 counts, 4 edges, 5 mm per revolution) and O-03 (50.375 qc per unit).
 ///
 /// Proves: MACS-UNIT-02, MACS-UNIT-05
 #[test]
@@ -99,7 +99,7 @@ fn increments_of_positions_are_exact_fractions_rounded_once() {
     }
 }
 
-/// Software limits, target window and following error are kept in increments, whatever the axis unit is.
+/// Software limits, target window and following error are stored in increments, whatever the axis unit is.
 ///
 /// Proves: MACS-UNIT-03
 #[test]
@@ -139,7 +139,7 @@ fn parameters_tell_their_range_in_the_axis_unit() {
         ("max_jerk", "", "has no value; a jerk is expected"),
         ("profile", "round", "is `round`; one of trapezoid, s_ramp, jerk is allowed"),
     ] {
-        // What is not there is found at the colon.
+        // A missing value is reported at the colon.
         let place = 7 + key.len() - if value.is_empty() { 2 } else { 0 };
         assert_eq!(said(&axis(&[(key, value)])), format!("8:{place}: {key} {expected}"));
     }
@@ -184,7 +184,7 @@ fn a_plain_number_takes_the_unit_of_its_row() {
         read(&file).parameters
     };
     let p = read(&[("poserr", "500 inc"), ("testwin", "7"), ("velocity_override", "50 %"), ("proftime", "2000 us")]);
-    // 3000 rpm at 500 lines of 4 increments.
+    // 3000 rpm with 500 lines of 4 increments.
     assert_eq!((p.max_velocity, p.max_following_error, p.in_position_window), (100_000.0, 500, 7));
     assert_eq!((p.velocity_override, p.macs.proftime), (50.0, 2));
     for (key, value, expected) in [
@@ -255,7 +255,7 @@ fn keys_that_an_axis_must_have_or_does_not_know() {
     assert_eq!(said(&axis(&[("dirve", "virtual")])), "8:5: unknown key `dirve` in axis `x`");
 }
 
-/// A line that is refused is compared with nothing that nobody wrote.
+/// A line that is refused is not compared with default values.
 #[test]
 fn steps_that_do_not_fall_are_told_with_what_stands_in_the_cell() {
     let said = |steps: &str| -> Vec<String> {
@@ -293,7 +293,7 @@ fn contradictions_are_reported_at_the_key_that_is_too_high() {
          10:23: default_velocity 2000 mm/s exceeds max_velocity 1200 mm/s\n\
          11:27: default_acceleration 8001 mm/s^2 exceeds max_acceleration 8000 mm/s^2"
     );
-    // Nine digits of both are the same.
+    // Both have the same first nine digits.
     assert_eq!(
         said(&axis(&[("default_velocity", "1200.0000001 mm/s")])),
         "8:23: default_velocity 1200.0000001 mm/s exceeds max_velocity 1200 mm/s"
@@ -302,7 +302,7 @@ fn contradictions_are_reported_at_the_key_that_is_too_high() {
         said(&axis(&[("max_position", "850 mm"), ("min_position", "85 cm")])),
         "9:19: min_position 850 mm equals max_position 850 mm; below is allowed"
     );
-    // A maximum with a problem of its own contradicts nothing.
+    // A maximum with its own problem contradicts no other value.
     assert_eq!(
         said(&axis(&[("default_velocity", "2 m/s"), ("max_velocity", "1 m")])),
         "9:19: max_velocity: `1 m` is a length; a velocity such as `1 m/s` is expected"
@@ -375,7 +375,7 @@ fn a_drive_moves_one_axis() {
         said(&second("{backend: bus0, node: 7}")),
         "15:34: drive node 7 of backend `bus0` is taken already, at 8:34"
     );
-    // An alias stands where its anchor does, and takes what it says all the same.
+    // An alias has the location of its anchor, and still counts as a second use.
     let aliased = second("&d {backend: plant, address: 7}").replacen("&d {backend: plant, address: 7}", "*d", 2);
     let aliased = aliased.replacen("*d", "&d {backend: plant, address: 7}", 1);
     assert_eq!(said(&aliased), "8:41: drive address 7 of backend `plant` is taken already, at 8:41");

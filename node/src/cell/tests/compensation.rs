@@ -1,4 +1,4 @@
-//! What is between motor and load of an axis: backlash, and the table of its pitch error.
+//! Tests the compensation between motor and load of an axis: backlash, and the table of its pitch error.
 
 use super::{HEAD, assert_said, good};
 
@@ -8,7 +8,7 @@ const TABLES: &str = "tables:\n  screw: {form: xy, points: [[0, 0], [20000, 60],
 const LINEAR: &str = "type: linear, scale: {increments: 1000, per: 1 mm}, max_velocity: 1 m/s, max_acceleration: 1";
 const ROTARY: &str = "type: rotary, scale: {increments: 40000, per: 1 rev}, max_velocity: 1 rad/s, max_acceleration: 1";
 
-/// A cell with an axis `x` of that interface with these keys.
+/// Returns a cell with an axis `x` of that interface with these keys.
 fn axis(kind: &str, interface: &str, keys: &str) -> String {
     let drive = match interface {
         "virtual" => "drive: virtual".to_owned(),

@@ -1,9 +1,9 @@
-//! Copies in speed control: key `quantity`.
+//! Tests copies in speed control: key `quantity`.
 
 use crate::cell::Cell;
 use lineshaft_core::function::Quantity;
 
-/// A cell with a rotary and a linear axis, and these functions.
+/// Reads a cell with a rotary and a linear axis, and these functions.
 fn read(functions: &str) -> Result<Cell, String> {
     let axis = |kind: &str, address: u8, scale: &str, unit: &str| {
         format!(
@@ -98,7 +98,7 @@ fn copies_that_mistake_speeds_and_positions_are_refused() {
         format!(
             "{turn}, f: {{slot: 1, {copy}: g.sink, sink: none}}, g: {{slot: 2, {copy}: f.sink, sink: none, quantity: speed}}"
         ),
-        // Neither reads its source: E1 chooses between two values (AMK-ECOPY-03).
+        // Neither reads its source: E1 selects one of two values (AMK-ECOPY-03).
         format!("{turn}, f: {{slot: 1, type: ecopy, mode: 3, source: turn.sink, sink: disc}}"),
         format!(
             "{turn}, f: {{slot: 1, {copy}: turn.sink, sink: none}}, \

@@ -1,4 +1,4 @@
-//! What the words of encoders are, and who reads them.
+//! Tests formats of encoders, and the axes that read them.
 
 use super::{HEAD, assert_said, good};
 use lineshaft_core::axis::Wired;
@@ -7,12 +7,12 @@ use lineshaft_core::encoder::{Absolute, Form, Parity, PulseCheck, WordCode};
 const SCALE: &str = "type: linear, scale: {increments: 4000, per: 100 mm}";
 const REST: &str = "max_velocity: 1 m/s, max_acceleration: 1";
 
-/// A cell with these keys of an encoder `e`.
+/// Returns a cell with these keys of an encoder `e`.
 fn encoder(keys: &str) -> String {
     format!("{HEAD}encoders:\n  e: {{backend: plant, address: 0, {SCALE}, {keys}}}\n")
 }
 
-/// A cell with an encoder `belt` and these keys of an axis `x` of that interface.
+/// Returns a cell with an encoder `belt` and these keys of an axis `x` of that interface.
 fn axis(interface: &str, keys: &str) -> String {
     let drive = format!("drive: {{backend: plant, address: 0, interface: {interface}}}");
     format!(
@@ -72,7 +72,7 @@ fn what_an_axis_reads() {
     assert_eq!(good(&axis("velocity", "encodertype: 10")).machine.axes[0].parameters.encoder.encodertype, 10);
 }
 
-/// The index that homing looks for is that of what the axis reads: another one would be accepted and never found.
+/// Homing needs the index of the encoder that the axis reads; another one would never be found.
 #[test]
 fn an_index_belongs_to_what_the_axis_reads() {
     let sim = "sim: {model: velocity, index: ^{every: 2.5 mm, at: 0.3 mm}}";
@@ -83,7 +83,7 @@ fn an_index_belongs_to_what_the_axis_reads() {
     let own = sim.replace('^', "");
     good(&axis("velocity", &own));
     good(&axis("velocity", &format!("feedback: {{bits: 32}}, {own}")));
-    // A drive that homes by itself finds its own.
+    // A drive that homes by itself uses its own index.
     good(&axis("velocity", &format!("feedback: {{encoder: belt}}, homing: {{in_drive: true}}, {own}")));
 }
 

@@ -1,4 +1,4 @@
-//! What stands along the way of a simulated axis.
+//! Tests the fixtures along a simulated axis.
 
 use super::*;
 use lineshaft_core::drive::{Backend as _, inputs};
@@ -37,7 +37,7 @@ fn switches_and_their_wires() {
     assert_eq!(read.mechanics, [expected]);
 }
 
-/// A switch reads where it is wired to, and only there.
+/// A switch acts at the input to which it is wired, and only there.
 #[test]
 fn a_wired_switch_reads_at_its_input() {
     for (start, a, b, drive) in [
@@ -56,7 +56,7 @@ fn a_wired_switch_reads_at_its_input() {
         inputs.begin(0, 0);
         plant.read(&mut inputs);
         assert_eq!((inputs.digital(0), inputs.digital(1), inputs.drive[0].inputs), (a, b, drive), "{start}");
-        // Stuck by hand: the switch no longer matters.
+        // Set by hand: the switch has no effect any more.
         plant.set_digital(0, !a);
         inputs.begin(0, 0);
         plant.read(&mut inputs);
@@ -92,7 +92,7 @@ fn what_cannot_stand_along_a_way() {
     }
 }
 
-/// The axis of [`cell`] with other keys in the place of `sim`, and a section `machine`.
+/// Returns the axis of [`cell`] with other keys instead of `sim`, and a section `machine`.
 fn with(keys: &str, machine: &str) -> String {
     cell("{model: ideal}").replace("    sim: {model: ideal}\n", &format!("{keys}machine: {machine}\n"))
 }
@@ -108,7 +108,7 @@ fn a_brake_and_what_hangs_on_it() {
     assert_eq!(read.machine.axes[0].brake, Some(expected));
     let hangs = SimBrake { output: 0, closes_with_one: true, opens_ns: 50_000_000, closes_ns: 40_000_000 };
     assert_eq!((read.mechanics[0].brake, read.mechanics[0].load), (Some(hangs), -9_810_000.0));
-    // Without a brake of its own: that of O_BRAKE, by its number.
+    // Without its own brake: that of O_BRAKE, by its number.
     let read = good(&with(&format!("    o_brake: -1\n{sim}"), "{}"));
     assert_eq!(read.mechanics[0].brake, Some(SimBrake { closes_with_one: false, ..hangs }));
     let bare = "    sim: {model: ideal, hanging_load: -9.81 m/s^2}\n";
@@ -117,7 +117,7 @@ fn a_brake_and_what_hangs_on_it() {
         |key| format!("{key} is for an axis with a brake; this one has neither brake nor o_brake, leave it out");
     let [opens, closes] = ["brake_opens", "brake_closes"].map(sentence);
     assert_eq!(said(&with(sim, "{}")), format!("16:65: {opens}\n16:86: {closes}"));
-    // A drive without a sign turns as its outputs say.
+    // The outputs select the direction of a drive without a signed reference.
     let velocity =
         with("    revers: 10\n", "{}").replace("address: 0}\n    max", "address: 0, interface: velocity}\n    max");
     assert_eq!(good(&velocity).mechanics[0].sign, Some(Sign::Direction(0)));
@@ -171,7 +171,7 @@ fn the_machine_has_a_section_of_its_own() {
     }
 }
 
-/// What opens a brake beside its axis, or tells two things at once, is no output of either.
+/// An output of a brake has no second function of another axis, and none of the same axis.
 #[test]
 fn an_output_has_one_function() {
     for (keys, machine, expected) in [

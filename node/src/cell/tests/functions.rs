@@ -1,4 +1,4 @@
-//! Sections `functions` and `tables`.
+//! Tests sections `functions` and `tables`.
 
 use super::sections::three_axes;
 use super::{HEAD, assert_said, good, said};
@@ -6,7 +6,7 @@ use lineshaft_core::config::{Line, SinkConfig, SourceConfig};
 use lineshaft_core::function::{Kind, OnAxisError, Width};
 use lineshaft_core::object::{Leader, Object};
 
-/// What stands before the functions: two outputs, an input, memory, a table. The functions begin in line 14.
+/// Objects before the functions: two outputs, an input, memory, a table. The functions begin in line 14.
 const OBJECTS: &str = "io: {lamp: {type: do, backend: plant, address: 0}, aa: {type: ao, backend: plant, address: 0}, \
                        go: {type: di, backend: plant, address: 0}}\n\
                        memory: {feed: {type: i16}, flag: {type: bit}}\n\
@@ -32,7 +32,7 @@ fn a_slot_knows_what_it_is_wired_to() {
     assert_eq!(early.inputs[..4], [line(Object::Io(2), false), None, line(Object::Memory(1), true), None]);
     assert_eq!((early.outputs[0], early.words[0].as_deref()), (line(Object::Io(0), false), Some("feed")));
     assert_eq!((early.on_axis_error, &early.values[..]), (OnAxisError::Reset, &[1, 0, 0, 0, 0, 0, 0, 0, 0, 0, -3][..]));
-    // The sink that it reads is counted in the order of the slots.
+    // The sink that it reads has an index in the order of the slots.
     assert_eq!((late.number, &late.source), (9, &SourceConfig::Lead(Leader::Sink(0))));
     assert_eq!((late.source_width, late.sink_width, late.factor), (Width::W16, Width::W64, 4));
     assert_eq!(late.call_ns(cell.machine.cycle_ns), 4_000_000);
@@ -166,7 +166,7 @@ fn a_table_of_a_file_beside_the_cell_is_read_and_told_with_its_line() {
     std::fs::write(folder.path().join("long.csv"), "0\n1000\n4000\n").unwrap();
     let read = crate::cell::Cell::load(&path).unwrap();
     assert_eq!(read.machine.tables[0].table.y(), [0, 1000, 4000]);
-    // The recording takes the file along.
+    // The recording contains the file.
     let again =
         crate::cell::Cell::parse_recorded("cell.yaml", read.text.clone(), read.files_text().as_deref()).unwrap();
     assert_eq!(again.machine.tables, read.machine.tables);
@@ -175,7 +175,7 @@ fn a_table_of_a_file_beside_the_cell_is_read_and_told_with_its_line() {
     assert!(problems.contains("long.csv, line 2, column 1: `ten` is no whole number of 32 bits"), "{problems}");
 }
 
-/// Functions of ascending slots from source to sink; their problems, which begin in line 14.
+/// Returns the problems of functions in slots 0, 1, ... from source to sink; they begin in line 14.
 fn links(links: &[(&str, &str)]) -> String {
     let line = |(slot, (source, sink)): (usize, &(&str, &str))| {
         format!("  f{slot}: {{slot: {slot}, type: varsync, source: {source}, sink: {sink}}}\n")
@@ -198,7 +198,7 @@ fn axes_that_follow_each_other_in_a_loop_are_named() {
         links(&[("line", "x"), ("x", "turret"), ("turret.target.position", "line")]),
         format!("16:3: {says} line -> x -> turret -> line{}", hint("turret"))
     );
-    // Through the output of other functions, also of those that stand further down.
+    // Through the outputs of other functions, also of those further down.
     assert_eq!(
         links(&[("f2.sink", "x"), ("x", "turret"), ("turret", "none")]),
         format!("15:3: {says} turret -> x -> turret{}", hint("x"))

@@ -1,10 +1,10 @@
-//! Axes with two drives.
+//! Tests axes with two drives.
 
 use super::{assert_said, good, said};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::sim::Model;
 
-/// Nine lines, and the keys of the axis behind them.
+/// Returns a cell of nine lines, followed by the keys of the axis.
 fn cell(keys: &str) -> String {
     format!(
         "lineshaft: 1\ncycle: 1 ms\nbackends:\n  plant: {{type: sim}}\n  late: {{type: sim, delay: 1}}\n  bus0: {{type: can, transport: 'socketcan:can0'}}\n\
@@ -31,7 +31,7 @@ fn two_drives_make_an_axis() {
     let gantry = axes[0].parameters.gantry;
     assert_eq!((gantry.max_skew, gantry.squaring_distance), (Some(200), Some(3_000)));
     assert_eq!((gantry.skew_reaction, gantry.square_offset), (2, Some(-1_000)));
-    // The first drives of all axes stand before the second ones.
+    // The first drives of all axes are before the second ones.
     assert_eq!(cell.models, [Model::Ideal; 2]);
     let starts: Vec<_> = cell.mechanics.iter().map(|mechanics| mechanics.fixtures.start).collect();
     let homes: Vec<_> = cell.mechanics.iter().map(|mechanics| mechanics.fixtures.home).collect();
@@ -55,7 +55,7 @@ fn two_drives_have_the_longer_time_to_be_enabled() {
     }
 }
 
-/// An axis behind one with two drives has the place among the drives that it had.
+/// An axis after one with two drives keeps its index among the drives.
 #[test]
 fn the_second_drives_stand_behind_all_others() {
     let other = "  y: {type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}, max_velocity: 1 m/s, max_acceleration: 1, drive: {backend: plant, address: 1}}\n";

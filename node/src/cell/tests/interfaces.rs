@@ -1,4 +1,4 @@
-//! How drives are commanded, simulated, and what open-loop axes switch.
+//! Tests the interfaces of drives, their simulation, and the outputs of open-loop axes.
 
 use super::axes::axis;
 use super::{HEAD, assert_said, good, said};
@@ -161,7 +161,7 @@ const IO: &str = "io:\n  fwd: {type: do, backend: plant, address: 0}\n  bwd: {ty
                   in: {type: di, backend: plant, address: 0}\n  q1: {type: do, backend: plant, address: 2}\n  \
                   a1: {type: ao, backend: plant, address: 0}\n";
 
-/// Two axes, x in open loop and y, with what stands in their sections `wf`.
+/// Returns two axes, x in open loop and y, with these keys in their sections `wf`.
 fn wired(x: &str, y_drive: &str, y: &str) -> String {
     let axis = |name: &str, drive: &str, wf: &str| {
         format!(
@@ -208,13 +208,13 @@ fn outputs_must_exist_fit_and_belong_to_one_axis() {
         ),
         ("{}", "virtual", "{dac: ^a1}", "dac is for interface open_loop; axis `y` is virtual, leave it out"),
     ] {
-        // An unknown key is told at the key.
+        // An unknown key is reported at the key.
         let (x, y) = if x.contains("outptu") { ("{^outptu: q1}", y) } else { (x, y) };
         assert_said(&wired(x, y_drive, y), sentence);
     }
 }
 
-/// The two drives of the contract, as they stand there.
+/// The two drives in docs/contract.md.
 #[test]
 fn the_drives_of_the_contract_are_good() {
     let contract = include_str!("../../../../docs/contract.md");

@@ -1,9 +1,9 @@
-//! Key `joint` of an axis.
+//! Tests key `joint` of an axis.
 
 use super::axes::axis;
 use super::{HEAD, assert_said, good, said};
 
-/// An axis on one line.
+/// Returns an axis on one line.
 fn line(name: &str, address: u8, joint: &str) -> String {
     format!(
         "  {name}: {{{joint}drive: {{backend: plant, address: {address}}}, type: linear, \
@@ -25,7 +25,7 @@ fn without_the_key_the_joint_name_is_the_object_name() {
 #[test]
 fn names_of_ros_robots_are_allowed() {
     let longest = "J".repeat(64);
-    // Characters count, not bytes.
+    // The length counts characters, not bytes.
     let umlauts = "\u{fc}".repeat(64);
     for joint in ["Shoulder_Pan", "left/arm_1", "J1", "7", "joint 1", "Arm.J1", "\u{30eb}", &longest, &umlauts] {
         let cell = good(&axis(&[("joint", &format!("\"{joint}\""))]));
@@ -36,7 +36,7 @@ fn names_of_ros_robots_are_allowed() {
     assert!(cell.joint_names.iter().eq(["a", "b"]), "its own name");
     let cell = good(&two("joint: J1, ", "joint: j1, "));
     assert!(cell.joint_names.iter().eq(["J1", "j1"]), "capitals tell names apart");
-    // Of other objects it may have the name.
+    // It may be the name of another kind of object.
     let cell = good(&two("joint: plant, ", ""));
     assert!(cell.joint_names.iter().eq(["plant", "b"]));
 }
@@ -67,7 +67,7 @@ fn what_is_no_joint_name_is_refused() {
 #[test]
 fn both_names_are_unique_over_all_axes() {
     let end = "; each axis needs a joint name of its own";
-    // `a` is in line 7, `b` in line 8; the keys begin behind `  a: {`.
+    // `a` is in line 7, `b` in line 8; the keys begin after `  a: {`.
     assert_said(
         &two("joint: J1, ", "joint: ^J1, "),
         &format!("joint of axis `b` is `J1`, which is the joint of axis `a` already, at 7:14{end}"),
@@ -80,7 +80,7 @@ fn both_names_are_unique_over_all_axes() {
         &two("joint: ^b, ", ""),
         &format!("joint of axis `a` is `b`, which is the name of axis `b`, at 8:3{end}"),
     );
-    // Also where that axis has a joint name of its own.
+    // Even if that axis has its own joint name.
     assert_said(
         &two("joint: ^b, ", "joint: J1, "),
         &format!("joint of axis `a` is `b`, which is the name of axis `b`, at 8:3{end}"),

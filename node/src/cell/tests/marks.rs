@@ -1,10 +1,10 @@
-//! Marks that an input sees in the simulation.
+//! Tests printed marks that an input detects in the simulation.
 
 use super::*;
 use lineshaft_core::position::Position;
 use lineshaft_core::sim::{Carrier, Marks, Stretch};
 
-/// An input with these keys, which is the second one; `other` is a second simulation.
+/// Returns a cell whose second input has these keys; `other` is a second simulation.
 fn cell(keys: &str) -> String {
     format!(
         "lineshaft: 1\ncycle: 1 ms\nbackends: {{p: {{type: sim}}, other: {{type: sim}}}}\nio:\n  gate: {{type: di, backend: p, address: 0}}\n  \
@@ -46,7 +46,7 @@ fn marks_are_in_units_of_their_way() {
     assert_eq!(good(&cell("type: di, backend: p, address: 1")).marks, []);
 }
 
-/// 75 inc of belt in a cycle: the mark at 50 inc, and the level of one that is 40 inc long.
+/// The belt moves 75 inc in a cycle: the mark at 50 inc passes, and the level of a mark 40 inc long is active.
 #[test]
 fn the_plant_of_a_cell_has_its_marks() {
     use lineshaft_core::drive::{Backend as _, Edge};
@@ -61,7 +61,7 @@ fn the_plant_of_a_cell_has_its_marks() {
     let [latch] = inputs.latch[..] else { panic!("{:?}", inputs.latch) };
     assert_eq!((latch.object, latch.edge, latch.age_ns), (Object::Io(1), Edge::Rising, Some(333_333)));
     assert!(inputs.digital(1));
-    // Nothing of it hangs on other backends.
+    // Other backends have no marks.
     let mut other = read.plant_of(|backend| backend.name == "other");
     other.read(&mut inputs);
     other.jump_encoder(0, 75);

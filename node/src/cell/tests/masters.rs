@@ -1,4 +1,4 @@
-//! Section `masters`.
+//! Tests section `masters`.
 
 use super::sections::three_axes;
 use super::{assert_said, good, said};
@@ -6,7 +6,7 @@ use lineshaft_core::config::SourceConfig;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::Leader;
 
-/// A belt and two functions, which their slots turn round; masters begin in line 13.
+/// Returns a cell with a belt and two functions, whose slots are in reverse order; masters begin in line 13.
 fn with(functions: &str, masters: &str) -> String {
     let belt = "encoders: {belt: {backend: plant, address: 0, type: linear, scale: {increments: 1, per: 1 mm}}}\n";
     three_axes(&format!("{belt}functions: {{{functions}}}\nmasters:\n{masters}"))
@@ -25,7 +25,7 @@ fn members_are_resolved() {
     let [sum, other] = cell.machine.masters.as_slice() else { panic!("two masters") };
     assert_eq!((sum.name.as_str(), other.name.as_str()), ("sum", "other"));
     assert_eq!(sum.add, [Leader::Encoder(0), Leader::AxisActual(1), Leader::Sum(1)]);
-    // Sinks are counted in the order of the slots.
+    // Sinks have indices in the order of the slots.
     assert_eq!(sum.subtract, [Leader::AxisCommand(2), Leader::Sink(1), Leader::Sink(0), Leader::Virtual]);
     assert_eq!((other.add.len(), other.subtract.as_slice()), (0, &[Leader::AxisCommand(0)][..]));
     let signals = cell.machine.directory();
@@ -70,7 +70,8 @@ fn what_no_master_can_be_is_refused_where_it_stands() {
     );
 }
 
-/// One by one: `x` in 17 masters would be 17 members; the n-th of two before it has more than 64 leaders.
+/// Tests each limit: `x` in 17 masters would be 17 members; the n-th master of two earlier ones has more than 64
+/// leaders.
 #[test]
 fn there_is_room_for_so_many() {
     let masters = |count: usize, text: &dyn Fn(usize) -> String| -> String {
@@ -124,7 +125,8 @@ fn functions_and_selectors_read_masters() {
     assert!(refused.ends_with(": master is `sum.position`; `sum` is allowed"), "{refused}");
 }
 
-/// Axes x and turret with these masters of their selectors; `sum` has the actual position of x, `all` its command through `part` and f.
+/// Returns a cell with axes x and turret and these masters of their selectors; `sum` has the actual position of x,
+/// `all` its command through `part` and f.
 fn cell_of_selectors(selectors: &[(&str, &str)]) -> String {
     let masters = "  sum: {add: [belt, x.actual]}\n  all: {subtract: [part, belt]}\n  part: {add: [f.sink]}\n";
     let mut text = with("f: {slot: 0, type: dcopy, source: x, sink: none}", masters);
@@ -147,7 +149,7 @@ fn loops_through_masters_are_refused() {
         let cell = good(&cell_of_selectors(&good_ones));
         assert!(Machine::new(cell.machine).is_ok());
     }
-    // Functions: turret reads x through a sum, and the second one lets x follow turret.
+    // Functions: turret reads x through a sum, and with the second one x follows turret.
     let functions = |source: &str| {
         let slot = |name, slot, source: &str, sink| {
             format!("{name}: {{slot: {slot}, type: varsync, source: {source}, sink: {sink}}}")

@@ -1,4 +1,4 @@
-//! The table of maxima in docs/contract.md.
+//! Tests the table of maxima in docs/contract.md.
 
 use crate::document::{MAX_BYTES, MAX_VALUES};
 use lineshaft_core::config::{MAX_MASTERS, MAX_MEMBERS, MAX_SLOTS};

@@ -1,4 +1,4 @@
-//! Model motor: what it is made of, and what is refused.
+//! Tests model motor: its data, and refusals.
 
 use super::axes::axis;
 use super::{assert_said, good, said};
@@ -7,13 +7,13 @@ use lineshaft_core::sim::{Amplifier, Coupling, Friction, Load, Model, Motor, Mot
 
 const VELOCITY: (&str, &str) = ("drive", "{backend: plant, address: 0, interface: velocity}");
 
-/// An axis with a motor that has these keys beside those that must stand.
+/// Returns an axis with a motor that has the required keys and these.
 fn with(keys: &str) -> String {
     let sim = format!("{{model: motor, inertia: 2.5e-4, rated_torque: 1.2 Nm, counts_per_turn: 65536 inc{keys}}}");
     axis(&[VELOCITY, ("sim", &sim)])
 }
 
-/// The same where the keys are all that it has.
+/// Returns an axis with a motor that has only these keys.
 fn bare(keys: &str) -> String {
     axis(&[VELOCITY, ("sim", &format!("{{model: motor, {keys}}}"))])
 }
@@ -58,7 +58,7 @@ fn a_motor_has_what_its_keys_say() {
     assert_eq!(cell.models, [model(data).wired(true)]);
 }
 
-/// The constants of torque and voltage of a winding are one number, where nobody says two.
+/// The torque constant and the voltage constant of a winding are equal, unless both are given.
 #[test]
 fn a_winding_stands_in_the_place_of_a_rated_torque() {
     let winding = "inertia: 2.5e-4, counts_per_turn: 65536, voltage: 48 V, resistance: 1.2 Ohm, inductance: 3 mH, torque_constant: 0.4 Nm/A";
@@ -120,7 +120,7 @@ fn what_is_outside_its_range_is_refused_by_name() {
     ] {
         assert_said(&with(keys), expected);
     }
-    // All at once.
+    // All problems at once.
     let text = with(", noise: -1, load_torque: 1e7 Nm, dead_time: 2 s");
     assert_eq!(said(&text).lines().count(), 3, "{}", said(&text));
 }
@@ -164,7 +164,8 @@ fn what_must_stand_is_asked_for() {
     assert!(said(&position).ends_with("model motor is for interface velocity, torque; this drive has position"));
 }
 
-/// A power stage needs a winding behind it, a simulated motor, and a bus that has voltages. What its current loop needs is told by the key.
+/// A power stage needs a simulated motor with a winding, and a backend with voltages. Requirements of its current loop
+/// are reported at the key.
 ///
 /// Proves: MACS-AMP-09, MACS-AMP-10
 #[test]

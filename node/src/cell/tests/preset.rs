@@ -1,11 +1,11 @@
-//! What `--preset amkasyn` refuses of cells that have no other problem.
+//! Tests the refusals of `--preset amkasyn` in cells without other problems.
 
 use super::{HEAD, unmark};
 use crate::cell::tables::Files;
 use crate::cell::{Cell, Preset};
 use crate::document::Document;
 
-/// Nine axes, five encoders, ten inputs, eight outputs, five analog ones, memory and tables; then the functions.
+/// Nine axes, five encoders, ten inputs, eight outputs, five analog outputs, memory and tables; then the functions.
 fn cell(functions: &str) -> String {
     let scale = "type: linear, scale: {increments: 1, per: 1 mm}";
     let axis = |n| format!("x{n}: {{{scale}, drive: virtual, max_velocity: 1, max_acceleration: 1}}");
@@ -31,7 +31,7 @@ fn cell(functions: &str) -> String {
     )
 }
 
-/// The problems within the preset, one per line, without the file's name; the cell itself has none.
+/// Returns the problems with the preset, one per line, without the file name; the cell itself has none.
 fn held(text: &str) -> String {
     let problems = |preset| Cell::of(Document::parse("c", text), &Files::None, preset).err();
     assert!(problems(None).is_none(), "{:?}", problems(None));
@@ -184,7 +184,7 @@ fn more_than_the_source_has_of_something_is_refused_at_the_first_one_too_many() 
     };
     assert_held(&outputs("^a4"), "sink is `a4`, ao 5 of those that functions use; preset amkasyn allows 4");
     assert_eq!(held(&cell(&outputs("none"))), "");
-    // 32 double words fill the flags.
+    // 32 double words use all flags.
     let words = |word: &str| {
         let copy = |n| format!("type: varsync, source: m{n}, sink: m{}", n + 16);
         let mut functions: Vec<_> = (0..16).map(copy).collect();
@@ -244,7 +244,7 @@ fn all_that_is_beyond_the_preset_is_told_at_once_and_only_where_the_cell_is_good
     assert_eq!(held(&cell(at_bounds)), "");
 }
 
-/// A source reads one leader there, also for what it shows.
+/// A source reads one leader there, also for the signals of a master.
 #[test]
 fn a_master_of_several_is_none_of_the_source() {
     for source in ["sum", "sum.velocity"] {

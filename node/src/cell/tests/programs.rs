@@ -1,4 +1,4 @@
-//! Section `programs`, and functions that run them.
+//! Tests section `programs`, and functions that run them.
 
 use super::Cell;
 use crate::program;
@@ -7,7 +7,7 @@ use serde_json::json;
 
 const FB10: &[u8] = include_bytes!("../../../../launch-configs/functions/programs/fb10.wasm");
 
-/// A cell with a program and this function, read as a recording holds it.
+/// Reads a cell with a program and this function, as from a recording.
 fn read(function: &str) -> Result<Cell, String> {
     let text = format!(
         "lineshaft: 1\n\
@@ -41,7 +41,7 @@ fn a_function_runs_a_program_by_its_name() {
     assert_eq!((plain.machine.slots[0].fuel, plain.machine.slots[0].quantity), (50_000, Quantity::Position));
 }
 
-/// What the record of the source has beside it stands elsewhere, or is nothing.
+/// Other data in the parameter set of the source controller is configured elsewhere or has no effect.
 ///
 /// Proves: AMK-APSF-39, AMK-APSF-43
 #[test]
@@ -70,6 +70,6 @@ fn what_a_program_cannot_be_is_refused_where_it_stands() {
     }
     let many = format!("type: apsf, program: fb10, reads: [{}]", ["md"; 17].join(", "));
     assert!(read(&many).unwrap_err().contains("reads has 17 entries; at most 16 are possible"));
-    // Linear axes take positions.
+    // A sink that is a linear axis gets positions.
     read("type: apsf, program: fb10, sink: slide").unwrap();
 }

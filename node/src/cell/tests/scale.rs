@@ -1,9 +1,9 @@
-//! Unit factors of MACS in the place of scale, and the views of MACS in the place of native keys.
+//! Tests unit factors of MACS instead of scale, and views of MACS instead of native keys.
 
 use super::{HEAD, good, said};
 use lineshaft_core::config::AxisConfig;
 
-/// An axis with these keys, from line 8 on and column 5, between its drive and nothing else.
+/// Returns an axis with these keys, from line 8, column 5, after its type and drive.
 fn axis(keys: &[(&str, &str)]) -> String {
     let line = |(key, value): &(&str, &str)| format!("    {key}: {value}\n");
     let drive = "    type: linear\n    drive: {backend: plant, address: 0}\n";
@@ -32,10 +32,10 @@ fn a_fraction_stands_in_the_place_of_scale() {
         assert_eq!(read(&keys("mm", max_position)).parameters.max_position, Some(increments));
     }
     assert_eq!(read(&keys("cm", "8 cm")).parameters.max_position, Some(403));
-    // Without a unit a user unit is a metre.
+    // Without a unit, the user unit is a metre.
     let text = with(&[("posfact_z", "50375"), ("posfact_n", "1000"), ("max_position", "8 m")]);
     assert_eq!(read(&text).parameters.max_position, Some(403));
-    // The numbers are kept as they were given.
+    // The numbers are stored as given.
     let factors = read(&keys("mm", "8 mm")).parameters.macs.scale.unwrap();
     assert_eq!((factors.posfact_z, factors.posfact_n), (50_375, 1000));
 }
@@ -56,12 +56,12 @@ fn the_factors_of_canopen_take_part() {
         ("max_position", "123 mm"),
     ]);
     assert_eq!(read(&text).parameters.max_position, Some(1230));
-    // The others are what they are in MACS: 1000 / 1000, and 1.
+    // The other factors have their defaults of MACS: 1000 / 1000, and 1.
     let text = with(&[("unit", "mm"), ("posencqc", "2000"), ("max_position", "3 mm")]);
     assert_eq!(read(&text).parameters.max_position, Some(6000));
 }
 
-/// A user unit of a tenth of a millimetre: 100 increments each, and the position as it is written.
+/// A user unit of a tenth of a millimetre: each has 100 increments, and the position is as written.
 #[test]
 fn a_user_unit_may_be_a_share_of_a_unit() {
     let text = with(&[
@@ -80,7 +80,7 @@ fn a_user_unit_may_be_a_share_of_a_unit() {
     }
 }
 
-/// The largest factors that MACS has, with positions beyond what its 31 bits count.
+/// The largest factors of MACS, with positions beyond its 31 bits.
 #[test]
 fn large_factors_are_exact() {
     let text = with(&[("unit", "mm"), ("posfact_z", "1073741823"), ("posfact_n", "1"), ("max_position", "1 mm")]);
@@ -101,7 +101,7 @@ fn what_is_wrong_with_factors_has_its_place() {
         (&[("posfact_n", "1073741824")][..], "8:16: posfact_n is `1073741824`; 1 to 1073741823 is allowed"),
         (&[("feedrev", "1.5")][..], "8:14: feedrev is `1.5`; a whole number, 1 to 1073741823, is expected"),
         (&[("unit", "deg"), ("posfact_z", "5")][..], "8:11: unit is `deg`; one of nm, um, mm, cm, m, inc is allowed"),
-        // Nobody means an increment by it, which is nearest by its letters.
+        // The most similar name is that of an increment, which is never meant by it.
         (
             &[("unit", "inch"), ("posfact_z", "5")][..],
             "8:11: unit is `inch`; one of nm, um, mm, cm, m, inc is allowed, an inch is `25.4 mm`",
@@ -111,7 +111,8 @@ fn what_is_wrong_with_factors_has_its_place() {
     }
 }
 
-/// The factors count increments per axis unit; a radian is no exact part of a turn, and its position is right all the same.
+/// The factors are increments per axis unit; a radian is no exact fraction of a revolution, but its position is
+/// correct.
 #[test]
 fn rotary_axes_have_factors_too() {
     let rotary = |unit: &'static str, end: &'static str| {
@@ -135,7 +136,7 @@ fn macs(keys: &[(&'static str, &'static str)]) -> String {
     axis(&[keys, &[("unit", "mm"), SCALE]].concat())
 }
 
-/// VELMAX and RAMPMIN stand for the required keys: 1500 rpm, 500 lines: 50,000 inc/s, in 500 ms.
+/// VELMAX and RAMPMIN replace the required keys: 1500 rpm, 500 lines: 50,000 inc/s, in 500 ms.
 ///
 /// Proves: MACS-PROF-01, MACS-PROF-03
 #[test]
@@ -193,7 +194,8 @@ fn views_that_do_not_fit_name_what_was_written() {
     }
 }
 
-/// Jerk follows from acceleration, which follows from velocity: what leaves its range is told at what was written.
+/// Jerk follows from acceleration, which follows from velocity: a derived value outside of its range is reported at the
+/// given value.
 #[test]
 fn a_value_that_follows_from_others_may_leave_its_range() {
     let text = macs(&[("max_velocity", "2 km/s"), ("max_acceleration", "1 m/s^2")]);

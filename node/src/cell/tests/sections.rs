@@ -1,4 +1,4 @@
-//! The sections around the axes, problem by problem.
+//! Tests each problem of the sections other than axes.
 
 use super::{HEAD, RosOptions, assert_said, good, said, said_of};
 use crate::cell::{OnLoss, RecordTopics};
@@ -44,7 +44,7 @@ fn scenario_instead_of_a_cell_is_reported_in_one_sentence() {
         "this looks like a scenario; a cell is expected, check it with `lineshaft check CELL --scenario FILE`";
     assert_eq!(said("# first\nscenario: s\nfor: 1 s\nexpect: []\n"), format!("2:1: {sentence}"));
     assert_eq!(said("steps: []\n"), format!("1:1: {sentence}"));
-    // A cell with a key of a scenario stays a cell.
+    // A cell with a key of a scenario is still a cell.
     assert!(said("lineshaft: 1\nscenario: s\n").contains("unknown key `scenario` in the cell"));
 }
 
@@ -331,7 +331,7 @@ fn a_name_stands_once_in_a_cell() {
         "7:3: `ros` is taken; machine, end and ros name no object\n\
          8:3: `a.b` is no name; a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed, write `a_b`"
     );
-    // One problem is enough for what is meant by a name that is none, and a line stays a line.
+    // An invalid name causes one problem, also if it is referred to, and the message stays on one line.
     let cell = HEAD.replace("plant:", "\"Pla\\nnt\":");
     let io = "{type: di, backend: \"Pla\\nnt\", address: 0}";
     let rule = "a letter a..z, then a..z, 0..9 and _, at most 32 characters, is allowed";
@@ -341,14 +341,14 @@ fn a_name_stands_once_in_a_cell() {
             "4:3: `Pla\\nnt` is no name; {rule}\n8:46: di address 0 of backend `Pla\\nnt` is taken already, at 7:46"
         )
     );
-    // The second is the one further down, whatever the order in which sections are read.
+    // The second one is the one further down, whatever the order in which sections are read.
     assert_said(
         &three_axes("groups: {g: [x]}\nmemory: {^g: {type: bit}}\n"),
         "`g` is a group already, at 10:10; a name stands once",
     );
 }
 
-/// Two axes with drives and a virtual one.
+/// Returns a cell with two axes with drives and a virtual one.
 pub(super) fn three_axes(more: &str) -> String {
     let axis = |name: &str, drive: &str| {
         format!(

@@ -1,4 +1,4 @@
-//! The words of `lineshaft can`, what each may be, and their help.
+//! Arguments of `lineshaft can`, with their permitted values and help texts.
 
 use crate::cli::times::within;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -10,7 +10,7 @@ use lineshaft_can::{NmtCommand, NodeId, lss};
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Bit rates that CAN knows (bit/s).
+/// Permitted bit rates of CAN, in bit/s.
 const BIT_RATES: (u32, u32) = (10_000, 1_000_000);
 
 /// Commissioning of a CAN bus, command by command.
@@ -322,7 +322,7 @@ pub(in crate::cli) struct ConfigureArgs {
     pub(super) bus: BusArgs,
 }
 
-/// One device or all of them.
+/// One device or all devices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::cli) enum Target {
     One(NodeId),
@@ -356,7 +356,7 @@ impl From<NmtArg> for NmtCommand {
     }
 }
 
-/// Types of values by their names.
+/// Returns the parser of data types by name.
 fn data_type() -> impl TypedValueParser<Value = DataType> {
     PossibleValuesParser::new(kind::names()).try_map(|name| kind::named(&name).ok_or("no type"))
 }
@@ -379,7 +379,7 @@ fn bit_rate(text: &str) -> Result<u32, String> {
     rate.ok_or_else(|| format!("{text:?} is no bit rate; {least} to {most} bit/s is allowed, without a unit"))
 }
 
-/// The baud rate of a serial line.
+/// Parses the baud rate of a serial line.
 fn baudrate(text: &str) -> Result<u32, String> {
     let rate = text.parse().ok().filter(|rate| BAUD_RATES.contains(rate));
     rate.ok_or_else(|| {
@@ -388,7 +388,7 @@ fn baudrate(text: &str) -> Result<u32, String> {
     })
 }
 
-/// The index of a bit rate.
+/// Parses a bit rate; returns its index.
 fn lss_bit_rate(text: &str) -> Result<u8, String> {
     let rate = text.parse().ok().and_then(lss::bit_rate);
     rate.ok_or_else(|| {
@@ -397,7 +397,7 @@ fn lss_bit_rate(text: &str) -> Result<u8, String> {
     })
 }
 
-/// A number of 32 bits: decimal, or hexadecimal as 0xFB or FBh.
+/// Parses a number of 32 bits: decimal, or hexadecimal such as 0xFB or FBh.
 fn number(text: &str) -> Result<u32, String> {
     let lower = text.to_ascii_lowercase();
     let digits = lower.strip_prefix("0x").or_else(|| lower.strip_suffix('h'));

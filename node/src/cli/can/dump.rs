@@ -1,8 +1,8 @@
 //! `lineshaft can dump`.
 //!
-//! Law      frames come in the order in which the bag has them, each with its time from the first cycle of the bag on
-//! Reads    a bag; the cell that was named, else the one that is attached to it
-//! Refuses  bags without frames, and buses that it does not have, with what it has
+//! Law      frames are printed in the order of the bag, each with its time since the first cycle of the bag
+//! Reads    a bag; the given cell, otherwise the attached one
+//! Refuses  bags without frames, and buses that the bag lacks; the error message lists its buses
 
 use super::Failure;
 use super::args::DumpArgs;
@@ -21,7 +21,7 @@ use lineshaft_msgs::foreign::can_msgs::msg::Frame as Told;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Most names in a sentence.
+/// Maximum number of names in a message.
 const MOST_NAMES: usize = 20;
 
 impl From<RunError> for Failure {
@@ -30,14 +30,14 @@ impl From<RunError> for Failure {
     }
 }
 
-/// What a frame was of.
+/// Bus and direction of a topic of frames.
 struct Topic<'a> {
     bus: &'a str,
     way: Way,
 }
 
 impl<'a> Topic<'a> {
-    /// By the name of a topic: `/lineshaft/can/bus0/sent`.
+    /// Parses a topic name such as `/lineshaft/can/bus0/sent`.
     fn of(name: &'a str) -> Option<Self> {
         let (before, last) = name.rsplit_once('/')?;
         let way = Way::ALL.into_iter().find(|way| way.name() == last)?;
@@ -67,7 +67,7 @@ pub(super) fn dump(args: &DumpArgs) -> Result<(), Failure> {
             decoders.insert(bus.to_owned(), other.clone());
         }
         let Some(decoder) = decoders.get_mut(bus) else { continue };
-        // What others have said belongs to an exchange, also where it is not shown.
+        // Frames of other nodes may belong to the same exchange even if they are not printed.
         let words = decoder.words(&frame);
         if args.node.is_some_and(|node| !decoder.concerns(&frame, node)) {
             continue;
@@ -78,7 +78,7 @@ pub(super) fn dump(args: &DumpArgs) -> Result<(), Failure> {
             return Ok(());
         }
     }
-    // A file of which nothing more is whole ends before its time.
+    // A damaged file ends early.
     for cut in run.cuts() {
         eprintln!("note: {}", clean(&cut.to_string()));
     }
@@ -99,7 +99,7 @@ pub(super) fn dump(args: &DumpArgs) -> Result<(), Failure> {
     }
 }
 
-/// Names in a sentence.
+/// Lists names for a message.
 fn listed(names: &BTreeSet<String>) -> String {
     let mut listed: Vec<_> = names.iter().take(MOST_NAMES).map(|name| clean(&excerpt(name)).into_owned()).collect();
     if names.len() > MOST_NAMES {
@@ -108,7 +108,7 @@ fn listed(names: &BTreeSet<String>) -> String {
     if listed.is_empty() { "none".to_owned() } else { listed.join(", ") }
 }
 
-/// A frame and its time (ns); no frame where it is none that CANopen uses.
+/// Returns a frame and its time, in ns; no frame if CANopen does not use this kind.
 fn frame(message: &Message<'_>) -> Result<(u64, Option<Frame>), Failure> {
     let sentence =
         |reason| Failure::Usage(format!("{} at {} ns: {reason}", clean(&excerpt(message.topic)), message.log_time));
@@ -125,7 +125,7 @@ fn frame(message: &Message<'_>) -> Result<(u64, Option<Frame>), Failure> {
     Ok((stamp_ns, frame))
 }
 
-/// What is known of the devices of each bus, and of one that no cell tells of.
+/// Returns a decoder with the known devices of each bus, and one for buses without a cell.
 fn decoders(args: &DumpArgs, run: &Run) -> Result<(BTreeMap<String, Decoder>, Decoder), Failure> {
     let mut decoders = match &args.cell {
         Some(path) => {
@@ -143,7 +143,7 @@ fn decoders(args: &DumpArgs, run: &Run) -> Result<(BTreeMap<String, Decoder>, De
     Ok((decoders, other))
 }
 
-/// What the cell says that is attached to the bag, as far as its files are here.
+/// Returns the decoders of the cell attached to the bag, with the device files that exist here.
 fn attached(run: &Run) -> Result<BTreeMap<String, Decoder>, Failure> {
     let text = run.attachment("cell.yaml")?.and_then(|bytes| String::from_utf8(bytes).ok());
     let files = attached_files(run)?;

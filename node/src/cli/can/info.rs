@@ -116,7 +116,7 @@ fn of_drive(drive: &Drive) -> Vec<Row> {
     rows
 }
 
-/// A table of PDOs: their objects below each other.
+/// Returns a table of PDOs, with their objects below each other.
 fn of_pdos(pdos: &[PdoSeen], dictionary: Option<&Dictionary>) -> String {
     if pdos.is_empty() {
         return "the device has no PDOs".to_owned();

@@ -1,7 +1,9 @@
 //! `lineshaft can`: commissioning of a CAN bus without ROS.
 //!
-//! Law      a command says what is wrong with its words and files before the bus is opened, and sends only what was asked for
-//! Refuses  bad words and files with exit code 2; what the bus or a device refuses or does not answer with exit code 1
+//! Law      a command reports errors of its arguments and files before it opens the bus, and sends only the requested
+//!          frames
+//! Refuses  wrong arguments and files with exit code 2; errors and missing answers of the bus or a device with exit
+//!          code 1
 
 mod args;
 mod configure;
@@ -23,14 +25,14 @@ use super::command_output::Output;
 use crate::document::Problems;
 use lineshaft_can::commission::{CommissionError, Refusal};
 
-/// Why a command has not done what it was to do.
+/// Reason why a command failed.
 #[derive(Debug)]
 enum Failure {
-    /// Bad words, or a file with errors.
+    /// Wrong arguments, or a file with errors.
     Usage(String),
     /// A cell with errors.
     Problems(Problems),
-    /// The bus or a device refuses or does not answer.
+    /// The bus or a device refused a request or did not answer.
     Bus(String),
 }
 

@@ -34,7 +34,7 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
             return false;
         }
         let Some(frame) = frame else { return true };
-        // What others have said belongs to an exchange, also where it is not shown.
+        // Frames of other nodes may belong to the same exchange even if they are not printed.
         let words = decoder.words(frame);
         if args.node.is_some_and(|node| !decoder.concerns(frame, node)) {
             return true;
@@ -45,13 +45,13 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A frame, and what it says.
+/// Formats a frame with its meaning.
 pub(super) fn told(frame: &Frame, words: &str) -> String {
     let bytes = if frame.is_remote() { format!("R{}", frame.length()) } else { hex(frame.bytes()) };
     format!("{:03X}  {bytes:23}  {}", frame.id().get(), clean(words))
 }
 
-/// The PDOs that the cell gives a device.
+/// Adds the PDOs of a device, as configured by the cell, to the decoder.
 pub(super) fn carry(decoder: &mut Decoder, device: &DeviceConfig) {
     for pdo in &device.layout.asked {
         decoder.carry(pdo.id, carried(device.node, Direction::Receive, pdo));

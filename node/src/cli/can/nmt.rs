@@ -8,7 +8,7 @@ use clap::ValueEnum;
 use lineshaft_can::NmtState;
 use std::time::{Duration, Instant};
 
-/// How long a device may take to boot.
+/// Maximum boot time of a device.
 const BOOT: Duration = Duration::from_secs(1);
 
 pub(super) fn nmt(args: &NmtArgs) -> Result<(), Failure> {

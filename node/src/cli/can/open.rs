@@ -1,4 +1,4 @@
-//! The bus that a command names, opened, and what is known of its devices.
+//! Opens the bus that a command names, and collects the descriptions of its devices.
 
 use super::Failure;
 use super::args::BusArgs;
@@ -15,32 +15,32 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
 
-/// Where the command does not say it (bit/s).
+/// Default bit rate, in bit/s.
 pub(super) const BIT_RATE: u32 = 1_000_000;
-/// Where neither the command nor a cell says it.
+/// Default timeout if no cell is given either.
 const TIMEOUT: Duration = Duration::from_millis(500);
-/// How much a name must be like another one to be meant.
+/// Minimum similarity of a name that is suggested.
 const LIKE: f64 = 0.85;
 
-/// A bus that is known and not open yet.
+/// A bus that is known but not open yet.
 #[derive(Debug)]
 pub(super) struct Known {
     address: Address,
-    /// (bit/s)
+    /// Bit rate, in bit/s.
     pub(super) bit_rate: u32,
-    /// (bit/s)
+    /// Baud rate of the serial line, in bit/s.
     baud: Option<u32>,
     timeout: Duration,
-    /// What the cell says, if one was named.
+    /// Configuration of the bus, if a cell was given.
     pub(super) config: Option<BusConfig>,
     dictionaries: BTreeMap<NodeId, Dictionary>,
 }
 
 impl Known {
-    /// What the words say; the files are read, and what is passed over in them is printed.
+    /// Creates the bus from the arguments; reads the files and prints their warnings.
     pub(super) fn of(args: &BusArgs) -> Result<Self, Failure> {
         let Some(path) = &args.cell else {
-            // The parser has seen to it that there is one or the other.
+            // The parser of arguments requires one of them.
             let address = args.bus.clone().ok_or_else(|| Failure::Usage("give --bus or --cell".to_owned()))?;
             if args.serial_baudrate.is_some() && !matches!(address, Address::Slcan(_)) {
                 let sentence = format!("--serial-baudrate is for a serial line, --bus slcan:PATH, not for {address}");
@@ -70,7 +70,7 @@ impl Known {
         })
     }
 
-    /// The objects of a node by a file that was named for it.
+    /// Adds the object dictionary of a node from the file given for it.
     pub(super) fn with_eds(mut self, node: NodeId, eds: Option<&Path>) -> Result<Self, Failure> {
         if let Some(path) = eds {
             let dictionary = device_file("--eds", path, node).map_err(Failure::Usage)?;
@@ -80,17 +80,17 @@ impl Known {
         Ok(self)
     }
 
-    /// The objects of a node.
+    /// Returns the object dictionary of a node.
     pub(super) fn dictionary(&self, node: NodeId) -> Option<&Dictionary> {
         self.dictionaries.get(&node)
     }
 
-    /// All of them.
+    /// Returns all object dictionaries.
     pub(super) fn dictionaries(&self) -> impl Iterator<Item = (NodeId, &Dictionary)> {
         self.dictionaries.iter().map(|(node, dictionary)| (*node, dictionary))
     }
 
-    /// The object that a text names.
+    /// Returns the object that a text names.
     pub(super) fn object(&self, node: NodeId, text: &str) -> Result<Object, Failure> {
         let dictionary = self.dictionary(node);
         commission::object(text, dictionary).map_err(|error| {
@@ -103,7 +103,7 @@ impl Known {
         })
     }
 
-    /// The bus, open.
+    /// Opens the bus.
     pub(super) fn open(&self) -> Result<Session, Failure> {
         let options = Options { bit_rate: self.bit_rate, baud: self.baud };
         match open(&self.address, options) {
@@ -130,7 +130,7 @@ pub(super) fn chosen(mut buses: Vec<BusConfig>, name: Option<&str>, path: &Path)
     Ok(buses.swap_remove(place))
 }
 
-/// The name that is most like another one.
+/// Returns the most similar object name.
 fn like(name: &str, dictionary: &Dictionary) -> Option<String> {
     let wanted = name.to_lowercase();
     let names = dictionary.entries().filter_map(|(object, _)| dictionary.name(object));

@@ -12,11 +12,11 @@ use lineshaft_can::commission::{Found, Scan};
 use serde_json::{Value as Json, json};
 use std::time::Duration;
 
-/// How long heartbeats are listened for: most devices send one each second or more often.
+/// Time to wait for heartbeats: most devices send at least one per second.
 const LISTEN: Duration = Duration::from_secs(1);
-/// From one node that is asked to the next, at least: what an adapter on a slow serial line needs.
+/// Minimum time between requests to two nodes: required by an adapter on a slow serial line.
 const GAP: Duration = Duration::from_millis(2);
-/// Bits of a question and of its answer.
+/// Number of bits of a request and its answer.
 const BITS: u64 = 270;
 
 pub(super) fn scan(args: &ScanArgs, output: &mut Output) -> Result<(), Failure> {
@@ -41,7 +41,7 @@ pub(super) fn scan(args: &ScanArgs, output: &mut Output) -> Result<(), Failure> 
     Ok(())
 }
 
-/// A node, as an object.
+/// Returns a node as a JSON object.
 fn object(found: &Found) -> Json {
     let [vendor, product, revision, serial] = found.identity;
     json!({
@@ -74,7 +74,7 @@ fn row(found: &Found) -> Vec<String> {
     ];
     row.extend(found.identity.map(word));
     row.push(match (&found.name, found.answers) {
-        // It has no line of its own.
+        // The name is printed on the line of its node.
         (Some(name), _) => name.replace('\n', " "),
         (None, true) => none(),
         (None, false) => "- (no answer)".to_owned(),

@@ -20,7 +20,7 @@ pub(super) fn read(args: &ReadArgs) -> Result<(), Failure> {
     let dictionary = known.dictionary(node);
     readable(object, dictionary)?;
     let data_type = type_of(object, args.kind, dictionary)?;
-    // Blocks are for what can be long.
+    // Block transfer is used for data that may be long.
     let is_long = matches!(data_type, Some(DataType::Domain | DataType::OctetString));
     let in_blocks = args.file.is_some() || is_long;
     let mut progress = Progress::new("bytes", MOMENT);
@@ -75,18 +75,18 @@ pub(super) fn write(args: &WriteArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A number in hexadecimal as well, where it is no negative one.
+/// Formats a value; a positive number in hexadecimal as well.
 fn shown(value: &Value) -> String {
     match value {
         Value::Unsigned(number) if *number > 9 => format!("{number}, {number:X}h"),
-        // The zeros that fill a text up on the bus.
+        // Texts are padded with zeros on the bus.
         Value::Text(text) => format!("{:?}", text.trim_end_matches('\0')),
         Value::Bytes(bytes) => hex(bytes),
         other => other.to_string(),
     }
 }
 
-/// Bytes of which nobody says what they are, and the number or the text that they may be.
+/// Formats bytes of unknown type, with the number or the text that they may be.
 fn raw(bytes: &[u8]) -> String {
     let number = bytes.iter().rev().fold(0_u64, |number, byte| number << 8 | u64::from(*byte));
     match bytes.len() {

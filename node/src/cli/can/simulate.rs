@@ -69,7 +69,7 @@ fn lost(error: TransportError) -> Failure {
     Failure::Bus(error.to_string())
 }
 
-/// A bus on which others may be; none of them may have the node of a drive.
+/// Opens a bus that other nodes may use; refuses it if one of them has the node ID of a drive.
 fn shared(config: &BusConfig, address: Address) -> Result<(Address, Box<dyn Transport>), Failure> {
     let mut transport = opened(config, &address)?;
     if let Some(node) = occupant(&mut *transport, config).map_err(lost)? {
@@ -79,14 +79,14 @@ fn shared(config: &BusConfig, address: Address) -> Result<(Address, Box<dyn Tran
     Ok((address, transport))
 }
 
-/// The drives of a bus of a cell, with their mechanics.
+/// Creates the simulated drives of a bus of a cell, with their mechanics.
 fn bus(cell: &Cell, config: &BusConfig, transport: Box<dyn Transport>) -> Result<SimulatedBus, Failure> {
     let machine = Machine::new(cell.machine.clone()).map_err(|error| Failure::Usage(error.to_string()))?;
     let plant = cell.plant_of(|backend| backend.name == config.name);
     Ok(SimulatedBus::new(transport, config, plant, machine.inputs(), machine.outputs()))
 }
 
-/// The bus that is meant. One that may have real drives must be named.
+/// Returns the bus to use. A bus that may have real drives must be named explicitly.
 fn address(config: &BusConfig, given: Option<&Address>) -> Result<Address, Failure> {
     if let Some(address) = given {
         return Ok(address.clone());
@@ -128,7 +128,7 @@ mod tests {
                         x: {type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}, drive: {backend: bus0, node: 3}, \
                         max_velocity: 1 m/s, max_acceleration: 10 m/s^2}\n";
 
-    /// Frames that were sent, and frames still to be received.
+    /// Frames that were sent, and frames that are still to be received.
     #[derive(Clone, Default)]
     struct Wire(Arc<Mutex<(Vec<Frame>, VecDeque<Frame>)>>);
 
@@ -147,7 +147,7 @@ mod tests {
         }
     }
 
-    /// A bus of one drive, and the time.
+    /// A bus with one drive, and the current time.
     struct Rig {
         wire: Wire,
         bus: SimulatedBus,
@@ -171,12 +171,12 @@ mod tests {
             rig
         }
 
-        /// Frames sent since the last look.
+        /// Returns the frames sent since the last call.
         fn sent(&mut self) -> Vec<Frame> {
             std::mem::take(&mut self.wire.0.lock().unwrap().0)
         }
 
-        /// Hands a frame over; returns the frames that it caused.
+        /// Sends a frame to the drive; returns its responses.
         fn tell(&mut self, frame: Frame) -> Vec<Frame> {
             self.wire.0.lock().unwrap().1.push_back(frame);
             self.bus.serve(self.now).unwrap();
@@ -192,7 +192,7 @@ mod tests {
             assert_eq!(answer, [Frame::of(node().sdo_response(), [0x60, low, high, sub, 0, 0, 0, 0])]);
         }
 
-        /// Sends control word and target, then SYNC; returns status word and position of the answer.
+        /// Sends control word and target, then SYNC; returns status word and position of the response.
         fn cycle(&mut self, control: u16, target: i32) -> (u16, i32) {
             let [a, b] = control.to_le_bytes();
             let [c, d, e, f] = target.to_le_bytes();
@@ -204,7 +204,7 @@ mod tests {
             (u16::from_le_bytes([a, b]), i32::from_le_bytes([c, d, e, f]))
         }
 
-        /// Maps 6040h and 607Ah, 6041h and 6064h, chooses csp, and starts the drive.
+        /// Maps 6040h and 607Ah, 6041h and 6064h, selects csp, and starts the drive.
         fn start(&mut self) {
             let pdos =
                 [(0x1400, 0x203_u32, [0x6040_0010_u32, 0x607A_0020]), (0x1800, 0x183, [0x6041_0010, 0x6064_0020])];
@@ -221,8 +221,8 @@ mod tests {
         }
     }
 
-    /// Switched on by 06h, 07h, 0Fh (CiA 402-2). A setpoint that is sent before SYNC n is applied at SYNC n and reached at SYNC n + 1; the
-    /// model is ideal.
+    /// Switched on by 06h, 07h, 0Fh (CiA 402-2). A setpoint that is sent before SYNC n is applied at SYNC n and reached
+    /// at SYNC n + 1, because the model is ideal.
     #[test]
     fn a_drive_is_enabled_and_reaches_each_setpoint_one_sync_later() {
         let mut rig = Rig::new();
@@ -234,13 +234,13 @@ mod tests {
         assert_eq!(mask(rig.cycle(0x0F, 150)), (0x27, 0), "operation enabled");
         assert_eq!(mask(rig.cycle(0x0F, -50)), (0x27, 150));
         assert_eq!(mask(rig.cycle(0x0F, -50)), (0x27, -50));
-        // Bits 9 and 12: remote, follows the setpoint.
+        // Bits 9 and 12: remote, drive follows the command value.
         assert_eq!(rig.cycle(0x0F, -50).0 & 0x1200, 0x1200);
         assert_eq!(mask(rig.cycle(0x00, -50)), (0x27, -50));
         assert_eq!(mask(rig.cycle(0x00, 500)), (0x40, -50), "off, and where it was");
     }
 
-    /// CiA 402-2: 8130h after the heartbeat of the master is missing; the drive then is in fault.
+    /// CiA 402-2: 8130h after a missing heartbeat of the master; the drive is then in state fault.
     #[test]
     fn an_enabled_drive_has_a_fault_when_its_master_is_silent() {
         let mut rig = Rig::new();
@@ -255,7 +255,7 @@ mod tests {
         rig.now += Duration::from_millis(97);
         rig.bus.serve(rig.now).unwrap();
         assert!(rig.sent().is_empty());
-        // Without SYNC the drive runs by the clock.
+        // Without SYNC the drive is simulated in real time.
         for _ in 0..20 {
             rig.now += Duration::from_millis(20);
             rig.bus.serve(rig.now).unwrap();
@@ -266,8 +266,8 @@ mod tests {
         assert_eq!(status, [0x08], "fault");
     }
 
-    /// SYNC every 8 ms, the mechanics every 2 ms: four steps of 100 counts, 50,000 counts/s. With an interpolation time of 16 ms the setpoint is
-    /// reached after two SYNC.
+    /// SYNC every 8 ms, the mechanics every 2 ms: four steps of 100 counts, 50,000 counts/s. With an interpolation time
+    /// of 16 ms the setpoint is reached after two SYNC.
     #[test]
     fn setpoints_are_interpolated_over_the_times_of_1006h_and_60c2h() {
         for (time, positions, velocity) in [(8, [400, 400], 50_000_i32), (16, [200, 400], 25_000)] {

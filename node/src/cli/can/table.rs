@@ -1,6 +1,6 @@
-//! Columns of text.
+//! Formats columns of text.
 
-/// Lines whose columns begin below each other, two blanks between them; nothing stands behind the last one.
+/// Returns lines with aligned columns, two spaces between columns, and no trailing space.
 pub(super) fn columns(rows: &[Vec<String>]) -> String {
     let count = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
@@ -14,7 +14,7 @@ pub(super) fn columns(rows: &[Vec<String>]) -> String {
     rows.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// A number of 32 bits; `-` where there is none.
+/// Formats a number of 32 bits; `-` if there is none.
 pub(super) fn word(number: Option<u32>) -> String {
     number.map_or_else(|| "-".to_owned(), |number| format!("{number:08X}h"))
 }

@@ -1,13 +1,13 @@
-//! Axes that coast on an error: the default of `error_reaction`.
+//! Finds axes that coast after an error, as with the default of `error_reaction`.
 //!
 //! Source   MACS (ERRCOND 0 and 1)
 
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 
-/// Axes that are named; of more the number is given.
+/// Maximum number of axes that are named; the others are counted.
 const NAMED: usize = 8;
 
-/// Returns one note about all axes that coast on an error; none if no axis does. An axis with a brake has a warning of its own.
+/// Returns one note about all axes that coast after an error, or `None`. An axis with a brake has its own warning.
 pub(super) fn note(machine: &MachineConfig) -> Option<String> {
     let coasts = |axis: &&AxisConfig| {
         axis.drive.is_some() && axis.brake.is_none() && matches!(axis.parameters.error_reaction, 0 | 1)
@@ -47,7 +47,7 @@ mod tests {
         )
     }
 
-    /// ERRCOND 0 and 1 remove the power, 2 to 5 do not at once. A virtual axis has no power.
+    /// ERRCOND 0 and 1 remove the power, 2 to 5 do not do so immediately. A virtual axis has no power.
     #[test]
     fn axes_that_coast_on_an_error_are_one_note() {
         let end = "without power (error_reaction 0, the default, or 1); error_reaction 2 stops with max_deceleration and holds";

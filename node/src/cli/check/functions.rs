@@ -1,7 +1,7 @@
-//! Sets of functions that START would refuse, and sets with which a sink never moves.
+//! Finds parameter sets of functions that START would refuse, and sets with which a sink never moves.
 //!
-//! A client may give the fields that the cell leaves out, so those are warnings. A set that a key of the cell spoils is an
-//! error, at that key.
+//! A client may set the fields that the cell leaves out, so these cause warnings. A key of the cell that makes a set
+//! invalid is an error at that key.
 
 use crate::cell::Cell;
 use crate::document::{Document, Problems, Value};
@@ -11,7 +11,7 @@ use lineshaft_core::function::{Field, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::text::sentence;
 
-/// Fields that are 0 where they are left out, which START accepts, and what comes of that.
+/// Fields whose default is 0, which START accepts, with the effect of 0.
 const IDLE: [(Kind, &str, &str); 7] = [
     (Kind::Digdreh, "speed", "the function gives no speed"),
     (Kind::Fipw, "mult", "its sink never moves"),
@@ -22,7 +22,7 @@ const IDLE: [(Kind, &str, &str); 7] = [
     (Kind::Regl, "y_max", "its control adds nothing to its sink"),
 ];
 
-/// Returns the errors, with their places in the file `name`, and the warnings.
+/// Returns the errors, with their locations in the file `name`, and the warnings.
 pub(super) fn judge(name: &str, cell: &Cell, machine: &Machine) -> (Problems, Vec<String>) {
     let document = Document::parse(name, cell.text.as_str());
     let mut warnings = Vec::new();
@@ -39,12 +39,12 @@ pub(super) fn judge(name: &str, cell: &Cell, machine: &Machine) -> (Problems, Ve
     (document.into_problems(), warnings)
 }
 
-/// The value of a key.
+/// Returns the value of a key.
 fn at<'d>(value: &Value<'d>, key: &str) -> Option<Value<'d>> {
     value.entries()?.into_iter().find(|(known, _)| known.peek() == Some(key)).map(|(_, value)| value)
 }
 
-/// A function whose sets are tried.
+/// A function whose parameter sets are checked.
 struct Trial<'t, 'd> {
     machine: &'t Machine,
     place: u16,
@@ -65,7 +65,8 @@ impl Trial<'_, '_> {
         self.machine.refused_start(self.place, set)
     }
 
-    /// Gives a field that the cell leaves out a value with which a refusal is gone; false, and the set is as before, without such a value.
+    /// Sets a field that the cell leaves out to a value that removes a refusal. Returns false, with the set unchanged,
+    /// if there is no such value.
     fn gives(&self, set: &mut [i64], number: u16, refusal: &Refusal) -> bool {
         let Some(field) = self.fields().get(usize::from(number)) else { return false };
         let Some((_, first)) = self.slot.kind.description().find(field.name) else { return false };
@@ -85,7 +86,8 @@ impl Trial<'_, '_> {
         false
     }
 
-    /// Returns true if a refusal is gone after a field got another value. A new refusal must not come from that value.
+    /// Returns true if a refusal is removed after a field got another value. A new refusal must not come from that
+    /// value.
     fn is_gone(&self, old: &Refusal, new: Option<&Refusal>, changed: u16) -> bool {
         let Some(new) = new else { return true };
         let is_other = (new.code, new.parameter) != (old.code, old.parameter) && new.parameter != Some(changed);
@@ -93,12 +95,12 @@ impl Trial<'_, '_> {
     }
 }
 
-/// Refuses the set of a function at the key that spoils it. If a field that the cell leaves out does so, returns a warning and goes on with
-/// a value for it, so that the field hides no error.
+/// Refuses the set of a function at the key that makes it invalid. If a field that the cell leaves out does so, returns
+/// a warning and continues with a value for it, so that the field hides no error.
 fn refuse_start(trial: &Trial<'_, '_>, cell: &Cell) -> Vec<String> {
     let (mut set, mut warned, mut warnings) = (trial.slot.values.to_vec(), Vec::new(), Vec::new());
     let fields = trial.fields();
-    // A field may need another value than its first one once the next refusal comes.
+    // After the next refusal, a field may need a value other than its first one.
     for _ in 0..=2 * fields.len() {
         let Some(refusal) = trial.refusal(&set) else { break };
         let text = sentence(&refusal.event(0), &cell.machine);
@@ -130,7 +132,7 @@ fn idle(slot: &SlotConfig, entry: &Value<'_>) -> Vec<String> {
     idle.chain(no_ratio(slot, entry)).collect()
 }
 
-/// A varsync without any ratio that its mode can choose (AMK-VARSYNC-04 to -06).
+/// Returns a warning about a varsync without any ratio that its mode can select (AMK-VARSYNC-04 to -06).
 fn no_ratio(slot: &SlotConfig, entry: &Value<'_>) -> Option<String> {
     if slot.kind != Kind::Varsync {
         return None;
@@ -166,7 +168,7 @@ tables:
 functions:
 ";
 
-    /// The errors and warnings about a function, which stands in line 14 behind four characters.
+    /// Returns the errors and warnings about a function, which begins in line 14 after four characters.
     fn judged(function: &str) -> (String, Vec<String>) {
         judged_in(HEAD, function)
     }
@@ -179,7 +181,7 @@ functions:
         (problems.to_string(), warnings)
     }
 
-    /// The error about a function; `^` marks its place.
+    /// Checks the error about a function; `^` marks its location.
     #[track_caller]
     fn refused(function: &str, sentence: &str) {
         let column = function.find('^').unwrap() + 1 + "  f: ".len();
@@ -227,7 +229,8 @@ functions:
         assert_eq!((problems.as_str(), warnings), ("", vec![warning.to_owned()]));
     }
 
-    /// A search for the reference needs 1 to 9 ms between two calls, and `sf_cycle` has to be the slot's own cycle (AMK-EPOS-44, -50).
+    /// A search for the reference needs 1 to 9 ms between two calls, and `sf_cycle` must be the cycle of the slot
+    /// itself (AMK-EPOS-44, -50).
     #[test]
     fn cycle_in_which_no_epos_can_search_is_an_error_at_its_mode() {
         let head = HEAD.replace("cycle: 1 ms", "cycle: 500 us").replace(
@@ -253,7 +256,7 @@ functions:
         assert!(warnings[0].ends_with("acceleration is left out: START is refused unless its command gives it"));
     }
 
-    /// START with `table_count: 1` or `ratio_max: 2` is legal.
+    /// START with `table_count: 1` or `ratio_max: 2` is valid.
     #[test]
     fn value_beyond_a_field_that_is_left_out_is_a_warning() {
         let follower = "{slot: 0, type: dfkt, source: belt, sink: none, ba: 1, div: 1, in_resolution: 20000, in_final: 3000, \
@@ -316,7 +319,7 @@ functions:
             ("", vec!["f: mult is left out, which is 0: its sink never moves".to_owned()])
         );
         assert_eq!(judged(&format!("{interpolator}, mult: 1}}")), (String::new(), Vec::new()));
-        // Mode 0 chooses m1 or m2, mode 1 one of eight, mode 2 one of three, mode 3 has a word.
+        // Mode 0 selects m1 or m2, mode 1 one of eight, mode 2 one of three, mode 3 uses a word.
         for (given, last) in [("", Some(2)), (", m3: 1", Some(2)), (", m2: 1", None)].into_iter().chain([
             (", mode: 1", Some(8)),
             (", mode: 1, m8: 1", None),

@@ -1,14 +1,14 @@
-//! Axes that homing would leave outside their software limits.
+//! Finds axes that would be outside their software limits after homing.
 
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 
-/// One warning for each axis that rests outside its software limits after homing.
+/// Returns one warning for each axis whose position after homing is outside its software limits.
 pub(super) fn judge(machine: &MachineConfig) -> impl Iterator<Item = String> {
     machine.axes.iter().filter_map(outside)
 }
 
-/// A method of CiA 402 leaves the axis at its reference, which is `-offset` in the new coordinate; a sequence of MACS goes to the
-/// zero. A drive that homes by itself has an offset of its own.
+/// A CiA 402 method leaves the axis at its reference, which is `-offset` in the new coordinates; a sequence of MACS
+/// moves to zero. A drive that homes by itself has its own offset.
 fn outside(axis: &AxisConfig) -> Option<String> {
     let p = &axis.parameters;
     if p.homing.method == 0 || p.homing.in_drive {

@@ -1,11 +1,11 @@
-//! Axes that are set up for marks which can never come: mode MARKER is refused then, once it is asked for.
+//! Finds axes that are configured for marks that can never occur; mode MARKER is then refused when it is requested.
 
 use lineshaft_core::axis::Source;
 use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig};
 use lineshaft_core::object::Object;
 use lineshaft_core::parameter::MarkSignal;
 
-/// Returns a warning for each type of marks that gives none.
+/// Returns a warning for each mark type without a source of marks.
 pub(super) fn judge(machine: &MachineConfig) -> Vec<String> {
     let axes = (0_u16..).zip(&machine.axes);
     let set_up =
@@ -15,7 +15,7 @@ pub(super) fn judge(machine: &MachineConfig) -> Vec<String> {
         .collect()
 }
 
-/// Which master leads is said by the command. An input that the type names is known before.
+/// The command selects the master, but an input that the type names is known before.
 fn master(axis: &AxisConfig, machine: &MachineConfig) -> Option<String> {
     let number = axis.parameters.marks.master_type;
     let input = MarkSignal::decode(number).input.filter(|input| *input != 0)?;
@@ -25,7 +25,7 @@ fn master(axis: &AxisConfig, machine: &MachineConfig) -> Option<String> {
 fn slave(place: u16, axis: &AxisConfig, machine: &MachineConfig) -> Option<String> {
     let number = axis.parameters.marks.slave_type;
     let why = match MarkSignal::decode(number).input {
-        // Without a number it is that of the axis.
+        // The default is the number of the axis.
         Some(input) => latches_not(if input == 0 { place + 1 } else { input }, machine)?,
         None => {
             let source = Source::of(axis.wired, machine.encoders.len(), &axis.parameters).ok()?;
@@ -42,7 +42,7 @@ fn slave(place: u16, axis: &AxisConfig, machine: &MachineConfig) -> Option<Strin
     Some(told(axis, ("syncmtyps", number), &why, "CAM_SLAVE_MARKER"))
 }
 
-/// Why an input, by its number, gives no marks; none if it does.
+/// Returns the reason why an input, given by its number, has no marks; `None` if it has.
 fn latches_not(input: u16, machine: &MachineConfig) -> Option<String> {
     let is_digital = |io: &&IoConfig| io.kind == IoKind::DigitalInput;
     let found = machine.io.iter().filter(is_digital).nth(usize::from(input.checked_sub(1)?));

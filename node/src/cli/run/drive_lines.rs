@@ -1,18 +1,18 @@
-//! Real and simulated drives, as the log names them when a cell starts.
+//! Lists real and simulated drives for the log at the start of a cell.
 
 use crate::cell::{Cell, CellBackend};
 
-/// Lines of the log about the drives of a cell.
+/// Log lines about the drives of a cell.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct DriveLines {
     /// One line for each backend with real devices.
     pub(super) real: Vec<String>,
-    /// The simulated drives of a cell that has real ones, or would have them without `--sim`.
+    /// Line about the simulated drives of a cell that also has real ones, or would have them without `--sim`.
     pub(super) simulated: Option<String>,
 }
 
 impl DriveLines {
-    /// Lines for a run of a cell, with all drives simulated if it `is_sim`.
+    /// Returns the lines for a run of a cell; if `is_sim`, all drives are simulated.
     pub(super) fn of(cell: &Cell, is_sim: bool) -> Self {
         let not_simulated = cell.backends.iter().enumerate().filter(|(_, backend)| !backend.is_simulated());
         let not_simulated: Vec<_> = not_simulated.collect();
@@ -43,7 +43,7 @@ struct Driven<'a> {
 }
 
 impl<'a> Driven<'a> {
-    /// Those at the backends with these places; an axis with two drives is named once, and so is a node.
+    /// Returns those at the backends with these indices; an axis with two drives is listed once, and so is a node.
     fn of(cell: &'a Cell, backends: &[usize]) -> Self {
         let mut found = Self { axes: Vec::new(), nodes: Vec::new() };
         for (at, (_, axis, _)) in cell.drives().zip(cell.machine.drives()) {
@@ -53,7 +53,8 @@ impl<'a> Driven<'a> {
             if !found.axes.contains(&axis.name.as_str()) {
                 found.axes.push(&axis.name);
             }
-            // The analog output of a drive that is given a voltage has the node in its upper byte.
+            // The location of a drive with voltage reference is its analog output, which has the node in the upper
+            // byte.
             let node = if axis.analog.is_some() { at.number >> 8 } else { at.number };
             let node = node.to_string();
             // Drives at analog outputs may share a module.
@@ -126,7 +127,7 @@ mod tests {
         );
     }
 
-    /// Two drives at the analog outputs of one module, with encoders of their own.
+    /// Two drives at the analog outputs of one module, with their own encoders.
     #[test]
     fn node_of_several_drives_is_named_once() {
         let parts = "io:\n  c: {type: ao, backend: bus0, node: 10, address: 0}\n  d: {type: ao, backend: bus0, node: 10, address: 1}\n  \

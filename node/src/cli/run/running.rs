@@ -1,4 +1,4 @@
-//! A machine that runs: its ways in and out, its threads, and how it is brought to rest.
+//! A running machine: its interfaces, its threads, and how it is stopped.
 
 use super::super::{Exit, FlightArgs, RunArgs, store};
 use crate::cell::{Cell, left_out_of, mode_by_sdo_of};
@@ -45,12 +45,12 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
-/// Events between the cycle thread and the bridge: many cycles of the most that a machine can tell.
+/// Capacity of the event queue from the cycle thread to the bridge: many cycles of the maximum number of events.
 const EVENT_ROOM: usize = 1 << 16;
-/// How long axes may take to stop, and then to switch off, before the program ends all the same.
+/// Maximum time for axes to stop, and then to switch off, before the program ends anyway.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// What is recorded, opened before the machine starts.
+/// Recordings, opened before the machine starts.
 pub(in crate::cli) struct Recording {
     subject: Arc<Subject>,
     bag: Option<Bag>,
@@ -59,17 +59,17 @@ pub(in crate::cli) struct Recording {
 }
 
 impl Recording {
-    /// A bag, if there are options for one.
+    /// Opens a bag, if there are options for one.
     ///
     /// # Errors
-    /// A place that is taken or cannot be made.
+    /// Returns an error if the path is in use or cannot be created.
     pub(in crate::cli) fn of_cycles(cell: &Cell, name: &NodeName, bag: Option<&BagOptions>) -> Result<Self, String> {
         let subject = Arc::new(Subject::new(cell, name));
         let bag = bag.map(|options| Bag::create(options, Subject::clone(&subject))).transpose();
         Ok(Self { subject, bag: bag.map_err(|error| error.to_string())?, flight: None, published: None })
     }
 
-    /// `tap` copies what the node publishes.
+    /// Opens the recordings of a run; `tap` copies the messages that the node publishes.
     pub(super) fn open(
         args: &RunArgs,
         cell: &Cell,
@@ -88,7 +88,7 @@ impl Recording {
     }
 }
 
-/// The flight recorder, if it is on. A folder that was asked for must be there; without the usual one it is off, with a
+/// Returns the flight recorder, if it is on. A given folder must exist; without the default folder it is off, with a
 /// warning.
 fn flight(args: &FlightArgs, name: &NodeName) -> Result<Option<FlightRecorder>, String> {
     if args.flight_recorder == 0 {
@@ -116,23 +116,24 @@ fn flight_folder(name: &NodeName) -> Result<PathBuf, String> {
     folder.ok_or_else(|| "no folder for the flight recorder: HOME is not set; give --flight-folder".to_owned())
 }
 
-/// What a machine exchanges with.
+/// Devices with which a machine exchanges data.
 pub(in crate::cli) struct Hardware {
     backends: Backends,
     services: Vec<Box<dyn Service>>,
-    /// Where objects of its devices are asked for.
+    /// Access to objects of its devices.
     objects: ObjectDesk,
-    /// What goes over its buses on CAN.
+    /// Frames on its CAN buses.
     buses: Vec<BusFrames>,
-    /// The axes with a real drive, in file order.
+    /// Whether each axis has a real drive, in the order of the file.
     real: Vec<bool>,
 }
 
 impl Hardware {
-    /// Of a cell, all simulated if it `is_sim`; `are_kept` asks for the frames of its buses.
+    /// Creates the hardware of a cell; if `is_sim`, all of it is simulated. `are_kept`: frames of its buses are
+    /// recorded.
     ///
     /// # Errors
-    /// What is wrong with its files, or with what they make of its buses and drives.
+    /// Returns an error if its files, or its buses and drives according to them, are wrong.
     pub(in crate::cli) fn of(cell: &Cell, file: Option<&Path>, is_sim: bool, are_kept: bool) -> Result<Self, String> {
         let buses = if is_sim { Vec::new() } else { buses(cell, file)? };
         let on_can = cell.backends.iter().filter(|backend| is_sim && !backend.is_simulated());
@@ -161,11 +162,11 @@ impl Hardware {
     }
 }
 
-/// Returns the buses of a cell that runs with real drives. Warnings of the files of its devices are logged, and limit switches that are not
-/// read.
+/// Returns the buses of a cell that runs with real drives. Warnings about the files of its devices, and about limit
+/// switches that are not read, are logged.
 ///
 /// # Errors
-/// The problems of the files, and the inputs that homing needs and that are not read.
+/// Returns the problems of the files, or an error about inputs that homing needs and that are not read.
 fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
     let sentences = |problems: Problems| problems.to_string().trim_end().to_owned();
     let (buses, warnings) = cell.buses_and_warnings(file).map_err(sentences)?;
@@ -174,36 +175,36 @@ fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
     Ok(buses)
 }
 
-/// What a machine begins with beside its cell.
+/// Initial data of a machine, in addition to its cell.
 #[derive(Default)]
 pub(in crate::cli) struct Given {
     pub store: Option<Store>,
-    /// Its first commands.
+    /// First commands.
     pub first: Vec<Action>,
     pub scenario: Option<Scenario>,
     pub processor: Processor,
 }
 
-/// The threads of a running machine.
+/// Threads of a running machine.
 pub(in crate::cli) struct Running {
     pub handle: Arc<Handle>,
     statistics: Arc<Statistics>,
     stop_cycle: Arc<AtomicBool>,
-    /// Ends bridge and recorder.
+    /// Ends the bridge and the recorder.
     stop_others: Arc<AtomicBool>,
     pub cycle: JoinHandle<()>,
-    /// Of backends that have to be started.
+    /// Thread of backends that must be started.
     services: Option<JoinHandle<()>>,
     pub bridge: JoinHandle<()>,
-    /// True where all bags have a good end.
+    /// Returns true if all bags were finished without error.
     pub recorder: JoinHandle<bool>,
     /// Ends with [`Handle::end_keeping`].
     keeper: Option<JoinHandle<()>>,
-    /// The report of the scenario, once it is over; nothing without one.
+    /// Receiver of the report of the scenario; `None` without a scenario.
     pub report: Option<Receiver<Report>>,
 }
 
-/// A machine with all its ways in and out, before its first cycle: no thread runs, and nothing of what it drives was touched.
+/// A machine with all its interfaces, before its first cycle: no thread runs, and no device was accessed.
 pub(in crate::cli) struct Prepared {
     pub handle: Arc<Handle>,
     cycle: CycleThread,
@@ -215,18 +216,18 @@ pub(in crate::cli) struct Prepared {
     asked: Receiver<Asked>,
     pub buses: Vec<BusFrames>,
     report: Option<Receiver<Report>>,
-    /// What stamps show.
+    /// Clock of the stamps.
     pub clock: HostClock,
 }
 
-/// What the bridge will pass on to the surface.
+/// Data that the bridge will pass on to the surface.
 pub(in crate::cli) struct Heard {
     pub events: UnboundedReceiver<StampedEvent>,
     pub states: StateReceiver,
 }
 
 impl Prepared {
-    /// All of it, and what the surface will hear.
+    /// Prepares a machine; also returns the data for the surface.
     pub(in crate::cli) fn new(cell: &Cell, machine: Machine, hardware: Hardware, given: Given) -> (Self, Heard) {
         let Hardware { backends, services, objects, buses, real } = hardware;
         let (commander, lanes) = lanes::lanes(machine.config().axes.len());
@@ -249,7 +250,7 @@ impl Prepared {
         let (config, directory) = (machine.config().clone(), machine.directory().clone());
         let statistics = Arc::new(Statistics::default());
         let gate = Arc::new(if cell.ros.autostart { Gate::opening() } else { Gate::default() });
-        // Without any, cycles wait for nobody.
+        // Without services, cycles do not wait for them.
         let services = (!services.is_empty()).then(|| Services::new(services, Arc::clone(&gate)));
         let handle = Handle::new(config.clone(), directory, commander, desk, ask, signals, image)
             .with_cycles(Arc::clone(&gate), Arc::clone(&statistics))
@@ -260,7 +261,7 @@ impl Prepared {
             .with_joint_names(cell.joint_names.clone())
             .with_robot_description(cell.robot.as_ref().map(|robot| robot.text.clone()))
             .with_controller_manager(cell.ros.controller_manager.clone());
-        // Before the first cycle, and so before anything else that is asked.
+        // Queued before the first cycle, and so before any other request.
         let mut first = given.first.into_iter().map(|action| handle.submit_as(Source::Cli, action));
         if let Some(busy) = first.find_map(Result::err) {
             tracing::error!("parameters that were given to the node are not set: {busy}");
@@ -321,7 +322,7 @@ impl Prepared {
         (Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report, clock }, heard)
     }
 
-    /// Runs it.
+    /// Starts the threads.
     pub(in crate::cli) fn start(self, recording: Recording) -> Running {
         let Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report, clock: _ } = self;
         let Recording { subject, bag, flight, published } = recording;
@@ -335,7 +336,7 @@ impl Prepared {
         let end = Arc::clone(&stop_others);
         let by_services = Arc::clone(&handle);
         let tell = move |Note { code, number }| {
-            // With a full lane the log has what matters.
+            // If the queue is full, the log contains the important part.
             let _ = by_services.submit_as(Source::Machine, Action::Note { code, number });
         };
         let services = services.map(|services| spawn("backends", move || services.run(&end, &tell)));
@@ -352,14 +353,14 @@ impl Prepared {
 }
 
 impl Running {
-    /// Ends the threads; an error when one of them has panicked.
+    /// Ends the threads; fails if one of them has panicked.
     pub(in crate::cli) fn end(self) -> Exit {
         self.stop_cycle.store(true, Ordering::Relaxed);
         let cycle = self.cycle.join();
         self.stop_others.store(true, Ordering::Relaxed);
         let services = self.services.map_or(Ok(()), JoinHandle::join);
         let (bridge, recorder) = (self.bridge.join(), self.recorder.join());
-        // After the bridge: it has passed on what was saved last.
+        // After the bridge, which has passed on the last stored values.
         self.handle.end_keeping();
         let keeper = self.keeper.map_or(Ok(()), JoinHandle::join);
         tracing::info!("{}", self.statistics.summary());
@@ -367,7 +368,7 @@ impl Running {
             tracing::error!("a thread of the machine has failed; drives are left to their own supervision");
             return Exit::Failed;
         }
-        // A bag without a good end was told of; what was asked for is not there.
+        // The end of an incomplete bag was reported; the requested recording is missing.
         if recorder.is_ok_and(|is_good| is_good) { Exit::Good } else { Exit::Failed }
     }
 }
@@ -378,7 +379,7 @@ fn warn(refused: &[String]) {
     }
 }
 
-/// Halts all axes, then switches them off; waits for neither where the cycle is over.
+/// Halts all axes, then switches them off; does not wait if the cycle thread has ended.
 pub(in crate::cli) async fn stop_machine(handle: &Handle, is_over: impl Fn() -> bool) {
     let all = AxisSet::first(handle.config().axes.len());
     if !handle.takes_commands() {
@@ -386,7 +387,7 @@ pub(in crate::cli) async fn stop_machine(handle: &Handle, is_over: impl Fn() -> 
         return;
     }
     let asked = Instant::now();
-    // A full lane empties within a few cycles.
+    // A full queue is emptied within a few cycles.
     while handle.submit_as(Source::Cli, Action::Halt(all)).is_err() && asked.elapsed() < PATIENCE {
         tokio::time::sleep(Duration::from_millis(5)).await;
     }
@@ -401,13 +402,13 @@ pub(in crate::cli) async fn stop_machine(handle: &Handle, is_over: impl Fn() -> 
     }
 }
 
-/// First signals of the axes; virtual ones, which are always on, only when they are asked for.
+/// Returns the first signal of each axis; virtual axes, which are always on, only if `with_virtual`.
 fn axes(handle: &Handle, with_virtual: bool) -> Vec<Signal> {
     let axes = handle.config().axes.iter().filter(|axis| with_virtual || axis.drive.is_some());
     axes.filter_map(|axis| handle.directory().find(&format!("{}.state", axis.name))).collect()
 }
 
-/// Waits until something holds for axes in a snapshot that is newer than now; false when it takes too long.
+/// Waits until a condition is true for axes in a snapshot newer than now; returns false after a timeout.
 async fn until(
     handle: &Handle,
     axes: &[Signal],
@@ -418,7 +419,7 @@ async fn until(
     while start.elapsed() < PATIENCE && !is_over() {
         tokio::time::sleep(Duration::from_millis(2)).await;
         let snapshot = handle.snapshot();
-        // Two cycles further the command has applied.
+        // Two cycles later the command has been applied.
         if snapshot.cycle > begin + 2 && axes.iter().all(|&first| holds(&snapshot, first)) {
             return true;
         }

@@ -1,8 +1,8 @@
-//! Does the surface still work?
+//! Supervises the surface.
 //!
-//! Law      some 20 times a second a task goes through the runtime of the surface and takes what every request takes. Where none has
-//!          come through for `loss_timeout` the surface is silent, after 10 s it is lost; the time for which its threads or this one had
-//!          no processor is no silence
+//! Law      about 20 times per second a task runs through the runtime of the surface and takes the locks that every
+//!          request takes. If no task finishes for `loss_timeout`, the surface is silent; after 10 s it is lost. Time
+//!          in which its threads or this one had no processor does not count
 
 use lineshaft_ros::silence::{Check, Silence, Threads};
 use std::sync::Arc;
@@ -13,10 +13,10 @@ use tokio::runtime::Handle;
 
 /// Name of the threads of the surface.
 pub(super) const SURFACE: &str = "surface";
-/// Between two tasks.
+/// Time between two tasks.
 const PULSES: Duration = Duration::from_millis(50);
 
-/// After which silence something is done.
+/// Times without a finished task after which the machine reacts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patience {
     pub(super) silent: Duration,
@@ -29,30 +29,30 @@ impl Patience {
     }
 }
 
-/// What becomes of a surface.
+/// Change of state of a surface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Change {
-    /// Its tasks have not come through for half of the time: how long, and what its threads do.
+    /// No task has finished for half of the time: duration, and what its threads do.
     Overdue(String),
-    /// Its tasks have not come through for so long.
+    /// No task has finished for this time.
     Silent(Duration),
-    /// Its tasks come through again.
+    /// Tasks finish again.
     Back,
-    /// Its tasks never will: nobody watches any more.
+    /// No task will ever finish; supervision has ended.
     Lost,
 }
 
-/// Watches until it is dropped.
+/// Supervision of a surface until it is dropped.
 pub(super) struct Watch {
     is_closed: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Watch {
-    /// `pulse` runs as a task of `runtime`, `tell` in a thread of its own.
+    /// Starts supervision: `pulse` runs as a task of `runtime`, `tell` in a separate thread.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// Returns an error if no thread can be created.
     pub(super) fn start(
         runtime: Handle,
         patience: Patience,
@@ -71,7 +71,7 @@ impl Drop for Watch {
     fn drop(&mut self) {
         self.is_closed.store(true, Ordering::Release);
         if let Some(thread) = self.thread.take() {
-            // One that panicked has ended, too.
+            // A thread that panicked has ended, too.
             let _ = thread.join();
         }
     }

@@ -1,7 +1,7 @@
-//! `lineshaft sim --all DIR`: all scenarios of a folder, side by side.
+//! `lineshaft sim --all DIR`: plays all scenarios of a folder in parallel.
 //!
-//! Law      the scenarios are all files NAME.scenario.yaml in the folder and below it, in the order of their paths. Their results come in that
-//!          order, whichever is played first
+//! Law      the scenarios are all files NAME.scenario.yaml in the folder and its subfolders, in the order of their
+//!          paths. Their results are printed in that order, whichever is finished first
 //! Refuses  folders that cannot be read, or without a scenario
 
 use super::played::{ERROR, FAILED, PASSED, Played, Trouble};
@@ -18,10 +18,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-/// Of each thread (bytes), as much as the first thread of a program usually has.
+/// Stack of each thread, in bytes; as large as that of the main thread of a program usually is.
 const STACK: usize = 8 << 20;
 
-/// Plays all scenarios of a folder and prints what became of each, and a summary.
+/// Plays all scenarios of a folder and prints the result of each, and a summary.
 pub(super) fn play(
     folder: &Path,
     jobs: Option<u16>,
@@ -52,7 +52,7 @@ pub(super) fn play(
     }
 }
 
-/// `5 passed, 1 failed, 2 with errors`
+/// Returns text such as `5 passed, 1 failed, 2 with errors`.
 fn summary(played: &[Played]) -> String {
     let count = |verdict: &str| played.iter().filter(|played| played.verdict() == verdict).count();
     let errors = match count(ERROR) {
@@ -76,14 +76,14 @@ fn exit(played: &[Played]) -> Exit {
     }
 }
 
-/// All scenarios of a folder, by their paths; at least one.
+/// Returns the paths of all scenarios of a folder, sorted; at least one.
 fn find(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let (mut scenarios, mut folders) = (Vec::new(), vec![folder.to_owned()]);
     while let Some(folder) = folders.pop() {
         let cannot = |error: std::io::Error| format!("cannot read the folder {}: {error}", folder.display());
         for entry in fs::read_dir(&folder).map_err(cannot)? {
             let entry = entry.map_err(cannot)?;
-            // A link to a folder is not followed: it may lead back.
+            // A link to a folder is not followed, because it may form a loop.
             match entry.file_type().map_err(cannot)?.is_dir() {
                 true => folders.push(entry.path()),
                 false => scenarios.extend(Some(entry.path()).filter(|path| is_scenario(path))),
@@ -99,7 +99,8 @@ fn is_scenario(path: &Path) -> bool {
     name.len() > SUFFIX.len() && name.ends_with(SUFFIX)
 }
 
-/// Plays scenarios with so many threads, and calls `each` in their order with how many are done, and the last one of these.
+/// Plays scenarios with this number of threads; calls `each` in their order with the number of finished ones and the
+/// last one of these.
 fn side_by_side(
     scenarios: &[PathBuf],
     jobs: usize,
@@ -112,7 +113,7 @@ fn side_by_side(
         for _ in 0..jobs.clamp(1, scenarios.len().max(1)) {
             let (sender, next) = (sender.clone(), &next);
             let work = move || {
-                // A thread ends when it is interrupted, when no scenario is left, or when there is no receiver after an error.
+                // A thread ends on an interrupt, if no scenario is left, or if there is no receiver after an error.
                 while interrupt.requested().is_none() {
                     let place = next.fetch_add(1, Ordering::Relaxed);
                     let Some(scenario) = scenarios.get(place) else { return };
@@ -139,7 +140,7 @@ fn side_by_side(
 
 fn play_one(scenario: &Path, interrupt: &Interrupt) -> Played {
     let cell = cell_of(scenario);
-    // A file that looks like its cell and is not used.
+    // A file that looks like the cell of the scenario but is not used.
     let unused = cell_next_to(scenario).filter(|path| path.is_file() && other_cell(scenario, Some(path)).is_some());
     let note = unused.map(|unused| {
         let (file, unused) = (scenario.display(), unused.display());

@@ -1,4 +1,4 @@
-//! What became of a scenario: for people, as an object, and as test cases.
+//! Result of a scenario: as text, as JSON object, and as test cases.
 
 use crate::cli::Exit;
 use crate::cli::command_output::{Output, failures_json, omitted, problems_json};
@@ -15,7 +15,7 @@ pub(super) const PASSED: &str = "passed";
 pub(super) const FAILED: &str = "failed";
 pub(super) const ERROR: &str = "error";
 
-/// A scenario, and what became of it.
+/// A scenario and its result.
 #[derive(Debug)]
 pub(super) struct Played {
     scenario: PathBuf,
@@ -24,7 +24,7 @@ pub(super) struct Played {
     result: Result<Report, Trouble>,
 }
 
-/// Why a scenario was not played to its end.
+/// Reason why a scenario was not played to its end.
 #[derive(Debug)]
 pub(super) enum Trouble {
     /// Files with errors.
@@ -44,14 +44,14 @@ impl From<Problems> for Trouble {
 impl Trouble {
     fn exit(&self) -> Exit {
         match self {
-            // Neither the files nor the usage were bad: the disk was.
+            // The disk failed, not the files or the usage.
             Self::Simulate(SimulateError::Record(_) | SimulateError::Store(_)) => Exit::Failed,
             Self::Simulate(SimulateError::Interrupted { signal, .. }) => Exit::Signal(*signal),
             _ => Exit::Usage,
         }
     }
 
-    /// The problems of files, if there are any.
+    /// Returns the problems of files, if there are any.
     fn problems(&self) -> Option<&Problems> {
         match self {
             Self::Problems(problems) | Self::Store(StoreError::Unfit { problems, .. }) => Some(problems),
@@ -59,7 +59,7 @@ impl Trouble {
         }
     }
 
-    /// The errors apart from the problems of files.
+    /// Returns the errors other than the problems of files.
     fn errors(&self) -> Vec<String> {
         match self {
             Self::Problems(problems) => omitted(problems).into_iter().collect(),
@@ -68,19 +68,19 @@ impl Trouble {
         }
     }
 
-    /// The rest of a text that begins with the problems.
+    /// Returns the rest of a text that begins with the problems.
     fn after_problems(&self, text: &str) -> String {
         let problems = self.problems().map_or_else(String::new, Problems::to_string);
         text.strip_prefix(&problems).unwrap_or(text).to_owned()
     }
 
-    /// Where the first problem is.
+    /// Returns the location of the first problem.
     fn source(&self) -> Option<Source> {
         let first = self.problems()?.sorted().into_iter().next()?;
         Some(Source { file: first.file.to_string(), line: Some(first.place.line) })
     }
 
-    /// All of it as a text.
+    /// Returns all errors as one text.
     fn text(&self) -> String {
         match self {
             Self::Problems(problems) => problems.to_string().trim_end().to_owned(),
@@ -95,7 +95,7 @@ impl Trouble {
         }
         match self {
             Self::Problems(_) => {}
-            // Its problems are lines before it.
+            // Its problems are lines before the error.
             Self::Store(StoreError::Unfit { .. }) if !output.is_json() => {
                 self.errors().iter().for_each(|error| eprintln!("{error}"));
             }
@@ -122,7 +122,7 @@ impl Played {
         Self { scenario: scenario.to_owned(), cell, note, result }
     }
 
-    /// How the command ends, if there is no other scenario.
+    /// Returns the exit code of the command if there is no other scenario.
     pub(super) fn exit(&self) -> Exit {
         match &self.result {
             Ok(report) if report.passed() => Exit::Good,
@@ -131,7 +131,7 @@ impl Played {
         }
     }
 
-    /// The signal that has ended it, if one has.
+    /// Returns the signal that ended it, if one did.
     pub(super) fn ended_by(&self) -> Option<EndSignal> {
         match &self.result {
             Err(Trouble::Simulate(SimulateError::Interrupted { signal, .. })) => Some(*signal),
@@ -139,7 +139,7 @@ impl Played {
         }
     }
 
-    /// One of the three verdicts.
+    /// Returns one of the three verdicts.
     pub(super) fn verdict(&self) -> &'static str {
         match &self.result {
             Ok(report) if report.passed() => PASSED,
@@ -159,7 +159,8 @@ impl Played {
         }
     }
 
-    /// Prints a line, and the report unless it passed: without times, so that the same files give the same text.
+    /// Prints one line, and the report unless it passed. There are no times in it, so that the same files give the same
+    /// text.
     pub(super) fn show_briefly(&self, output: &mut Output) {
         let verdict = self.verdict().to_uppercase();
         output.say(&format_args!("{verdict:6} {}", self.scenario.display()));
@@ -184,7 +185,7 @@ impl Played {
         self.result.as_ref().ok()?.wall.map(|wall| wall.as_secs_f64())
     }
 
-    /// Its object in `scenarios`.
+    /// Returns its object in `scenarios`.
     pub(super) fn json(&self) -> Json {
         let file = self.file();
         let report = self.result.as_ref().ok();
@@ -211,7 +212,7 @@ impl Played {
         })
     }
 
-    /// Its test cases: one for each expectation, and one for all of its steps and commands.
+    /// Returns its test cases: one for each expectation, and one for all of its steps and commands.
     pub(super) fn suite(&self) -> Suite {
         let file = self.file();
         let cases = match &self.result {

@@ -1,4 +1,4 @@
-//! The words of `lineshaft table`.
+//! Arguments of `lineshaft table`.
 
 use crate::cli::pixels;
 use crate::recording::plot::{HEIGHTS, WIDTHS};

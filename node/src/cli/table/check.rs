@@ -13,7 +13,7 @@ use crate::table::motion::{Extremes, Motion, Points};
 use lineshaft_core::law::Peak;
 use lineshaft_core::unit::Scale;
 
-/// Derivatives in the order in which they are told, with their units.
+/// Derivatives in the order in which they are printed, with their units.
 const RATES: [(&str, &str, u8); 3] =
     [("velocity", "inc/inc", 1), ("acceleration", "inc/inc^2", 2), ("jerk", "inc/inc^3", 3)];
 
@@ -63,7 +63,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<Exit, Failure> {
     Ok(Exit::Usage)
 }
 
-/// The speed of the master for which the limits are checked.
+/// Returns the speed of the master for which the limits are checked, as text.
 fn at(speed: f64, leader: Option<&Master>, is_of_leader: bool) -> String {
     let from = match leader {
         Some(leader) if is_of_leader => format!(", max_velocity of {}", leader.name),
@@ -72,14 +72,14 @@ fn at(speed: f64, leader: Option<&Master>, is_of_leader: bool) -> String {
     format!(" at a master speed of {}{from}", in_both_units(speed, leader))
 }
 
-/// A speed of the master in increments, and in the unit of the leader, if that has one.
+/// Formats a speed of the master in increments, and in the unit of the leader, if it has one.
 fn in_both_units(speed: f64, leader: Option<&Master>) -> String {
     let own = leader.and_then(|leader| leader.scale).filter(|scale| !scale.is_in_increments());
     let own = own.map_or(String::new(), |scale| format!(" ({})", scale.format_rate(speed, 1)));
     format!("{} inc/s{own}", digits(speed))
 }
 
-/// What lies between points, and what that leaves open.
+/// Returns lines about the curve between points, and about values that cannot be determined from it.
 fn between(points: &Points) -> Vec<String> {
     let mut lines = if points.table.spline().is_some() {
         vec![
@@ -115,7 +115,7 @@ fn summary(motion: &Motion) -> String {
     format!("{what}, {round}; period {} inc of the master, way {} inc", motion.length(), motion.end())
 }
 
-/// The largest of each, and what that is at a speed of the master.
+/// Returns the maximum of each derivative, and its value at a speed of the master.
 fn derivatives(extremes: &Extremes, speed: Option<f64>) -> Vec<String> {
     let bend = if extremes.deceleration.value > extremes.acceleration.value {
         extremes.deceleration
@@ -139,7 +139,7 @@ fn jumps(extremes: &Extremes) -> Vec<String> {
     extremes.jumps.iter().map(jump).collect()
 }
 
-/// A limit, what is asked of it at a speed, and where.
+/// Returns a line with a limit, the required value at a speed, and its position.
 fn line(demand: &Demand, verdict: Option<(f64, bool)>, scale: &Scale) -> String {
     let rate = |rate: f64| scale.format_rate(rate, demand.order);
     let limit = if scale.is_in_increments() {
@@ -170,7 +170,7 @@ fn fastest(demands: &[Demand], leader: Option<&Master>) -> String {
     }
 }
 
-/// Six digits of a value that was computed.
+/// Formats a calculated value with six digits.
 fn digits(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -188,12 +188,12 @@ fn digits(value: f64) -> String {
     }
 }
 
-/// A place of the master, to a thousandth of an increment.
+/// Formats a position of the master, to a thousandth of an increment.
 fn place(at: f64) -> String {
     trimmed(&format!("{at:.3}")).to_owned()
 }
 
-/// A decimal without zeros at its end.
+/// Removes trailing zeros of a decimal.
 fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }

@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 use std::io::Read as _;
 use std::path::Path;
 
-/// Numbers in a line of YAML.
+/// Numbers per line of YAML.
 const IN_LINE: usize = 12;
 
 pub(super) fn convert(args: &ConvertArgs) -> Result<Exit, Failure> {
@@ -41,7 +41,7 @@ pub(super) fn convert(args: &ConvertArgs) -> Result<Exit, Failure> {
         Format::Csv => csv::text(&table, &[format!("form {}, {} points", table.form().name(), table.len())]),
         Format::Yaml => {
             let stem = || args.input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            // What was read by its name keeps it.
+            // A table that was read by its name keeps it.
             let called = called.or_else(|| args.name.clone()).unwrap_or_else(stem);
             snippet(&table, &called, &args.output)?
         }
@@ -51,9 +51,9 @@ pub(super) fn convert(args: &ConvertArgs) -> Result<Exit, Failure> {
     Ok(Exit::Good)
 }
 
-/// Refuses to replace a file with more than section `tables`: a cell, or the description of a table.
+/// Refuses to replace a file that has more than section `tables`, such as a cell or the description of a table.
 fn only_a_table(output: &Path) -> Result<(), Failure> {
-    // An error of the disk is reported when the file is written.
+    // A disk error is reported when the file is written.
     let Ok(mut file) = open_file(output) else { return Ok(()) };
     let mut old = Vec::new();
     if file.read_to_end(&mut old).is_err() {
@@ -94,7 +94,7 @@ fn in_form(read: &Table, args: &ConvertArgs) -> Result<Table, Failure> {
     converted.map_err(|error| sentence(error.to_string()))
 }
 
-/// A table of a cell, or of a part of one, by its name.
+/// Returns a table of a cell, or of a part of one, by its name.
 fn of_cell(path: &Path, wanted: Option<&str>) -> Result<(String, Table), Failure> {
     let document = Document::read(path);
     let found = document.root("the file").and_then(|root| chosen(&root, wanted, &Files::beside(path)));
@@ -105,7 +105,7 @@ fn of_cell(path: &Path, wanted: Option<&str>) -> Result<(String, Table), Failure
 fn chosen(root: &Value<'_>, wanted: Option<&str>, files: &Files) -> Option<(String, Table)> {
     let mut map = root.map("the file")?;
     let section = map.required("tables")?;
-    // The rest of a cell is none of ours.
+    // The other keys of a cell are not checked.
     map.rest();
     map.finish();
     let entries = section.entries()?;
@@ -138,7 +138,7 @@ fn chosen(root: &Value<'_>, wanted: Option<&str>, files: &Files) -> Option<(Stri
     Some((called.to_owned(), (*table).clone()))
 }
 
-/// What the entry says of a table as a cam.
+/// Returns the key of a table that is a cam.
 fn cam(table: &Table) -> String {
     let CamSetting { length, is_cyclic, interpolation } = table.cam_setting();
     let length = length.map(|length| format!("length: {length}"));
@@ -150,7 +150,7 @@ fn cam(table: &Table) -> String {
     if parts.is_empty() { String::new() } else { format!("    cam: {{{}}}\n", parts.join(", ")) }
 }
 
-/// A table as it stands in a cell.
+/// Returns a table in the format of a cell.
 fn snippet(table: &Table, called: &str, output: &Path) -> Result<String, Failure> {
     let as_key = Document::parse("the name", format!("{called}: 0\n"));
     let is_name = as_key
@@ -174,7 +174,7 @@ fn snippet(table: &Table, called: &str, output: &Path) -> Result<String, Failure
             nth if nth % IN_LINE == 0 => ",\n      ",
             _ => ", ",
         });
-        // Writing to a text cannot fail.
+        // Writing to a string cannot fail.
         let _ = match places.next() {
             Some(place) => write!(text, "[{place}, {value}]"),
             None => write!(text, "{value}"),

@@ -1,7 +1,7 @@
-//! `lineshaft table`: tables of cams without a machine.
+//! `lineshaft table`: processes tables of cams without a machine.
 //!
-//! Law      what is wrong with a file is told with file, line and column; a file is written as a whole or not at all
-//! Refuses  bad words and files, and tables that ask too much of an axis, with exit code 2
+//! Law      errors of a file are reported with file, line and column; a file is written as a whole or not at all
+//! Refuses  wrong arguments and files, and tables that exceed the limits of an axis, with exit code 2
 
 mod args;
 mod check;
@@ -19,17 +19,17 @@ use crate::table::motion::{Motion, Points};
 use lineshaft_core::table::{Form, Table};
 use std::path::Path;
 
-/// Why a command has not done what it was to do: lines for people.
+/// Reason why a command failed, as text.
 #[derive(Debug)]
 enum Failure {
-    /// Problems of files, each with its place.
+    /// Problems of files, each with its location.
     Problems(String),
-    /// A sentence.
+    /// An error message.
     Sentence(String),
 }
 
 impl Failure {
-    /// What is wrong with a file.
+    /// Returns the failure for an error of a file.
     fn of(path: &Path, Refused { place, sentence }: Refused) -> Self {
         match place {
             Some(Place { line, col }) => Self::Problems(format!("{}:{line}:{col}: {sentence}\n", path.display())),
@@ -56,7 +56,7 @@ pub(super) fn table(command: &TableCommand) -> Exit {
     done.unwrap_or_else(|failure| failure.tell())
 }
 
-/// What a file holds, by the end of its name.
+/// Format of a file, by its extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Csv,
@@ -73,7 +73,7 @@ impl Format {
     }
 }
 
-/// The last part of a path: where it is is of no interest.
+/// Returns the last part of a path, without the folder.
 fn name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
@@ -89,14 +89,14 @@ fn describe(path: &Path) -> Result<Description, Failure> {
     description.filter(|_| problems.is_empty()).ok_or_else(|| Failure::Problems(problems.to_string()))
 }
 
-/// The table of a CSV file.
+/// Reads the table of a CSV file.
 fn read_csv(path: &Path, form: Form) -> Result<Table, Failure> {
     let of = |refused| Failure::of(path, refused);
     let (x, y) = csv::load(path).and_then(|text| csv::parse(&text, form)).map_err(of)?;
     Table::new(form, &x, &y).map_err(|error| of(Refused { place: None, sentence: error.to_string() }))
 }
 
-/// The motion of a description or of a CSV file.
+/// Reads the motion of a description or of a CSV file.
 fn motion(args: &SourceArgs) -> Result<Motion, Failure> {
     let path = args.file.as_path();
     if Format::of(path)? == Format::Yaml {
@@ -131,7 +131,7 @@ fn make(args: &MakeArgs) -> Result<Exit, Failure> {
 
 fn plot(args: &PlotArgs) -> Result<Exit, Failure> {
     let sentence = |problem: crate::recording::plot::Problem| Failure::Sentence(problem.to_string());
-    // A long table takes time: what is wrong with the names is said before.
+    // Names are checked first, because reading a long table takes time.
     Target::of(&args.output).map_err(sentence)?;
     let title = args.title.clone().unwrap_or_else(|| name(&args.source.file));
     let sheet = Sheet { title, width: args.width, height: args.height };

@@ -1,9 +1,10 @@
-//! The trial of an axis with a real drive.
+//! Runs the trial of an axis with a real drive.
 //!
-//! Law      the machine runs as `lineshaft run` has it, without ROS: backends start, the drive speaks, the trial runs, all axes stop and go off. A signal
-//!          cancels the trial; another one, half a second later at least, ends the process, and the drive by its own supervision
-//! Reads    the cell, signals of the system
-//! Writes   what the drives are asked for
+//! Law      the machine runs as with `lineshaft run`, without ROS: backends start, the drive is online, the trial runs,
+//!          all axes stop and are switched off. A signal cancels the trial; another one, at least half a second later,
+//!          ends the process, and the drive stops by its own supervision
+//! Reads    the cell, signals of the operating system
+//! Writes   setpoints of the drives
 //! Refuses  backends that do not start
 
 use crate::cell::Cell;
@@ -21,29 +22,29 @@ use lineshaft_ros::surface::host::{GateState, Host, TuningWatch};
 use lineshaft_tune::Record;
 use std::time::{Duration, Instant};
 
-/// Why there is no record.
+/// Reason why there is no record.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum RealError {
-    /// What was given.
+    /// The arguments or files are wrong.
     #[error("{0}")]
     Given(String),
-    /// The run.
+    /// The run failed.
     #[error("{0}")]
     Run(String),
 }
 
-/// How long a drive may take to speak, once its backend has started.
+/// Maximum time until a drive is online, after its backend has started.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Between two looks.
+/// Polling interval.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Tries the axis. How one ended that was run is no error.
+/// Runs the trial of the axis. A trial that was ended early is no error.
 ///
 /// # Errors
-/// Why none was run, or why what it did is not known.
+/// Returns an error if no trial was run, or if its result is unknown.
 pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result<(Ended, Record), RealError> {
     let mut cell = cell.clone();
-    // Nobody else could configure and activate it.
+    // There is no other client to configure and activate it.
     cell.ros.autostart = true;
     let hardware = Hardware::of(&cell, Some(&args.cell), false, false).map_err(RealError::Given)?;
     let given = |error: &dyn std::fmt::Display| RealError::Given(error.to_string());
@@ -53,16 +54,16 @@ pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build();
     let runtime = runtime.map_err(|error| RealError::Run(format!("no threads: {error}")))?;
     let tried = runtime.block_on(async {
-        // Before any thread runs: from here on no signal ends the program unheard.
+        // Before any thread runs, so that no signal ends the program without a stop of the axes.
         let mut signals =
             Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        // What the surface would hear nobody does.
+        // There is no surface that would receive these data.
         let (prepared, _) = Prepared::new(&cell, machine, hardware, Given::default());
         let running = prepared.start(recording);
         let (tried, first) = attend(&running, &mut signals, setting).await;
         end_by_next(signals, first);
         if running.handle.gate() != GateState::Open {
-            // No cycle takes a command: nothing was switched on.
+            // No cycle accepts a command, so nothing was switched on.
             running.handle.close();
         }
         stop_machine(&running.handle, || running.cycle.is_finished()).await;
@@ -73,14 +74,14 @@ pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result
         }
         Ok((trial.ended().unwrap_or(Ended::Late), trial.record().clone()))
     });
-    // Who listens to signals waits for ever.
+    // The task that waits for signals never ends.
     runtime.shutdown_background();
     tried.map_err(RealError::Run)
 }
 
-/// From the start of the backends to the end of the trial.
+/// Runs from the start of the backends to the end of the trial.
 ///
-/// Beside how it ended: when the first signal came, if one did.
+/// Returns the trial, and the time of the first signal, if there was one.
 async fn attend(
     running: &Running,
     signals: &mut Signals,
@@ -103,7 +104,7 @@ async fn attend(
             trial = &mut back => return (trial.map_err(|_| "the machine has stopped".to_owned()), first),
             _ = signals.recv() => {
                 let begun = *first.get_or_insert_with(Instant::now);
-                // A terminal and a wrapper may both pass the same Ctrl-C on.
+                // A terminal and a wrapper may both forward the same Ctrl-C.
                 if begun.elapsed() >= SAME_SIGNAL {
                     tracing::error!("another signal: drives are left to their own supervision");
                     std::process::exit(1);
@@ -118,7 +119,7 @@ async fn attend(
     }
 }
 
-/// From here on a signal that is not the first one once more ends the process.
+/// Ends the process on the next signal that is no repetition of the first one.
 fn end_by_next(mut signals: Signals, first: Option<Instant>) {
     tokio::spawn(async move {
         loop {
@@ -130,7 +131,8 @@ fn end_by_next(mut signals: Signals, first: Option<Instant>) {
     });
 }
 
-/// The backends have started, and the drive of the axis speaks. One that does not says why when it is to be switched on.
+/// Waits until the backends have started and the drive of the axis is online. A drive that is offline reports the
+/// reason when it is switched on.
 async fn until_ready(handle: &Handle, axis: u16) -> Result<(), String> {
     loop {
         match handle.gate() {

@@ -1,4 +1,4 @@
-//! Edits over layouts that people write.
+//! Tests edits of layouts that users write.
 
 use super::*;
 use crate::document::Document;
@@ -52,7 +52,7 @@ fn entries_that_are_missing_stand_behind_their_neighbour() {
 fn without_a_neighbour_they_stand_behind_the_last_plain_value() {
     let text = "axes:\n  x:\n    type: rotary\n    sim: {model: ideal}\n  y: {}\n";
     edits(text, &[("kder", "5")], &text.replacen("rotary\n", "rotary\n    kder: 5\n", 1));
-    // A mapping in braces is the next best.
+    // Without a plain value, it is inserted after a mapping in braces.
     let text = "axes:\n  x:\n    sim: {model: ideal}\n    loop:\n      a: 1\n";
     edits(text, &[("kder", "5")], &text.replacen("ideal}\n", "ideal}\n    kder: 5\n", 1));
 }
@@ -136,7 +136,7 @@ fn what_an_anchor_carries_elsewhere_is_refused_with_its_line() {
     refused(text, &[("kprop", "7")], &format!("line 3: {elsewhere}"));
     let text = "gain: &k 30\naxes:\n  x: {kprop: *k}\n";
     refused(text, &[("kprop", "7")], "line 3: an alias stands here; what it repeats belongs to other places, too");
-    // One that nobody repeats does no harm.
+    // An anchor without references is harmless.
     edits("axes:\n  x: &m {a: 1} # c }\n", &[("b", "7")], "axes:\n  x: &m {a: 1, b: 7} # c }\n");
     edits("axes:\n  x:\n    l: &m {} # c }\n", &[("l.b", "7")], "axes:\n  x:\n    l: &m {b: 7} # c }\n");
     edits("axes:\n  x: &m\n    kprop: &k 30\n", &[("kprop", "7")], "axes:\n  x: &m\n    kprop: &k 7\n");
@@ -195,7 +195,7 @@ fn layout() -> impl Strategy<Value = (String, Vec<(String, String)>)> {
     })
 }
 
-/// What a document says of the axis, and of all else.
+/// Returns the values of the axis, and the rest of a document.
 fn read(text: &str) -> (Vec<(String, String)>, Vec<String>) {
     let document = Document::parse("t", text);
     let root = document.root("t").unwrap();
@@ -218,7 +218,7 @@ fn read(text: &str) -> (Vec<(String, String)>, Vec<String>) {
 }
 
 proptest! {
-    /// The axis says what it said but for what was set, and that; comments and all other lines stay.
+    /// The axis has its old values except those that were set; comments and all other lines stay.
     #[test]
     fn only_what_is_set_changes(
         (text, values) in layout(),
@@ -238,7 +238,7 @@ proptest! {
         }
         prop_assert_eq!(new.matches('#').count(), text.matches('#').count());
         prop_assert_eq!(new.matches('\r').count() == new.matches('\n').count(), text.contains('\r'));
-        // The same again changes nothing.
+        // Setting the same values again changes nothing.
         prop_assert_eq!(set(&new, &entries).unwrap(), new);
     }
 }

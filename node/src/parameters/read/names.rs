@@ -1,8 +1,8 @@
-//! Names in files of old days.
+//! Names of parameters in older files.
 
 use lineshaft_core::parameter::{ROWS, Row, System};
 
-/// Spellings that the manual of MACS has beside the right one (spec/macs.md 1.2, A-01), in small letters.
+/// Misspellings in the manual of MACS, in lower case, with the correct names (spec/macs.md 1.2, A-01).
 const MISPRINTS: &[(&str, &str)] = &[
     ("syncfac_t_m", "syncfactm"),
     ("syncfac_t_s", "syncfacts"),
@@ -41,7 +41,7 @@ const MISPRINTS: &[(&str, &str)] = &[
     ("maxvel", "velmax"),
 ];
 
-/// A parameter's name as the catalogue has it: a name of MACS may be written in capitals, or misprinted.
+/// Returns the name of a parameter as in the catalogue: a MACS name may be in capitals, or misprinted.
 pub(super) fn canonical(name: &str) -> String {
     let Some((object, key)) = name.split_once('.') else { return name.to_owned() };
     if Row::find(key).is_some() {
@@ -73,7 +73,7 @@ mod tests {
             ("x.MAXVEL", "x.velmax"),
             ("machine.CANNR", "machine.cannr"),
             ("x.max_velocity", "x.max_velocity"),
-            // Names of others are written as they are.
+            // Names of other sources must be written exactly.
             ("x.MAX_VELOCITY", "x.MAX_VELOCITY"),
             ("x.SAIA.KPROP", "x.SAIA.KPROP"),
             ("x", "x"),

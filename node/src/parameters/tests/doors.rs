@@ -1,4 +1,5 @@
-//! One value, every door: a cell, a scenario, an import, `~/vocabulary`, the machine itself. The catalogue decides; the doors agree.
+//! Tests that all interfaces accept the same values, as defined by the catalogue: a cell, a scenario, an import,
+//! `~/vocabulary`, the machine itself.
 
 use super::rig::{DRIVES, Door, Rig};
 use lineshaft_core::config::{highest_of, highest_velocity};
@@ -8,10 +9,10 @@ use lineshaft_core::unit::Scale;
 
 const TEXT_DOORS: [Door; 4] = [Door::Cell, Door::Scenario, Door::Import, Door::Vocabulary];
 
-/// It is 0 when a machine starts: a cell cannot give it.
+/// It is 0 when a machine starts, so a cell cannot set it.
 const TRIGGER: &str = "amc.reference_select_trigger";
 
-/// An object that has the row; one with two drives where no other has it.
+/// Returns an object that has the row; one with two drives only if no other has it.
 fn object(row: &Row, rig: &Rig) -> &'static str {
     let axes = DRIVES.iter().zip(&rig.config().axes);
     let axis = axes
@@ -20,7 +21,7 @@ fn object(row: &Row, rig: &Rig) -> &'static str {
     axis.map_or("machine", |(name, _)| name)
 }
 
-/// A value as a file writes it, exactly.
+/// Returns a value in the exact format of a file.
 fn written(row: &Row, value: Value) -> String {
     let unit = match row.measure {
         Measure::Position | Measure::Distance => " inc",
@@ -37,7 +38,7 @@ fn written(row: &Row, value: Value) -> String {
     }
 }
 
-/// Both ends of the range, and the default.
+/// Returns both ends of the range, and the default.
 fn legal(row: &Row) -> Vec<Value> {
     let mut values = match row.range {
         Range::Int(low, high) => vec![Value::Int(low), Value::Int(high)],
@@ -54,7 +55,7 @@ fn legal(row: &Row) -> Vec<Value> {
     values
 }
 
-/// One beyond each end.
+/// Returns one value beyond each end of the range.
 fn beyond(row: &Row) -> Vec<Value> {
     let values = match row.range {
         Range::Int(low, high) => vec![Value::Int(low - 1), Value::Int(high + 1)],
@@ -66,11 +67,11 @@ fn beyond(row: &Row) -> Vec<Value> {
         Range::PositiveUpTo(high) => vec![Value::Real(0.0), Value::Real(-1.0), Value::Real(high * 1.5)],
         Range::Real(low, high) => vec![Value::Real(low - low.abs().max(1.0)), Value::Real(high * 1.5 + 1.0)],
     };
-    // A default may lie outside (D02).
+    // A default may be outside of the range (D02).
     values.into_iter().filter(|value| *value != row.default).collect()
 }
 
-/// What no row of that measure takes.
+/// Returns texts that no row of that measure accepts.
 fn nonsense(row: &Row) -> Vec<&'static str> {
     let mut texts = vec!["banana", ".nan", "nan", ".inf", "inf", "-inf", "[1, 2]", "{a: 1}", "5 kg", "1 2"];
     texts.extend(match row.measure {
@@ -86,7 +87,7 @@ fn nonsense(row: &Row) -> Vec<&'static str> {
     texts
 }
 
-/// What the catalogue says of a value on an axis that has just started.
+/// Whether the catalogue accepts a value for an axis that has just started.
 fn law(row: &Row, rig: &Rig, object: &str, value: Value) -> bool {
     let Some(axis) = rig.config().axes.iter().find(|axis| axis.name == object) else {
         return row.check(value).is_ok();
@@ -102,7 +103,7 @@ fn change(rig: &Rig, object: &str, row: &Row, value: Value) -> Change {
     Change { axis, row: Row::find(row.key).expect("it is a row").0, value }
 }
 
-/// Has a door this row at all? A cell has no keys of the machine, and its structure is no parameter there.
+/// Whether an interface has this row. A cell has no keys of the machine, and its structure is no parameter there.
 fn has(door: Door, row: &Row) -> bool {
     door != Door::Cell || row.applies != Applies::Machine && row.storage != Storage::Cell
 }
@@ -115,16 +116,17 @@ fn every_row_takes_the_same_values_at_every_door() {
         let object = object(row, &rig);
         for value in legal(row) {
             let machine = rig.give_change(object, change(&rig, object, row, value));
-            // The reference selector is judged by what the axis is wired to, too; there the doors agree with the machine.
+            // Values of the reference selector also depend on its wiring; for them the interfaces must agree with the
+            // machine.
             let is_selector = row.key.starts_with("amc.");
-            // So are inputs and outputs by number: this cell has none.
+            // So do inputs and outputs by number: this cell has none.
             let names_io = row.key.starts_with("i_") || row.key.starts_with("o_") || row.key == "revers";
-            // The source of the virtual master and its start are judged by its axes and its ramp.
+            // The source of the virtual master and its start depend on its axes and its ramp.
             let is_virtual = matches!(row.key, "vmenctyp" | "vmencmtyp" | "pulsvel");
-            // Two of its four modes need a power stage, five of seven motors one that commutates; its velocity loop reads the encoder of its own
-            // drive alone.
+            // Two of the four modes need a power stage, five of the seven motors one that commutates; the velocity loop
+            // can read only the encoder of its own drive.
             let is_mode = matches!(row.key, "ampmode" | "ampcommtype" | "ampencno");
-            // A current loop needs to know its current.
+            // A current loop needs the torque constant.
             let is_mode = is_mode || row.key == "torque_constant";
             let expected = if is_selector || names_io || is_virtual || is_mode {
                 machine.is_ok()
@@ -152,7 +154,7 @@ fn every_row_takes_the_same_values_at_every_door() {
     assert!(taken > 4 * ROWS.len(), "{taken} values were taken");
 }
 
-/// A refusal names the parameter, the value and what is permitted, and changes nothing.
+/// A refusal names the parameter, the value and the permitted values, and changes nothing.
 #[test]
 fn every_row_refuses_what_lies_beyond_its_range_at_every_door() {
     let rig = Rig::new();
@@ -202,7 +204,8 @@ fn no_row_takes_what_is_none_of_its_type_at_any_door() {
     }
 }
 
-/// Where a name says how a value is computed, or that it is part of the structure, it is read-only at every door.
+/// A parameter that describes how a value is calculated, or that is part of the structure, is read-only at every
+/// interface.
 ///
 /// Proves: MACS-STO-08
 #[test]
@@ -271,7 +274,7 @@ fn a_row_is_there_only_where_it_applies() {
     assert!(count > ROWS.len() / 2, "{count}");
 }
 
-/// Units of the sources: MACS counts limits, windows and errors in increments, whatever the unit of the axis is.
+/// Units of the sources: MACS uses increments for limits, windows and errors, whatever the unit of the axis is.
 ///
 /// Proves: MACS-UNIT-03
 #[test]
@@ -284,7 +287,7 @@ fn limits_of_macs_are_in_increments_at_every_door() {
                 Ok(None) => None,
                 Err(said) => panic!("{said}"),
             };
-            // 1000 inc are a millimetre.
+            // 1000 inc are one millimetre.
             assert_eq!(value(key, "2000"), value(native, "2 mm"), "{door:?}");
             assert!(rig.give_text(door, "x", key, "2 mm").is_err(), "{door:?}");
         }

@@ -1,4 +1,4 @@
-//! Files of parameters: what they say, what is wrong with them, and what they would change.
+//! Tests files of parameters: their values, errors and effects.
 
 use super::rig::Rig;
 use crate::cell::Cell;
@@ -18,7 +18,7 @@ fn check(text: &str) -> Result<Import, String> {
     let rig = Rig::new();
     let machine = rig.machine();
     let import = check_import(Document::parse("p", text), rig.config(), machine.directory());
-    // The reader of a running machine finds the same, but for what contradicts the values in force.
+    // The reader for a running machine gives the same result, except for contradictions to the values in force.
     let changes = read_changes("p", text, rig.config(), machine.directory());
     if let Ok(import) = &import {
         assert_eq!(changes.expect("good"), import.changes);
@@ -30,7 +30,7 @@ fn refused(text: &str) -> String {
     read(text).expect_err("it is refused")
 }
 
-/// what some firmware keeps in us is read as ms from a file, and nowhere else.
+/// a value that some firmware has in us is converted to ms in a file, but nowhere else.
 ///
 /// Proves: MACS-PROF-05
 #[test]
@@ -48,7 +48,7 @@ fn proftime_may_be_in_microseconds_in_a_file() {
     }
 }
 
-/// A controller tells 255 once it has been homed; it acts as 1, and is shown as it stands in the file.
+/// A controller reports 255 once it has been homed; it has the effect of 1, and is shown as in the file.
 ///
 /// Proves: MACS-HOME-09
 #[test]
@@ -65,7 +65,7 @@ fn compulsory_and_done_is_compulsory_in_a_file() {
 fn names_may_be_written_as_macs_writes_and_misprints_them() {
     let p = read("x.SYNCFAC_T_M: 3\nx.SYNCFACTS: 2\nx.Maxvel: 60 \nx.POSERRTIM: 5\n").unwrap();
     assert_eq!((p.sync_master, p.sync_slave, p.following_error_time), (3, 2, 5_000_000));
-    // 500 lines, 4 edges, one turn per second.
+    // 500 lines, 4 edges, one revolution per second.
     assert_eq!(p.max_velocity, 2000.0);
     assert_eq!(
         refused("x.syncfactm: 3\nx.SYNCFAC_T_M: 3\n"),
@@ -103,12 +103,12 @@ fn one_value_by_two_names_is_refused() {
         refused("x.velmax: 60\nx.max_velocity: 2 mm/s\nline.max_velocity: 5 mm/s\n"),
         "p:1:11: velmax is another view of max_velocity, which stands at 2:17, write one of them\n"
     );
-    // A limit that is off keeps its place by the name of MACS; both stand in an export.
+    // The MACS name of a limit that is off has its position; an export has both.
     let p = read("x.min_position: ~\nx.neglimit: -500\n").unwrap();
     assert_eq!((p.min_position, p.macs.neglimit), (None, -500));
     assert!(refused("x.min_position: -5 mm\nx.neglimit: -500\n").contains("p:2:13: neglimit is another view"));
     assert!(refused("x.min_position: ~\nx.swneglimact: 1\n").contains("p:2:16: swneglimact is another view"));
-    // Place and switch are two things.
+    // Position and switch of a limit are separate values.
     assert_eq!(read("x.swneglimact: 1\nx.neglimit: -500\n").unwrap().min_position, Some(-500));
     assert_eq!(read("x.neglimit: -500\nx.swneglimact: 1\n").unwrap().min_position, Some(-500));
 }
@@ -144,7 +144,7 @@ fn what_contradicts_the_cell_or_the_file_names_what_was_written() {
             assert_eq!(said, format!("p:{expected}\n"));
         }
     }
-    // Both at once agree again, in either order.
+    // Both together are consistent again, in either order.
     for text in
         ["x.max_velocity: 1 m/s\nx.dfltvel: 100", "x.dfltvel: 150\nx.velres: 200", "x.velres: 200\nx.dfltvel: 150"]
     {
@@ -152,7 +152,7 @@ fn what_contradicts_the_cell_or_the_file_names_what_was_written() {
     }
 }
 
-/// An export is exact and is taken again; what it would change is nothing.
+/// An export is exact and can be imported; the import changes nothing.
 #[test]
 fn an_export_is_imported_and_changes_nothing() {
     for cell in [Cell::demo(), Rig::new().cell] {
@@ -182,7 +182,7 @@ fn what_a_file_would_change_is_told_by_name_and_in_the_unit_of_the_axis() {
     );
 }
 
-/// In inverted units POSLIMIT keeps the place of the lower native limit where that is off.
+/// In inverted units POSLIMIT stores the position of the lower native limit if that is off.
 #[test]
 fn an_export_of_inverted_units_is_read_back() {
     for limit in ["min_position: -5 mm", "max_position: 100 mm", "neglimit: -7, swneglimact: 1", "poslimit: 9"] {
@@ -203,7 +203,7 @@ fn an_export_of_inverted_units_is_read_back() {
     }
 }
 
-/// There POSLIMIT and the lower native limit are one value.
+/// In inverted units POSLIMIT and the lower native limit are one value.
 #[test]
 fn two_names_of_one_limit_in_inverted_units_are_refused() {
     let rig = Rig::new();
@@ -223,7 +223,8 @@ fn two_names_of_one_limit_in_inverted_units_are_refused() {
     assert!(import("x.min_position: -3 mm\nx.swposlimact: 1\nx.poslimit: 5\n").is_ok());
 }
 
-/// The parameters of the machine stand beside those of the axes: shown, changed, and held to the inputs that the cell has.
+/// The parameters of the machine are handled like those of the axes: shown, changed, and checked with the inputs of the
+/// cell.
 #[test]
 fn the_machine_is_shown_and_changed_as_an_axis_is() {
     let cell = include_str!("../../../../launch-configs/io.yaml");
@@ -250,7 +251,7 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     assert!(refused.starts_with(&format!("p:1:18: o_error is 8; the cell has {outputs} digital outputs")), "{refused}");
     let refused = import("machine.vmenctyp: 9900\n").unwrap_err().to_string();
     assert!(refused.starts_with("p:1:19: vmenctyp 9900 is not allowed; 100 n is"), "{refused}");
-    // A file starts no motion: 0 is none of a start, and all else is refused.
+    // A file starts no motion: 0 does not start one, and any other value is refused.
     let rests = "machine.vmenctyp: 100\nmachine.pulsacc: 5\nmachine.pulsvel: 0\nmachine.setsys_15: 0\n";
     assert_eq!(import(rests).expect("good").changes.len(), 2);
     for (line, place) in
@@ -269,7 +270,7 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
         assert!(!text.contains("pulsvel") && !text.contains("setsys"), "{text}");
         assert!(import(&text).is_ok());
     }
-    // The outputs of revers: for a velocity only, and as the cell has them.
+    // The outputs of revers: only for a velocity, and only those of the cell.
     let refused = import("slide.revers: 10\n").unwrap_err().to_string();
     assert!(refused.starts_with("p:1:15: revers 10 asks for outputs, which tell the sign of a velocity"), "{refused}");
     let text = include_str!("../../../../launch-configs/io.yaml").replace("node: 4}", "node: 4, interface: velocity}");
@@ -280,7 +281,8 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     assert!(import("slide.revers: 50\n").is_ok());
     let refused = import("slide.revers: -50\n").unwrap_err().to_string();
     assert!(refused.starts_with("p:1:15: revers needs output 6; the cell has 5 digital outputs"), "{refused}");
-    // Output 3 is that of the brake of lift, output 2 tells of its motion: that others may do as well, and nothing else.
+    // Output 3 is the brake of lift, output 2 signals its motion: other axes may use output 2 for the same function,
+    // but for no other one.
     for line in
         ["machine.o_error: 3", "slide.o_axmove: 3", "slide.o_brake: 2", "slide.o_axmove: -2", "lift.o_axmove: 1"]
     {

@@ -1,4 +1,4 @@
-//! The catalogue as it is shown.
+//! Tests the description of the catalogue.
 
 use crate::cell::Cell;
 use crate::parameters::{Filter, details, listing, markdown, meant, values};
@@ -8,7 +8,8 @@ fn filter(pattern: &str) -> Filter {
     Filter::new(Some(pattern), None).expect("a good pattern")
 }
 
-/// docs/parameters.md is what the program prints. After a change of a row: `lineshaft params --markdown > docs/parameters.md`.
+/// docs/parameters.md must be the generated page. After a change of a row:
+/// `lineshaft params --markdown > docs/parameters.md`.
 #[test]
 fn the_page_in_docs_is_the_one_that_the_program_makes() {
     let page = include_str!("../../../../docs/parameters.md");
@@ -52,7 +53,7 @@ fn a_table_keeps_to_its_width_and_has_every_row() {
         for row in ROWS {
             assert!(text.lines().any(|line| line.split(' ').next() == Some(row.key)), "{}", row.key);
         }
-        // A word that is longer than its column stays whole.
+        // A word that is longer than its column is not split.
         let longest = text.lines().map(|line| line.chars().count()).max().unwrap();
         assert!(longest <= width.max(110), "{longest} at {width}");
     }
@@ -105,6 +106,6 @@ fn values_are_told_in_the_unit_of_the_axis_and_marked_where_they_differ() {
     assert_eq!(lines("x.setpoint_timeout", false), ["x.setpoint_timeout 100 ms default"]);
     assert_eq!(lines("x.in_position_window", true), ["x.in_position_window * 0.01 mm (1049 inc) default 0 inc"]);
     assert!(lines("x.setpoint_timeout", true).is_empty() && lines("x.velmax", true).is_empty());
-    // Nothing that an axis does not have.
+    // Parameters that an axis does not have are not listed.
     assert!(lines("line.poserr", false).is_empty());
 }

@@ -1,4 +1,4 @@
-//! The doors through which a parameter is set.
+//! Interfaces by which a parameter is set.
 
 use crate::cell::Cell;
 use crate::parameters::read_changes;
@@ -10,7 +10,7 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::{AxisParameters, Change, Row};
 use lineshaft_core::text::sentence;
 
-/// Which door of those that read text.
+/// Interface that reads text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Door {
     Cell,
@@ -19,10 +19,11 @@ pub(super) enum Door {
     Vocabulary,
 }
 
-/// What became of a value: the parameters of the axis afterwards, where the door shows them, or why it was refused.
+/// Result of setting a value: the parameters of the axis afterwards, if the interface returns them, or the reason of a
+/// refusal.
 pub(super) type Outcome = Result<Option<AxisParameters>, String>;
 
-/// Keys of axis `x` of the rig, in which one key can be put.
+/// Keys of axis `x` of the test cell, one of which can be replaced.
 const KEYS: [(&str, &str); 4] = [
     ("unit", "mm"),
     ("scale", "{increments: 1000, per: 1 mm}"),
@@ -30,7 +31,7 @@ const KEYS: [(&str, &str); 4] = [
     ("max_acceleration", "1000 mm/s^2"),
 ];
 
-/// A cell with an axis of every kind; one of them has another key in the place of those that say the same.
+/// Returns a cell with an axis of every kind; one of them has another key instead of those with the same meaning.
 fn cell_text(axis: &str, key: &str, value: &str) -> String {
     let mut text = "lineshaft: 1\ncycle: 1 ms\nbackends: {plant: {type: sim}}\naxes:\n".to_owned();
     for (place, (name, drive_kind)) in DRIVES.iter().enumerate() {
@@ -74,7 +75,7 @@ fn cell_text(axis: &str, key: &str, value: &str) -> String {
     text
 }
 
-/// The axes of the rig, and how their drives are commanded.
+/// Axes of the test cell, and the interfaces of their drives.
 pub(super) const DRIVES: [(&str, &str); 8] = [
     ("line", "virtual"),
     ("x", "position"),
@@ -85,11 +86,11 @@ pub(super) const DRIVES: [(&str, &str); 8] = [
     ("u", VOLTAGE),
     ("g", GANTRY),
 ];
-/// Its loops are closed here down to the effort.
+/// The controller closes its loops down to the effort.
 const TORQUE: &str = "torque, regulator: pid";
-/// The same down to the voltage.
+/// The controller closes its loops down to the voltage.
 const VOLTAGE: &str = "voltage, regulator: pid";
-/// It has two drives, which the others have not.
+/// The only axis with two drives.
 const GANTRY: &str = "gantry";
 
 pub(super) struct Rig {
@@ -110,7 +111,7 @@ impl Rig {
         Machine::new(self.cell.machine.clone()).expect("a good cell")
     }
 
-    /// Gives a value as text to a door that reads text. `object` is an axis or `machine`.
+    /// Sets a value as text with an interface that reads text. `object` is an axis or `machine`.
     pub(super) fn give_text(&self, door: Door, object: &str, key: &str, value: &str) -> Outcome {
         let machine = self.machine();
         let line = format!("{object}.{key}: {value}");
@@ -140,12 +141,12 @@ impl Rig {
         }
     }
 
-    /// Gives a value to the machine itself.
+    /// Sets a value in the machine directly.
     pub(super) fn give_change(&self, object: &str, change: Change) -> Outcome {
         self.give(object, Action::SetParameters([change].into()))
     }
 
-    /// Gives a command to a machine that has just started. What is refused must change nothing.
+    /// Sends a command to a machine that has just started. A refused one must change nothing.
     pub(super) fn give(&self, object: &str, action: Action) -> Outcome {
         let mut machine = self.machine();
         let before = machine.parameter_image();

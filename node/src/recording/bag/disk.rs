@@ -1,13 +1,13 @@
-//! What a file of a bag is written to: bytes get there in whole flushes, or not at all.
+//! Buffered output of a bag file: bytes reach the disk in whole flushes, or not at all.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Takes the bytes of a file.
+/// Destination of the bytes of a file.
 pub(in crate::recording) trait Medium: Write + Send {
-    /// Makes it `length` bytes long, which is not longer than it is, and goes on writing there.
+    /// Truncates it to `length` bytes, at most its current length, and continues writing there.
     fn cut(&mut self, length: u64) -> io::Result<()>;
 }
 
@@ -18,8 +18,8 @@ impl Medium for File {
     }
 }
 
-/// A medium behind a buffer. After the first error it takes nothing more, so that whoever writes on cannot tear what is
-/// there.
+/// A buffered medium. After the first error it accepts no more data, so that later writes cannot damage the flushed
+/// data.
 pub(super) struct Disk {
     medium: Box<dyn Medium>,
     pending: Vec<u8>,
@@ -28,7 +28,7 @@ pub(super) struct Disk {
 }
 
 impl Disk {
-    /// The disk, and how many bytes of it have been flushed.
+    /// Returns the disk, and the number of bytes of it that have been flushed.
     pub(super) fn new(medium: Box<dyn Medium>) -> (Self, Arc<AtomicU64>) {
         let flushed = Arc::new(AtomicU64::new(0));
         (Self { medium, pending: Vec::new(), flushed: Arc::clone(&flushed), is_broken: false }, flushed)
@@ -52,7 +52,7 @@ impl Write for Disk {
         if let Err(error) = self.medium.write_all(&self.pending).and_then(|()| self.medium.flush()) {
             self.is_broken = true;
             self.pending = Vec::new();
-            // If even this fails, the torn end stays; a reader stops before it.
+            // If this fails too, the incomplete end stays; a reader stops before it.
             let _ = self.medium.cut(length);
             return Err(error);
         }
@@ -62,7 +62,7 @@ impl Write for Disk {
     }
 }
 
-/// Tells where it stands; the writer of MCAP asks for nothing else.
+/// Returns the position; the MCAP writer requests nothing else.
 impl Seek for Disk {
     fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
         let end = self.flushed.load(Ordering::Relaxed) + self.pending.len() as u64;

@@ -1,7 +1,7 @@
 //! One file of a bag: MCAP in the profile `ros2`.
 //!
-//! Each file stands for itself: schemas, all channels, attachments and the record `lineshaft` are in it, and its first
-//! cycle is a key cycle. Chunks are gathered in memory and reach the disk whole.
+//! Each file can be read without the others: it contains schemas, all channels, attachments and the record `lineshaft`,
+//! and its first cycle is a key cycle. Chunks are collected in memory and written to the disk as a whole.
 
 use super::super::Encoded;
 use super::super::metadata::{FileInformation, qos_text};
@@ -17,18 +17,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A chunk ends beyond this (bytes, before compression), and with each key cycle.
+/// A chunk ends beyond this size (in bytes, before compression), and at each key cycle.
 const CHUNK: usize = 1 << 20;
-/// A chunk ends after this (ns), so that a killed process loses no more.
+/// A chunk ends after this time, in ns; a killed process loses no more than that.
 const CHUNK_NS: u64 = 1_000_000_000;
 
-/// Messages, and the time that they span.
+/// Numbers of messages, and the time that they span.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counts {
-    /// For each topic of the file, in their order.
+    /// Number of messages of each topic of the file, in the order of the topics.
     pub messages: Vec<u64>,
     pub cycles: u64,
-    /// Least and largest log time (ns).
+    /// Minimum and maximum log time, in ns.
     pub span: Option<(u64, u64)>,
 }
 
@@ -42,21 +42,21 @@ impl Counts {
         self.reach(log_ns);
     }
 
-    /// Extends the span by a log time (ns).
+    /// Extends the span by a log time, in ns.
     fn reach(&mut self, log_ns: u64) {
         self.span = Some(self.span.map_or((log_ns, log_ns), |(first, last)| (first.min(log_ns), last.max(log_ns))));
     }
 
     pub(super) fn information(&self, path: &Path) -> FileInformation {
-        // Only the path of a folder ends otherwise.
+        // Only the path of a folder can lack a file name.
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         FileInformation { name, span: self.span, messages: self.all() }
     }
 }
 
-/// What stands in a file before its first cycle.
+/// Content of a file before its first cycle.
 pub(super) struct Opening<'a> {
-    /// Log time of the first cycle (ns).
+    /// Log time of the first cycle, in ns.
     pub log_ns: u64,
     /// Name, type and content of each attachment.
     pub attachments: Vec<(&'static str, &'static str, Cow<'a, [u8]>)>,
@@ -70,24 +70,24 @@ pub(super) struct BagFile {
     writer: Writer<Disk>,
     flushed: Arc<AtomicU64>,
     channels: Vec<u16>,
-    /// Place of the first channel of what the node publishes.
+    /// Index of the first channel of the topics that the node publishes.
     first_published: usize,
     counts: Counts,
-    /// What of it is on the disk.
+    /// Counts of the data on the disk.
     safe: Counts,
     chunk_bytes: usize,
     chunk_start_ns: u64,
 }
 
 impl BagFile {
-    /// Begins a file with nothing in it.
+    /// Creates a file without content.
     pub(super) fn create(path: PathBuf, medium: Box<dyn Medium>) -> io::Result<Self> {
         let (disk, flushed) = Disk::new(medium);
         let options = WriteOptions::new()
             .profile("ros2")
             .library("lineshaft")
             .compression(Some(Compression::Zstd))
-            // More than one thread may cut the stream where the machine's load wants it.
+            // More threads could divide the stream differently, depending on the load of the machine.
             .compression_threads(0)
             .chunk_size(None)
             .disable_seeking(true);
@@ -98,7 +98,8 @@ impl BagFile {
         Ok(Self { path, writer, flushed, channels, first_published, counts, safe, chunk_bytes: 0, chunk_start_ns: 0 })
     }
 
-    /// Writes the beginning of the file, before its first cycle. Of `topics` the last `published` are those that the node publishes.
+    /// Writes the beginning of the file, before its first cycle. The last `published` of `topics` are those that the
+    /// node publishes.
     pub(super) fn begin(&mut self, opening: Opening<'_>, topics: &[Offered], published: usize) -> io::Result<()> {
         let time = opening.log_ns;
         for (name, media_type, data) in opening.attachments {
@@ -123,7 +124,7 @@ impl BagFile {
         self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata }).map_err(io_error)
     }
 
-    /// Writes a cycle with its log time. The first one is on the disk at once, so that a file is never without one.
+    /// Writes a cycle with its log time. The first one is flushed immediately, so that no file is without a cycle.
     pub(super) fn write(&mut self, encoded: &Encoded, time: u64) -> io::Result<()> {
         let is_old = time >= self.chunk_start_ns.saturating_add(CHUNK_NS);
         if self.chunk_bytes >= CHUNK || is_old {
@@ -132,7 +133,7 @@ impl BagFile {
         if self.chunk_bytes == 0 {
             self.chunk_start_ns = time;
         }
-        // Frames of buses that this bag does not keep have no place.
+        // Frames of buses that this bag does not record have no channel.
         let first_published = self.first_published;
         for (place, message) in encoded.places().filter(|(place, _)| *place < first_published) {
             self.put(place, message, time)?;
@@ -144,13 +145,13 @@ impl BagFile {
         if self.safe.cycles == 0 { self.flush() } else { Ok(()) }
     }
 
-    /// Writes a message that the node has published, also before the first cycle.
+    /// Writes a message that the node published, also before the first cycle.
     pub(super) fn put_published(&mut self, topic: usize, message: &[u8], time: u64) -> io::Result<()> {
         self.put(self.first_published.saturating_add(topic), message, time)
     }
 
-    /// Writes messages that the node has published after the last cycle, with its log time; in a file without a cycle, with
-    /// the system time of each.
+    /// Writes messages that the node published after the last cycle, with the log time of that cycle; in a file without
+    /// a cycle, with the system time of each message.
     pub(super) fn put_late(&mut self, messages: &[TappedMessage]) -> io::Result<()> {
         let last_ns = self.counts.span.map(|(_, last)| last);
         for message in messages {
@@ -161,7 +162,7 @@ impl BagFile {
         Ok(())
     }
 
-    /// Writes a message; without a channel at that place, nothing.
+    /// Writes a message; does nothing if there is no channel at that index.
     fn put(&mut self, place: usize, message: &[u8], time: u64) -> io::Result<()> {
         let (Some(&channel_id), Some(count)) = (self.channels.get(place), self.counts.messages.get_mut(place)) else {
             return Ok(());
@@ -173,8 +174,8 @@ impl BagFile {
         Ok(())
     }
 
-    /// Ends the chunk and brings it to the disk. Schemas and channels alone make no chunk: behind a chunk without a
-    /// message there is no message index, and rosbag2 takes a file whose first chunk has none for one without any.
+    /// Ends the chunk and flushes it to the disk. Schemas and channels alone make no chunk: a chunk without a message
+    /// has no message index, and rosbag2 treats a file whose first chunk has none as a file without any.
     pub(super) fn flush(&mut self) -> io::Result<()> {
         if self.chunk_bytes == 0 {
             return Ok(());
@@ -189,21 +190,21 @@ impl BagFile {
     pub(super) fn finish(&mut self, record: BTreeMap<String, String>) -> io::Result<()> {
         self.flush()?;
         self.record("lineshaft_end", record)?;
-        // Flushes: the record and the summary arrive together.
+        // This flushes: the record and the summary reach the disk together.
         self.writer.finish().map(drop).map_err(io_error)
     }
 
-    /// What of it is on the disk.
+    /// Returns the counts of the data on the disk.
     pub(super) fn safe(&self) -> &Counts {
         &self.safe
     }
 
-    /// What was given to it.
+    /// Returns the counts of all data written so far, flushed or not.
     pub(super) fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// Size on the disk (bytes).
+    /// Returns the size on the disk, in bytes.
     pub(super) fn size(&self) -> u64 {
         self.flushed.load(Ordering::Relaxed)
     }

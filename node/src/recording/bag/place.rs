@@ -1,4 +1,4 @@
-//! What a path given for a bag means, and whether a bag may be made there (contract section 6).
+//! Path of a bag: its meaning, and whether a bag may be created there (contract section 6).
 
 use super::BagError;
 use crate::recording::metadata;
@@ -9,19 +9,19 @@ use std::io::{self, Read};
 use std::iter;
 use std::path::{Path, PathBuf};
 
-/// How metadata.yaml tells that it describes a bag of one file, as [`Place::kind`] has it.
+/// Line by which metadata.yaml shows that it describes a bag of one file, from [`Place::kind`].
 const ONE_FILE: &str = "lineshaft_bag: \"file\"";
 
-/// Where a bag is.
+/// Location of a bag.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Place {
-    /// One file, metadata.yaml beside it.
+    /// One file, with metadata.yaml next to it.
     File(PathBuf),
-    /// A folder with files `<name>_0.mcap`, `<name>_1.mcap` .. and metadata.yaml.
+    /// A folder with files `<name>_0.mcap`, `<name>_1.mcap`, ... and metadata.yaml.
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// Its name.
+        /// Name of the folder.
         name: String,
     },
 }
@@ -37,7 +37,7 @@ impl Place {
         Ok(Self::Folder { path: path.to_owned(), name: name.to_owned() })
     }
 
-    /// Takes the place, as far as it may be taken.
+    /// Reserves the path, if it is free.
     pub(super) fn claim(&self) -> Result<(), BagError> {
         match self {
             Self::File(path) => match fs::metadata(path) {
@@ -52,8 +52,8 @@ impl Place {
         }
     }
 
-    /// Bags of one file may share a folder, and metadata.yaml there describes the newest one. That of a bag which needs it
-    /// stays.
+    /// Returns an error if metadata.yaml in the folder must not be replaced. Bags of one file may share a folder;
+    /// metadata.yaml there describes the newest one. That of a bag which needs it is kept.
     fn may_describe(&self) -> Result<(), BagError> {
         let path = self.usual_description();
         let refused =
@@ -61,22 +61,22 @@ impl Place {
         match read(&path) {
             Ok(Some(text)) if !is_of_one_file(&text) => refused("describes another bag".to_owned()),
             Ok(_) => Ok(()),
-            // Whatever it is, it would be replaced.
+            // An unreadable file would be replaced, whatever its content is.
             Err(error) => refused(format!("cannot be read: {error}")),
         }
     }
 
-    /// Where metadata.yaml of this bag is written. That of another bag of one file which is still there is kept under the
-    /// name of that bag: `a.metadata.yaml`.
+    /// Returns the path of metadata.yaml of this bag. An existing one of another bag of one file is kept under the name
+    /// of that bag: `a.metadata.yaml`.
     ///
     /// # Errors
-    /// What the system says.
+    /// Returns the error of the operating system.
     pub(super) fn description(&self) -> io::Result<PathBuf> {
         let usual = self.usual_description();
         let Self::File(own) = self else { return Ok(usual) };
         let Some(text) = read(&usual)? else { return Ok(usual) };
         if !is_of_one_file(&text) {
-            // It came after this bag was begun, and its bag needs it.
+            // It was written after this bag was begun, and its bag needs it.
             return Ok(kept(own));
         }
         if let Some(other) = self.other_bag(&text) {
@@ -89,7 +89,7 @@ impl Place {
         self.folder().join(metadata::FILE_NAME)
     }
 
-    /// The other bag of one file in the folder that a description lists.
+    /// Returns the path of the other bag of one file in the folder that a description lists.
     fn other_bag(&self, description: &str) -> Option<PathBuf> {
         let is_other = |path: &PathBuf| {
             let name = path.file_name().filter(|name| Some(*name) != self.path().file_name());
@@ -99,12 +99,12 @@ impl Place {
         fs::read_dir(self.folder()).ok()?.flatten().map(|entry| entry.path()).find(is_other)
     }
 
-    /// What metadata.yaml tells of the place: name and value.
+    /// Returns the kind of bag for metadata.yaml, as name and value.
     pub(super) fn kind(&self) -> (&'static str, &'static str) {
         ("lineshaft_bag", if self.is_folder() { "folder" } else { "file" })
     }
 
-    /// The folder that holds the files and metadata.yaml.
+    /// Returns the folder with the files and metadata.yaml.
     pub(super) fn folder(&self) -> &Path {
         match self {
             Self::File(path) => match path.parent() {
@@ -115,19 +115,19 @@ impl Place {
         }
     }
 
-    /// As it was given.
+    /// Returns the path as given.
     pub(super) fn path(&self) -> &Path {
         match self {
             Self::File(path) | Self::Folder { path, .. } => path,
         }
     }
 
-    /// A bag of several files?
+    /// Returns true for a bag of several files.
     pub(super) fn is_folder(&self) -> bool {
         matches!(self, Self::Folder { .. })
     }
 
-    /// Path of a file of the bag, counted from 0.
+    /// Returns the path of a file of the bag; numbers start at 0.
     pub(super) fn file(&self, number: usize) -> PathBuf {
         match self {
             Self::File(path) => path.clone(),
@@ -135,26 +135,26 @@ impl Place {
         }
     }
 
-    /// Makes a file of the bag.
+    /// Creates a file of the bag.
     pub(super) fn open(&self, path: &Path) -> io::Result<File> {
         let mut options = OpenOptions::new();
         match self {
-            // An empty one may be there.
+            // An empty file may exist.
             Self::File(_) => options.write(true).create(true).truncate(false).open(path),
             Self::Folder { .. } => options.write(true).create_new(true).open(path),
         }
     }
 
-    /// Takes an empty folder away again.
+    /// Removes the folder if it is empty.
     pub(super) fn release(&self) {
         if let Self::Folder { path, .. } = self {
-            // With files in it, it stays.
+            // A folder with files stays.
             let _ = fs::remove_dir(path);
         }
     }
 }
 
-/// A description, if there is one.
+/// Reads a description; returns `None` if there is none.
 fn read(path: &Path) -> io::Result<Option<String>> {
     let mut text = String::new();
     match open_file(path).and_then(|mut file| file.read_to_string(&mut text)) {
@@ -169,7 +169,8 @@ fn is_of_one_file(description: &str) -> bool {
     description.lines().any(|line| line.trim() == ONE_FILE)
 }
 
-/// Where the description of a bag of one file is kept; it replaces an older one of such a bag, and nothing else.
+/// Returns the path where the description of a bag of one file is kept. It may replace an older description of such a
+/// bag, but no other file.
 fn kept(bag: &Path) -> PathBuf {
     let numbers = (2..).map(|number: u64| format!("{number}.{}", metadata::FILE_NAME));
     let endings = iter::once(metadata::FILE_NAME.to_owned()).chain(numbers);
@@ -179,7 +180,7 @@ fn kept(bag: &Path) -> PathBuf {
     endings.map(|ending| bag.with_extension(ending)).find(is_free).unwrap_or_default()
 }
 
-/// Keeps a description under another name. Another recorder may have done it meanwhile.
+/// Renames a description to keep it. Another recorder may have done it already.
 fn keep(description: &Path, path: &Path) -> io::Result<()> {
     match fs::rename(description, path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -195,7 +196,7 @@ fn exists(path: &Path, how: &str) -> BagError {
 mod tests {
     use super::*;
 
-    /// Two bags that end at the same time see the description of the same third one.
+    /// Two bags that end at the same time find the description of the same third bag.
     #[test]
     fn description_that_another_recorder_has_kept_meanwhile_is_no_error() {
         let folder = tempfile::tempdir().unwrap();

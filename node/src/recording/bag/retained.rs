@@ -1,7 +1,8 @@
-//! Latched messages that the node has published: a bag that begins later, and each further file of one, begin with them.
+//! Latched messages that the node has published. A bag that begins later starts with them, and so does each further
+//! file of a bag.
 //!
-//! Law      of a topic with durability transient local the newest messages, as many as a reader that joins later would get;
-//!          those with a lifespan (`/rosout`) are not retained
+//! Law      the newest messages of a topic with durability transient local are retained, as many as a late-joining
+//!          reader gets; messages with a lifespan (`/rosout`) are not retained
 
 use lineshaft_ros::layer::TappedTopic;
 use std::collections::VecDeque;
@@ -10,7 +11,7 @@ use std::collections::VecDeque;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Retained(Vec<Kept>);
 
-/// Messages of a topic, the oldest one first.
+/// Retained messages of a topic, the oldest one first.
 #[derive(Clone, Debug)]
 struct Kept {
     most: usize,
@@ -18,7 +19,7 @@ struct Kept {
 }
 
 impl Retained {
-    /// For topics in their order.
+    /// Creates an empty store for the topics, in their order.
     pub(crate) fn new(topics: &[TappedTopic]) -> Self {
         let kept = |topic: &TappedTopic| {
             let most = if topic.is_retained() { usize::from(topic.qos.depth) } else { 0 };
@@ -36,7 +37,7 @@ impl Retained {
         kept.messages.push_back(message.to_vec());
     }
 
-    /// All of them, each with the place of its topic.
+    /// Returns all retained messages, each with the index of its topic.
     pub(crate) fn messages(&self) -> impl Iterator<Item = (usize, &[u8])> {
         let each = self.0.iter().enumerate();
         each.flat_map(|(topic, kept)| kept.messages.iter().map(move |message| (topic, message.as_slice())))

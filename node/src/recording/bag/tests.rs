@@ -1,4 +1,4 @@
-//! Bags against the reader of the crate `mcap`, and on disks that fill up.
+//! Tests bags with the reader of the crate `mcap`, and on full disks.
 
 mod full;
 pub(super) mod full_disk;
@@ -54,7 +54,7 @@ fn at(path: PathBuf) -> BagOptions {
     BagOptions { path, ..BagOptions::default() }
 }
 
-/// What the crate's reader finds in a finished file.
+/// Content of a finished file, read with the crate `mcap`.
 struct Found {
     attachments: BTreeMap<String, Vec<u8>>,
     records: BTreeMap<String, BTreeMap<String, String>>,
@@ -92,7 +92,7 @@ fn find(bytes: &[u8]) -> Found {
     }
 }
 
-/// Decodes a message by its topic; the number of its cycle, where it has one.
+/// Decodes a message by its topic; returns the number of its cycle if it has one.
 fn decode(topic: &str, bytes: &[u8]) -> Option<u64> {
     match topic {
         "/lineshaft/commands" => Some(decode_with_header::<AppliedCommand>(bytes).unwrap().cycle),
@@ -108,7 +108,7 @@ fn decode(topic: &str, bytes: &[u8]) -> Option<u64> {
     }
 }
 
-/// The messages that a file of these cycles holds.
+/// Returns the messages expected in a file of these cycles.
 fn messages(cycles: &[Encoded]) -> Vec<(String, u64, Vec<u8>)> {
     let node = subject().node;
     let of = |encoded: &Encoded| {
@@ -183,7 +183,7 @@ fn equal_runs_give_equal_bytes() {
     assert_eq!(record(), record());
 }
 
-/// A process that is killed leaves what was flushed: never more than about a second is missing.
+/// The file of a killed process has all data that was flushed: at most about one second is missing.
 #[test]
 fn what_a_killed_process_leaves_lacks_a_second_at_most() {
     let folder = tempfile::tempdir().unwrap();
@@ -203,7 +203,7 @@ fn what_a_killed_process_leaves_lacks_a_second_at_most() {
     }
 }
 
-/// The messages of a file that has no end. Every record of it must be whole.
+/// Returns the messages of a file without an end. Every record of it must be complete.
 fn whole_messages(bytes: &[u8]) -> Vec<(String, u64, Vec<u8>)> {
     let records = read::LinearReader::new_with_options(bytes, read::Options::IgnoreEndMagic.into()).unwrap();
     assert!(records.map(|record| record.unwrap()).any(|record| matches!(record, Record::Metadata(_))));
@@ -218,7 +218,7 @@ fn whole_messages(bytes: &[u8]) -> Vec<(String, u64, Vec<u8>)> {
 fn a_bag_without_a_cycle_is_whole_and_cannot_be_replayed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
-    // No key cycle ever comes.
+    // These cycles contain no key cycle.
     let summary = write(&at(path.clone()), &run().encoded[1..900]);
     assert_eq!((summary.cycles, summary.replayable), (0, false));
     let found = find(&fs::read(&path).unwrap());
@@ -236,7 +236,7 @@ fn a_bag_that_begins_later_begins_at_a_key_cycle_with_the_state_of_the_machine()
     assert_eq!(found.messages, messages(&run().encoded[1000..]));
     assert_eq!(found.attachments["machine_state"], b"state before 1000");
 
-    // Without a state there is no place to replay from.
+    // Without a state, replay has no cycle to start from.
     let mut cycles = run().encoded[1000..].to_vec();
     cycles[0].state = None;
     let path = folder.path().join("again.mcap");
@@ -286,7 +286,7 @@ fn a_place_that_is_taken_is_refused_and_stays_as_it_is() {
     let no_text = folder.path().join(std::ffi::OsString::from_vec(vec![b'a', 0xFF]));
     assert!(refused(&no_text).ends_with("the name of a bag must be UTF-8 text"));
 
-    // An empty file, as mktemp makes it, may be filled.
+    // An empty file, as created by mktemp, is allowed.
     fs::write(&file, "").unwrap();
     assert_eq!(write(&at(file), &run().encoded[..10]).cycles, 10);
 }
@@ -299,7 +299,7 @@ fn bags_of_one_file_share_a_folder_and_leave_the_description_of_other_bags_alone
         write(&at(folder.path().join(name)), &run().encoded[..10]);
         assert!(description().contains(&format!("    - \"{name}\"\n")), "{}", description());
     }
-    // That of a bag that is gone is replaced.
+    // The description of a deleted bag is replaced.
     fs::remove_file(folder.path().join("b.mcap")).unwrap();
     write(&at(folder.path().join("d.mcap")), &run().encoded[..10]);
     assert!(description().contains("    - \"d.mcap\"\n") && !folder.path().join("b.metadata.yaml").exists());
@@ -332,10 +332,10 @@ fn metadata_of_an_older_bag_in_the_folder_is_kept_under_its_name() {
     assert_eq!(fs::read_to_string(path("a.metadata.yaml")).unwrap(), first);
     let second = fs::read_to_string(path("metadata.yaml")).unwrap();
     assert!(second.contains("    - \"b.mcap\"\n"), "{second}");
-    // It can be read as the bag that it describes.
+    // It can be opened as the bag that it describes.
     let files = crate::recording::run::Run::open(&path("a.metadata.yaml")).unwrap();
     assert_eq!(files.files().len(), 1);
-    // A file of that name which is no description of such a bag is not touched.
+    // A file of that name that is not the description of such a bag is not changed.
     fs::write(path("b.metadata.yaml"), "mine").unwrap();
     write(&at(path("c.mcap")), &run().encoded[..10]);
     assert_eq!(fs::read_to_string(path("b.metadata.yaml")).unwrap(), "mine");
@@ -343,7 +343,7 @@ fn metadata_of_an_older_bag_in_the_folder_is_kept_under_its_name() {
     assert_eq!(fs::read_to_string(path("a.metadata.yaml")).unwrap(), first);
 }
 
-/// A bag in a folder of its own was begun while this one was written.
+/// A bag in its own folder was begun while this one was written.
 #[test]
 fn metadata_of_another_recorder_that_came_meanwhile_stays() {
     let folder = tempfile::tempdir().unwrap();
@@ -383,8 +383,8 @@ fn a_bag_may_live_in_another_thread() {
     can_be_sent(&Bag::create(&at(folder.path().join("a")), subject()).unwrap());
 }
 
-/// Frames stand behind the other messages of their cycle, with its time as they are recorded and their own in them; in a bag that keeps
-/// none the same cycles give the same bytes as without.
+/// Frames follow the other messages of their cycle. Their log time is that of the cycle, their stamp is their own time.
+/// In a bag without buses the same cycles give the same bytes as without frames.
 #[test]
 fn frames_of_buses_have_topics_of_their_own() {
     use super::super::Way;

@@ -1,4 +1,4 @@
-//! The topics of a bag: what they are called, what their messages are, how a node offers them.
+//! Topics of a bag: names, message types and QoS.
 
 use super::super::{Topic, Way};
 use super::Subject;
@@ -8,17 +8,17 @@ use lineshaft_msgs::foreign::sensor_msgs::msg::JointState;
 use lineshaft_msgs::msg::{AppliedCommand, AxisStates, CycleInputs, Event, Signals};
 use lineshaft_ros::layer::{FullName, NameError, NodeName, Qos, TappedTopic};
 
-/// A topic that a bag has.
+/// A topic of a bag.
 #[derive(Debug)]
 pub(super) struct Offered {
     pub name: FullName,
-    /// Type of its messages, and their text for the schema encoding `ros2msg`.
+    /// Message type, and its definition for the schema encoding `ros2msg`.
     pub schema: (&'static str, &'static str),
     pub qos: Qos,
 }
 
 impl Offered {
-    /// All topics of a bag: those of [`Topic::ALL`], two for each bus, and those that the node publishes.
+    /// Returns all topics of a bag: those of [`Topic::ALL`], two for each bus, and those that the node publishes.
     pub(super) fn all(subject: &Subject) -> Result<Vec<Self>, NameError> {
         let of = |topic: Topic| Ok(Self { name: topic.name(&subject.node)?, schema: topic.schema(), qos: topic.qos() });
         let frames = |(bus, way): (&String, Way)| {
@@ -43,26 +43,26 @@ pub(crate) fn repeats_events(topic: &str) -> bool {
 }
 
 impl Topic {
-    /// Every topic, in the order of the enum.
+    /// All topics, in the order of the enum.
     pub const ALL: [Topic; 6] =
         [Topic::Commands, Topic::Inputs, Topic::Events, Topic::Signals, Topic::AxisStates, Topic::JointStates];
 
-    /// The topic whose messages are of that type.
+    /// Returns the topic of a message type.
     pub fn of_type(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|topic| topic.schema().0 == name)
     }
 
-    /// The topic of a message by its type and the name of its topic. `~/errors` has the type of events, and repeats them.
+    /// Returns the topic of a message by its type and topic name. `~/errors` has the type of events and repeats them.
     pub fn of_message(topic: &str, type_name: &str) -> Option<Self> {
         Self::of_type(type_name).filter(|found| *found != Topic::Events || !repeats_events(topic))
     }
 
-    /// Whether a bag holds the topic that the node calls `name` by its cycles.
+    /// Whether the topic that the node calls `name` is one of those written in each cycle.
     pub fn is_of_cycles(name: &str) -> bool {
         Self::ALL.iter().any(|topic| topic.relative_name() == name)
     }
 
-    /// As the node calls it.
+    /// Returns the name relative to the node.
     fn relative_name(self) -> &'static str {
         match self {
             Topic::Commands => "~/commands",
@@ -74,15 +74,16 @@ impl Topic {
         }
     }
 
-    /// Its full name on a node.
+    /// Returns the full name for a node.
     ///
     /// # Errors
-    /// A name that would be longer than ROS allows.
+    /// Returns an error if the name is longer than ROS allows.
     pub fn name(self, node: &NodeName) -> Result<FullName, NameError> {
         node.expand(self.relative_name())
     }
 
-    /// Type of its messages, as `lineshaft_msgs/msg/Event`, and their text for the schema encoding `ros2msg`.
+    /// Returns the message type, such as `lineshaft_msgs/msg/Event`, and its definition for the schema encoding
+    /// `ros2msg`.
     pub fn schema(self) -> (&'static str, &'static str) {
         match self {
             Topic::Commands => schema::<AppliedCommand>(),
@@ -94,7 +95,7 @@ impl Topic {
         }
     }
 
-    /// How it is offered.
+    /// Returns the QoS of the topic.
     pub fn qos(self) -> Qos {
         match self {
             Topic::Commands | Topic::Events => Qos::EVENTS,

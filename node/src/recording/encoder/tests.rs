@@ -1,4 +1,4 @@
-//! What stands in the messages of a cycle, and in which cycles.
+//! Tests the messages of a cycle, and the cycles that have them.
 
 use super::super::CycleTime;
 use super::super::rig::{self, MOVING};
@@ -64,7 +64,7 @@ fn messages_stand_in_the_order_of_their_topics_and_tell_the_same_cycle() {
     assert_eq!(refused[0].header.stamp.sec, 5);
 }
 
-/// Whoever adds up the changes has the board of every cycle.
+/// The sum of the changes gives the board of every cycle.
 #[test]
 fn changes_add_up_to_the_board_and_nothing_that_stays_is_told() {
     let cell = Cell::demo();
@@ -162,7 +162,7 @@ fn state_topics_come_at_their_rates() {
         run.encoded.iter().filter(has).map(|encoded| encoded.cycle).collect::<Vec<_>>()
     };
     assert_eq!(cycles(Topic::AxisStates), (0..=3000).collect::<Vec<_>>());
-    // 33.3 in a second: after 3 s the 100th, one more for cycle 0; the 99th step is reached at 99 / 33.3 s.
+    // Rate 33.3 1/s: after 3 s the 100th message, counting the one of cycle 0; step 99 is reached at 99 / 33.3 s.
     let joints = cycles(Topic::JointStates);
     assert_eq!(&joints[..4], [0, 31, 61, 91]);
     assert_eq!((joints.len(), joints[joints.len() - 1]), (100, 2973));
@@ -174,7 +174,7 @@ fn state_topics_come_at_their_rates() {
 }
 
 proptest! {
-    /// The exact fraction says when floor(k T rate) steps.
+    /// The exact fraction determines when floor(k T rate) increases.
     #[test]
     fn a_cadence_steps_with_the_exact_fraction(
         milli in 1_000_u32..=1_000_000,
@@ -185,7 +185,7 @@ proptest! {
         let rate = Ratio::new(i128::from(milli) * i128::from(cycle_ns), 1_000_000_000_000_i128);
         let floor = |cycle: u64| (Ratio::from_integer(i128::from(cycle)) * rate).floor();
         let steps = |cycle: u64| cycle == 0 || floor(cycle) != floor(cycle - 1);
-        // One after the other, then again from the first one on, and wherever a cycle is left out.
+        // One after the other, then again from the first one, and with skipped cycles.
         for cycle in (cycle..cycle + 100).chain(cycle..cycle + 5).chain((cycle..cycle + 100).step_by(7)) {
             prop_assert_eq!(cadence.is_due(cycle), steps(cycle));
         }

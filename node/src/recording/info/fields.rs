@@ -1,10 +1,10 @@
-//! What a run holds, field by field.
+//! Summary of a run as fields for JSON.
 
 use super::Info;
 use serde_json::{Value as Json, json};
 
 impl Info {
-    /// All of it, with names for programs (docs/json.md).
+    /// Returns all fields, with the names for programs (docs/json.md).
     pub fn fields(&self) -> Vec<(&'static str, Json)> {
         let files = self.files.iter().map(|(name, bytes)| json!({"file": name, "bytes": bytes}));
         let topics = self.topics.iter().map(|([topic, kind, encoding], count)| {

@@ -14,7 +14,7 @@ fn told(files: &[(&str, &[u8])]) -> (String, Option<String>) {
     (short(info.to_string()), info.error().map(|error| short(error.to_string())))
 }
 
-/// A recording of ours, of these cycles.
+/// Returns a recording of Lineshaft with these cycles.
 fn recording(cycles: std::ops::Range<u64>, attached: &[(&str, &[u8])], end: Option<(&str, &str)>) -> Vec<u8> {
     let mut bag = TestBag::new();
     bag.metadata("lineshaft", &[("version", "1.2.3"), ("cycle_ns", "1000000")]);
@@ -90,7 +90,7 @@ fn why_a_run_cannot_be_replayed() {
 #[test]
 fn what_is_lost_and_what_is_damaged() {
     let bytes = recording(0..9, &[CELL], Some(("true", "0")));
-    // Into the last chunk.
+    // Cut within the last chunk.
     let chunk = mcap::Summary::read(&bytes).unwrap().unwrap().chunk_indexes.last().unwrap().chunk_start_offset;
     let (text, error) = told(&[("run.mcap", &bytes[..chunk as usize + 20])]);
     assert_eq!(error, None);

@@ -1,4 +1,4 @@
-//! Whatever the inputs are, they come back; whatever does not fit is refused with a sentence.
+//! Any inputs can be written and read back; a message that does not fit is refused with an error message.
 
 use super::*;
 use crate::cell::Cell;
@@ -37,7 +37,7 @@ fn cell() -> Cell {
     Cell::parse("cell.yaml", CELL).unwrap_or_else(|problems| panic!("{problems}"))
 }
 
-/// Any bits, NaN among them.
+/// Any bits, including NaN.
 fn real() -> impl Strategy<Value = f64> {
     any::<u64>().prop_map(f64::from_bits)
 }
@@ -113,7 +113,7 @@ fn any_inputs() -> impl Strategy<Value = Inputs> {
     )
 }
 
-/// What was recorded before drives told of their bus ends with the number of lost latches.
+/// Recordings made before drives reported their bus state end with the number of lost latches.
 #[test]
 fn inputs_of_before_have_buses_that_transmit() {
     let config = cell().machine;
@@ -158,7 +158,7 @@ fn inputs_of_before_have_buses_that_transmit() {
     assert_eq!(read_inputs(&message, &config, &mut again), Err(sentence.to_owned()));
 }
 
-/// What was recorded before setpoints were acknowledged ends with the emergency messages.
+/// Recordings made before setpoints were acknowledged end with the emergency messages.
 #[test]
 fn inputs_of_before_have_no_setpoint_that_was_not_acknowledged() {
     let config = cell().machine;
@@ -195,10 +195,10 @@ proptest! {
         let message = inputs_message(&inputs, &config);
         let bytes = cdr::encode_with_header(&message);
         let read: CycleInputs = cdr::decode_with_header(&bytes).unwrap();
-        // Room that was used for others.
+        // Memory that was used for other inputs.
         let mut again = before;
         prop_assert_eq!(read_inputs(&read, &config, &mut again), Ok(()));
-        // A NaN is unlike itself: the bits are compared.
+        // NaN is not equal to itself, so the bits are compared.
         prop_assert_eq!(cdr::encode_with_header(&inputs_message(&again, &config)), bytes);
         prop_assert_eq!(format!("{again:?}"), format!("{inputs:?}"));
         let bits = |inputs: &Inputs| -> Vec<u64> {

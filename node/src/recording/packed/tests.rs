@@ -7,7 +7,7 @@ fn machine() -> Machine {
     Machine::new(crate::cell::Cell::demo().machine).unwrap()
 }
 
-/// Few words change, and often by little.
+/// Few words change, often by a small amount.
 fn change() -> impl Strategy<Value = u64> {
     prop_oneof![6 => Just(0), 2 => 0..300_u64, 1 => any::<u64>(), 1 => any::<f64>().prop_map(f64::to_bits)]
 }
@@ -31,7 +31,7 @@ fn encoder_input() -> impl Strategy<Value = EncoderInput> {
     parts.prop_map(|(count, epoch, valid, index)| EncoderInput { count, epoch, valid, index })
 }
 
-/// Words of a cycle: they rest, go in steps, along parabolas, or anywhere.
+/// Words of a cycle: constant, in steps, along parabolas, or random.
 fn next(word: u64, cycle: u64, change: u64) -> u64 {
     match change % 4 {
         0 => word,
@@ -61,7 +61,7 @@ proptest! {
         }
     }
 
-    /// Bit by bit, NaN among them.
+    /// Compares bit by bit, including NaN.
     #[test]
     fn drives_and_encoders_come_back(drive_input in drive_input(), encoder_input in encoder_input()) {
         let words = drive_words(&drive_input);
@@ -72,7 +72,7 @@ proptest! {
     }
 }
 
-/// What moves as a parabola does costs nothing from its fourth cycle on, and what rests costs nothing at all.
+/// A parabola takes no bytes from its fourth cycle on; a constant takes no bytes at all.
 #[test]
 fn only_what_is_not_as_predicted_takes_bytes() {
     let packed = |of: &dyn Fn(u64) -> u64| -> Vec<usize> {
@@ -84,15 +84,15 @@ fn only_what_is_not_as_predicted_takes_bytes() {
         };
         (0..7).map(length).collect()
     };
-    // 100, 103, 112, 127 ..: two changes in a row, 100 and 3, predict 103 + 2 * 3 - 100 = 9 for 112.
+    // 100, 103, 112, 127, ...: the two changes 100 and 3 predict 103 + 2 * 3 - 100 = 9 for 112.
     assert_eq!(packed(&|cycle| 100 + 3 * cycle * cycle), [3, 3, 3, 0, 0, 0, 0]);
-    // A step: the change alone.
+    // A step takes bytes only for its change.
     assert_eq!(packed(&|cycle| u64::from(cycle >= 3)), [0, 0, 0, 3, 0, 0, 0]);
-    // The sign: -1, -2, -3 ..
+    // Negative values: -1, -2, -3, ...
     assert_eq!(packed(&|cycle| cycle.wrapping_neg()), [0, 3, 3, 0, 0, 0, 0]);
 }
 
-/// A key cycle needs none before it, and the others follow.
+/// A key cycle needs no cycle before it; the others follow it.
 #[test]
 fn cycles_come_back_from_a_key_cycle_on() {
     let mut machine = machine();

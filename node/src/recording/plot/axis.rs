@@ -1,25 +1,25 @@
-//! Axes: their ranges, ticks and labels, as plotters draws them.
+//! Axes of a plot: ranges, ticks and labels for plotters.
 
 use super::text::{grouped, number};
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
-/// How values are spaced along an axis.
+/// Spacing of values along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spacing {
-    /// Evenly, with round ticks.
+    /// Linear, with round ticks.
     Even,
-    /// Evenly, with ticks at the multiples of a step.
+    /// Linear, with ticks at the multiples of a step.
     Steps(f64),
-    /// By their logarithm; all values are above 0.
+    /// Logarithmic; all values must be greater than 0.
     Decades,
 }
 
 /// An axis of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Quantity and unit, as `time (s)`.
+    /// Quantity and unit, such as `time (s)`.
     pub label: String,
     /// Lowest value shown.
     pub low: f64,
@@ -29,7 +29,7 @@ pub struct Axis {
     pub spacing: Spacing,
 }
 
-/// An axis as plotters draws it: of logarithms for decades, and from a base on where numbers would be too long.
+/// An axis in the coordinates of plotters: logarithms for decades, and an offset if the numbers would be too long.
 #[derive(Clone)]
 pub(super) struct Plotted {
     pub(super) low: f64,
@@ -110,7 +110,8 @@ impl ValueFormatter<f64> for Plotted {
     }
 }
 
-/// Ticks of a logarithmic axis (powers of ten, with 2 and 5 where there are few decades) and its minor grid, as logarithms.
+/// Returns the ticks of a logarithmic axis (powers of ten, with 2 and 5 if it has few decades) and its minor grid, as
+/// logarithms.
 fn decades(low: f64, high: f64) -> (Vec<f64>, Vec<f64>) {
     let powers = (low.floor() as i32)..=(high.ceil() as i32);
     let all = |digits: &[f64]| -> Vec<f64> {

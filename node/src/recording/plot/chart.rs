@@ -1,8 +1,10 @@
-//! Charts: panels below each other, drawn by plotters, with the legend of each above it.
+//! Charts: panels below each other, drawn with plotters, each with its legend above it.
 //!
-//! Law      a curve ends where it leaves its panel; panels, legends and texts are rows of the drawing area, from above
-//! Reads    points, in the order in which they are joined
-//! Refuses  a width out of its range ([`Problem::Width`]), more height than a figure has ([`Problem::High`])
+//! Law      a curve ends at the edge of its panel; panels, legends and texts are rows of the drawing area, from top to
+//!          bottom
+//! Reads    points, in the order in which they are connected
+//! Refuses  a width outside of its range ([`Problem::Width`]), a height above the maximum of a figure
+//!          ([`Problem::High`])
 
 use super::axis::{Axis, Plotted, Spacing};
 use super::curve::reduced;
@@ -23,54 +25,54 @@ use plotters::style::{Color, RGBColor, WHITE};
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// In the legend; empty for none.
+    /// Name in the legend; empty for no entry.
     pub name: String,
-    /// How it looks.
+    /// Line style.
     pub look: Look,
-    /// In the units of the axes; NaN is a gap.
+    /// Points in the units of the axes; NaN is a gap.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A line with a text next to it: a value measured between two points, or at one.
+/// A line with a text next to it: a value measured between two points, or at one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pin {
-    /// One end.
+    /// Start point.
     pub from: (f64, f64),
-    /// The other one, with a dot.
+    /// End point, drawn with a dot.
     pub to: (f64, f64),
-    /// Next to it.
+    /// Text next to the line.
     pub text: String,
 }
 
 /// A panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// To the right.
+    /// Horizontal axis.
     pub across: Axis,
-    /// Upwards.
+    /// Vertical axis.
     pub up: Axis,
-    /// The first one below the others.
+    /// Curves; the first one is drawn below the others.
     pub curves: Vec<Curve>,
-    /// Above the curves.
+    /// Measured values, drawn above the curves.
     pub pins: Vec<Pin>,
-    /// A level line at that value.
+    /// Value of a horizontal line.
     pub level: Option<f64>,
     /// Text below the legend.
     pub lines: Vec<String>,
-    /// Height of the plot (px).
+    /// Height of the plot, in px.
     pub height: f64,
-    /// The next panel has the same axis to the right, and its label.
+    /// Whether the next panel has the same horizontal axis, with the label below it.
     pub is_joined: bool,
 }
 
 /// A chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
-    /// On top; empty for none.
+    /// Title at the top; empty for none.
     pub title: String,
-    /// From above.
+    /// Panels from top to bottom.
     pub panels: Vec<Panel>,
-    /// (px), see [`WIDTHS`]
+    /// Width, in px; see [`WIDTHS`].
     pub width: u32,
 }
 
@@ -79,7 +81,7 @@ pub struct Chart {
 pub(super) struct Lane {
     pub(super) name: String,
     pub(super) is_bit: bool,
-    /// Each with its text and colour; their places count columns of the figure.
+    /// States with text and colour; their coordinates are columns of the figure.
     pub(super) states: Vec<(Stay, String, RGBColor)>,
 }
 
@@ -87,32 +89,33 @@ pub(super) struct Lane {
 #[derive(Clone, Debug)]
 pub(super) struct Page<'a> {
     pub(super) chart: &'a Chart,
-    /// Below the panels, over the axis of the last one.
+    /// Lanes below the panels, on the axis of the last panel.
     pub(super) lanes: &'a [Lane],
-    /// The axis to the right of the lanes.
+    /// Horizontal axis of the lanes.
     pub(super) across: &'a Axis,
     pub(super) events: &'a Events,
-    /// Lines of text at the end.
+    /// Lines of text at the bottom.
     pub(super) notes: &'a [String],
 }
 
-/// Size of the letters of the title (px).
+/// Font size of the title, in px.
 const TITLE: f64 = 16.0;
-/// Left of a plot: the label of its axis and those of its ticks (px). Names of lanes may need more, up to a part of the width.
+/// Space left of a plot for the labels of its axis and ticks, in px. Names of lanes may need more, up to a fraction of
+/// the width.
 const LEFT: f64 = 84.0;
 const NAME_PART: f64 = 0.24;
-/// Right of a plot: half of the label of its last tick (px).
+/// Space right of a plot for half of the label of its last tick, in px.
 const RIGHT: f64 = 30.0;
-/// Free left of the label of an axis (px).
+/// Margin left of the label of an axis, in px.
 const EDGE: f64 = 10.0;
-/// Heights of rows (px).
+/// Heights of rows, in px.
 const TITLE_ROW: f64 = 25.0;
 const ROW: f64 = 17.0;
 const TAGS: f64 = 26.0;
 const GAP: f64 = 14.0;
 const AXIS: f64 = 42.0;
 const LANE: f64 = 26.0;
-/// A tick for each (px), to the right and upwards.
+/// Minimum distance of ticks, horizontal and vertical, in px.
 const TICKS: (f64, f64) = (85.0, 28.0);
 
 /// Draws a chart and returns the content of its file.
@@ -132,7 +135,7 @@ pub(super) fn check_width(given: u32) -> Result<(), Problem> {
     if (WIDTHS.0..=WIDTHS.1).contains(&given) { Ok(()) } else { Err(Problem::Width { given }) }
 }
 
-/// Factor by which an SVG is drawn larger than it is shown: plotters counts whole pixels.
+/// Factor by which an SVG is drawn larger than shown, because plotters uses whole pixels.
 const SVG_FACTOR: u32 = 10;
 
 impl Page<'_> {
@@ -160,7 +163,7 @@ impl Page<'_> {
         }
     }
 
-    /// Panels and lanes in words.
+    /// Returns the number of panels and lanes as text.
     pub(super) fn contents(&self) -> String {
         let count = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
         format!("{} and {}", count(self.chart.panels.len(), "panel"), count(self.lanes.len(), "lane"))
@@ -181,18 +184,18 @@ impl Page<'_> {
         if title.is_empty() { Vec::new() } else { wrap(&title, TITLE, self.full_width() - 2.0 * MARGIN, 2) }
     }
 
-    /// Width left of the plots.
+    /// Returns the width left of the plots, in px.
     fn left(&self) -> f64 {
         let names = self.lanes.iter().map(|lane| width(&lane.name, LABEL) + MARGIN + 10.0).fold(LEFT, f64::max);
         names.min((NAME_PART * self.full_width()).max(LEFT))
     }
 
-    /// Width of the plots.
+    /// Returns the width of the plots, in px.
     pub(super) fn plot_width(&self) -> f64 {
         self.full_width() - self.left() - RIGHT
     }
 
-    /// Height of all rows but the plots.
+    /// Returns the height of all rows except the plots, in px.
     pub(super) fn height_around(&self) -> f64 {
         self.height() - self.chart.panels.iter().map(|panel| panel.height).sum::<f64>()
     }
@@ -209,12 +212,12 @@ impl Page<'_> {
         height + (self.event_rows().len() + self.notes.len()) as f64 * ROW
     }
 
-    /// Below a plot: its axis, or a gap (px).
+    /// Returns the height below a plot, for its axis or a gap, in px.
     fn below(&self, panel: &Panel) -> f64 {
         if panel.is_joined { GAP } else { AXIS }
     }
 
-    /// Rows of entries: a mark and a text, or a text alone.
+    /// Returns the rows of the legend; an entry is a line with a text, or a text alone.
     fn legend(&self, panel: &Panel) -> Vec<Vec<Entry>> {
         let named = panel.curves.iter().filter(|curve| !curve.name.is_empty());
         let entry = |curve: &Curve| Entry { mark: EntryMark::Line(curve.look.line()), text: clean(&curve.name) };
@@ -224,7 +227,7 @@ impl Page<'_> {
         rows
     }
 
-    /// States that no lane has room to name.
+    /// Returns the legend of states that are too narrow for their name in every lane.
     fn state_legend(&self) -> Vec<Vec<Entry>> {
         let per_column = self.plot_width() / self.full_width();
         let states = || self.lanes.iter().filter(|lane| !lane.is_bit).flat_map(|lane| &lane.states);
@@ -232,7 +235,7 @@ impl Page<'_> {
         let written: Vec<_> = states().filter(has_room).map(|(_, text, colour)| (text, colour)).collect();
         let mut entries: Vec<Entry> = Vec::new();
         let all = self.lanes.iter().flat_map(|lane| &lane.states);
-        // A sliver of many values looks like the edge of a state.
+        // A narrow range of many values looks like the edge of a state.
         let is_seen = |stay: &Stay| (stay.to - stay.from) * per_column >= 6.0;
         for (stay, text, colour) in states().chain(all.filter(|(stay, ..)| stay.content == Content::Busy)) {
             let text = match stay.content {
@@ -264,7 +267,7 @@ impl Page<'_> {
         rows
     }
 
-    /// Rows of the list of events: the event in its first row, and a part of its text.
+    /// Returns the rows of the list of events: the event in its first row, and a part of its text.
     fn event_rows(&self) -> Vec<(Option<&Listed>, String)> {
         let room = self.full_width() - 2.0 * MARGIN - TAG - 10.0;
         let text = |event: &Listed| {
@@ -394,7 +397,8 @@ impl Page<'_> {
         self.event_lines(pen, &mut chart, &across, (0.0, count))
     }
 
-    /// Events as upright lines. Those that were expected and have no number are left out: a hundred lines would be a fence.
+    /// Draws events as vertical lines. Expected events without a number are left out, because a hundred lines would
+    /// hide the curves.
     fn event_lines<DB: DrawingBackend>(
         &self,
         pen: &Pen<DB>,
@@ -418,7 +422,7 @@ impl Page<'_> {
         chart.draw_series(lines.iter().map(element)).map(drop)
     }
 
-    /// The numbers of events above the first plot.
+    /// Draws the numbers of events above the first plot.
     fn tags<DB: DrawingBackend>(&self, pen: &Pen<DB>, left: f64, top: f64) -> Drawn<DB> {
         let across = self.chart.panels.first().map_or(self.across, |panel| &panel.across);
         let per_unit = self.plot_width() / (across.high - across.low);
@@ -435,7 +439,7 @@ impl Page<'_> {
     }
 }
 
-/// Whether a state has room for its name, in plots with so many px for a column.
+/// Whether a state has room for its name; `per_column` is in px.
 fn is_written(stay: &Stay, text: &str, per_column: f64) -> bool {
     stay.content != Content::Busy && width(text, SMALL) + 6.0 <= (stay.to - stay.from) * per_column
 }

@@ -1,28 +1,28 @@
-//! Curves, reduced to what a picture can show.
+//! Reduces curves to the points that are visible in a picture.
 //!
-//! Law      Of the points in a column of one pixel the first, the lowest, the highest and the last are kept, in their
-//!          order: the picture is that of all points, and its size depends on its width alone.
+//! Law      of the points in a column of one pixel, the first, the lowest, the highest and the last are kept, in their
+//!          order. The picture is the same as with all points, and its size depends only on its width.
 
 use crate::recording::series::Series;
 
-/// Values beyond this are drawn as gaps, as NaN is: their differences would be no numbers.
+/// Largest value that is drawn. Larger ones are gaps like NaN, because their differences would overflow.
 pub(super) const LARGEST: f64 = 1e150;
 
 pub(super) fn is_drawable(value: f64) -> bool {
     value.abs() <= LARGEST
 }
 
-/// Part of a series: what lies in the time shown, and its neighbours.
+/// The points of a series within the time shown, and their neighbours.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window<'a> {
     points: &'a [(f64, f64)],
-    /// From when to when (s) nothing is known.
+    /// Start and end of each gap, in s.
     gaps: &'a [(f64, f64)],
     first: usize,
     end: usize,
-    /// (s)
+    /// Start, in s.
     pub(super) from: f64,
-    /// (s)
+    /// End, in s.
     pub(super) to: f64,
 }
 
@@ -34,7 +34,7 @@ impl<'a> Window<'a> {
         Self { points, gaps: &series.gaps, first, end, from, to }
     }
 
-    /// The points within.
+    /// Returns the points within the window.
     pub(super) fn inside(&self) -> &'a [(f64, f64)] {
         &self.points[self.first..self.end]
     }
@@ -43,7 +43,7 @@ impl<'a> Window<'a> {
         self.first.checked_sub(1).map(|place| self.points[place])
     }
 
-    /// The gaps within.
+    /// Returns the gaps within the window.
     pub(super) fn gaps(&self) -> impl Iterator<Item = (f64, f64)> + use<'a> {
         let (from, to) = (self.from, self.to);
         self.gaps.iter().copied().filter(move |gap| gap.1 > from && gap.0 < to)
@@ -53,7 +53,7 @@ impl<'a> Window<'a> {
         !self.gaps.iter().any(|gap| gap.0 <= time && time < gap.1)
     }
 
-    /// What holds at the start, as long as nothing else is said.
+    /// Returns the value that holds at the start, unless a point replaces it there.
     fn held(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let from = self.from;
         let is_replaced = self.inside().first().is_some_and(|point| point.0 == from);
@@ -61,29 +61,30 @@ impl<'a> Window<'a> {
         before.map(|(_, value)| (from, value)).into_iter()
     }
 
-    /// The points within, each valid until the next; the last one before counts from the start on.
+    /// Returns the points within, each valid until the next one; the last point before the window is valid from the
+    /// start.
     pub(super) fn steps(&self) -> impl Iterator<Item = (f64, f64)> + use<'a> {
         self.held().chain(self.inside().iter().copied())
     }
 
-    /// The value on the straight line at an edge, between its two neighbours.
+    /// Returns the value at an edge, interpolated between its two neighbours.
     fn crossing(&self, at: f64, right: usize) -> Option<(f64, f64)> {
         let (from, to) = (self.points.get(right.checked_sub(1)?)?, self.points.get(right)?);
         let part = (at - from.0) / (to.0 - from.0);
         (part > 0.0 && part < 1.0 && self.is_known(at)).then_some((at, from.1 + part * (to.1 - from.1)))
     }
 
-    /// The points within, and those where straight lines between points cross the edges.
+    /// Returns the points within, and those where straight lines between points cross the edges.
     pub(super) fn lines(&self) -> impl Iterator<Item = (f64, f64)> + use<'a> {
         let (left, right) = (self.crossing(self.from, self.first), self.crossing(self.to, self.end));
         left.into_iter().chain(self.inside().iter().copied()).chain(right)
     }
 
-    /// `points`, with NaN where a gap begins.
+    /// Returns `points`, with NaN where a gap begins.
     pub(super) fn broken(&self, points: impl Iterator<Item = (f64, f64)>) -> impl Iterator<Item = (f64, f64)> {
         let (mut points, mut gaps) = (points.peekable(), self.gaps().peekable());
         std::iter::from_fn(move || {
-            // A gap begins at a point, which comes before it.
+            // A gap begins at a point, which is kept before it.
             let is_due = |gap: &(f64, f64)| points.peek().is_none_or(|point| point.0 > gap.0);
             match gaps.next_if(is_due) {
                 Some(gap) => Some((gap.0, f64::NAN)),
@@ -92,7 +93,7 @@ impl<'a> Window<'a> {
         })
     }
 
-    /// How often the value changes, counted up to `most`.
+    /// Returns the number of changes of the value, counted up to `most`.
     pub(super) fn changes(&self, most: usize) -> usize {
         let mut before: Option<f64> = None;
         let is_same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan());
@@ -100,7 +101,7 @@ impl<'a> Window<'a> {
         self.steps().filter(differs).take(most).count()
     }
 
-    /// How often the value becomes one that is not drawn: no number, and too large.
+    /// Returns how often the value becomes NaN or infinite, and how often too large to draw.
     pub(super) fn undrawn(&self) -> (usize, usize) {
         let count = |is_odd: fn(f64) -> bool| {
             let mut before = false;
@@ -109,7 +110,7 @@ impl<'a> Window<'a> {
         (count(|value| !value.is_finite()), count(|value| value.is_finite() && !is_drawable(value)))
     }
 
-    /// Lowest and highest value, if there is any.
+    /// Returns the lowest and the highest value, if there is any.
     pub(super) fn extent(&self) -> Option<(f64, f64)> {
         let values = self.steps().chain(self.lines()).map(|(_, value)| value).filter(|&value| is_drawable(value));
         values.fold(None, |extent: Option<(f64, f64)>, value| {
@@ -121,7 +122,7 @@ impl<'a> Window<'a> {
 /// Points (time or frequency, value) of a curve; NaN is a gap.
 pub(super) type Points = Vec<(f64, f64)>;
 
-/// Returns the curve of a signal for a plot of so many columns of pixels.
+/// Returns the curve of a signal for a plot with this number of pixel columns.
 pub(super) fn curve(window: &Window<'_>, is_stepped: bool, columns: f64) -> Points {
     let clamped = |time: f64| time.clamp(window.from, window.to);
     let column = |time: f64| (time - window.from) / (window.to - window.from) * columns;
@@ -145,17 +146,17 @@ pub(super) fn curve(window: &Window<'_>, is_stepped: bool, columns: f64) -> Poin
     reducer.finish()
 }
 
-/// Returns a curve without the points that its columns of pixels do not show; `column` is the place of an x.
+/// Returns a curve without the points that are invisible in its pixel columns; `column` maps x to a column.
 pub(super) fn reduced(points: &[(f64, f64)], column: impl Fn(f64) -> f64) -> Points {
     let mut reducer = Reducer::default();
     points.iter().for_each(|&point| reducer.push(column(point.0), point));
     reducer.finish()
 }
 
-/// A point with its place in the order of points.
+/// A point with its index.
 type Numbered = (usize, (f64, f64));
 
-/// The points of one column of pixels.
+/// The points of one pixel column.
 #[derive(Clone, Copy, Debug)]
 struct Column {
     index: i64,
@@ -231,7 +232,7 @@ mod tests {
         Series { name, unit, kind: Kind::Real, topic, points: points.to_vec(), gaps: gaps.to_vec() }
     }
 
-    /// The parts of the curve without a gap.
+    /// Returns the parts of the curve between gaps.
     fn parts(window: &Window<'_>, is_stepped: bool, columns: f64) -> Vec<Points> {
         let curve = curve(window, is_stepped, columns);
         let parts = curve.split(|point| point.1.is_nan()).map(<[(f64, f64)]>::to_vec);
@@ -285,7 +286,7 @@ mod tests {
             |lines: Vec<Points>| lines.iter().map(|line| (line[0].0, line[line.len() - 1].0)).collect::<Vec<_>>();
         assert_eq!(of(0.0, 10.0, false), whole);
         assert_eq!(ends(of(0.0, 10.0, true)), [(0.0, 2.0), (6.0, 10.0)]);
-        // An edge of the figure within the gap: nothing is held or crossed there.
+        // With an edge of the figure within the gap, no value is held or interpolated at that edge.
         for is_stepped in [false, true] {
             assert_eq!(ends(of(3.0, 10.0, is_stepped)), [(6.0, 10.0)]);
             assert_eq!(ends(of(0.0, 5.0, is_stepped)), [(0.0, 2.0)]);
@@ -305,7 +306,8 @@ mod tests {
     }
 
     proptest! {
-        /// What a picture shows of a column is its lowest and highest value, and how it is entered and left.
+        /// A picture shows the lowest and the highest value of a column, and the points where the curve enters and
+        /// leaves it.
         #[test]
         fn each_column_keeps_its_extremes_and_ends(values in prop::collection::vec(-1e6..1e6, 2..400), width in 1_u8..60) {
             let points: Vec<(f64, f64)> = values.iter().enumerate().map(|(n, &value)| (n as f64, value)).collect();

@@ -1,23 +1,24 @@
-//! Events of a figure: which of them are shown, and the places of their numbers.
+//! Events of a figure: which of them are drawn, and where their numbers are placed.
 //!
-//! Law      Errors come before warnings, warnings before limits, latches and ends of goals. Answers, states and parameters
-//!          are never drawn, only counted. Expected events of objects without a signal in the figure are only counted as well.
+//! Law      errors are before warnings, warnings before limits, latches and ends of goals. Answers, states and
+//!          parameters are never drawn, only counted. Expected events of objects without a signal in the figure are
+//!          only counted as well.
 
 use super::text::clean;
 use crate::recording::series::Mark;
 
-/// Most events with a number and a sentence.
+/// Maximum number of events with a number and a text.
 pub(super) const MOST_LISTED: usize = 12;
 
-/// Most kinds of events that are counted apart.
+/// Maximum number of event kinds that are counted separately.
 const MOST_KINDS: usize = 11;
 
 /// An event with a number.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Listed {
-    /// From 1, in order of time.
+    /// Number from 1, in the order of time.
     pub(super) number: usize,
-    /// (s)
+    /// Time, in s.
     pub(super) time: f64,
     pub(super) severity: u8,
     pub(super) source: String,
@@ -28,14 +29,14 @@ pub(super) struct Listed {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Events {
     pub(super) listed: Vec<Listed>,
-    /// Drawn without a number: time (s) and severity.
+    /// Events drawn without a number: time in s, and severity.
     pub(super) plain: Vec<(f64, u8)>,
-    /// What the list leaves out, in words; empty for nothing.
+    /// Text about the events that are not listed; empty if all are.
     pub(super) rest: String,
 }
 
 impl Events {
-    /// The events from `from` to `to` (s) in a figure of these objects.
+    /// Selects the events from `from` to `to` (in s) for a figure of these objects.
     pub(super) fn new(marks: &[Mark], objects: &[&str], from: f64, to: f64) -> Self {
         let rank = |mark: &Mark| {
             let is_shown = mark.severity > 0 || mark.source == "machine" || objects.contains(&mark.source.as_str());
@@ -65,13 +66,13 @@ impl Events {
     }
 }
 
-/// The sentence without the source, which stands before it in the list.
+/// Returns the text of an event without its source, which has its own column in the list.
 fn sentence(mark: &Mark) -> String {
     let text = mark.text.strip_prefix(&mark.source).and_then(|text| text.strip_prefix(": ")).unwrap_or(&mark.text);
     clean(if text.is_empty() { &mark.kind } else { text })
 }
 
-/// Less is more important; nothing for what is never drawn.
+/// Returns the rank of an event, lower for more important ones; `None` if it is never drawn.
 fn rank(mark: &Mark) -> Option<u8> {
     match (mark.severity, mark.kind.as_str()) {
         (2.., _) => Some(0),
@@ -82,7 +83,7 @@ fn rank(mark: &Mark) -> Option<u8> {
     }
 }
 
-/// `not listed: 2 errors, 1 warning, 40 accepted, 38 state`.
+/// Returns text such as `not listed: 2 errors, 1 warning, 40 accepted, 38 state`.
 fn rest(marks: &[&Mark]) -> String {
     let mut counts: Vec<(String, usize)> = Vec::new();
     for severity in [2, 1, 0] {
@@ -94,7 +95,7 @@ fn rest(marks: &[&Mark]) -> String {
                 _ => clean(&mark.kind),
             };
             let known = |kinds: &[(String, usize)], kind: &str| kinds.iter().position(|(name, _)| name == kind);
-            // Kinds are few; a bag of another recorder may hold anything.
+            // Usually there are few kinds, but a bag of another recorder may have any number.
             let kind =
                 if kinds.len() < MOST_KINDS || known(&kinds, &kind).is_some() { kind } else { "other".to_owned() };
             match known(&kinds, &kind) {
@@ -113,7 +114,8 @@ fn rest(marks: &[&Mark]) -> String {
     if counts.is_empty() { String::new() } else { format!("events not listed: {}", counts.join(", ")) }
 }
 
-/// Returns places for tags of a width near the wanted ones, in their order, side by side and between two edges.
+/// Returns places for tags of a given width near the wanted ones, in their order, without overlap and between two
+/// edges.
 pub(super) fn spread(wanted: &[f64], width: f64, low: f64, high: f64) -> Vec<f64> {
     let mut places: Vec<f64> = Vec::new();
     for &wanted in wanted {

@@ -1,32 +1,32 @@
-//! Lanes of a timing diagram: what holds from when to when, reduced to what a picture can show.
+//! Lanes of a timing diagram: states over time, reduced to those that are visible in a picture.
 
 use super::curve::Window;
 use super::text::clean;
 use crate::recording::series::Kind;
 use lineshaft_core::code::Code;
 
-/// Below this (px) a stay cannot be told from its neighbours.
+/// Width in px below which a state cannot be distinguished from its neighbours.
 const NARROW: f64 = 1.5;
 
-/// A stretch of a lane.
+/// A range of a lane with one content.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stay {
-    /// (px from the left)
+    /// Left edge, in px.
     pub(super) from: f64,
-    /// (px from the left)
+    /// Right edge, in px.
     pub(super) to: f64,
     pub(super) content: Content,
 }
 
-/// What a stretch of a lane shows.
+/// Content of a range of a lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Value(i64),
-    /// Several values, each for less than a pixel.
+    /// Several values, each narrower than a pixel.
     Busy,
 }
 
-/// The stays of a signal. `width` (px) stands for the whole time shown.
+/// Returns the ranges of a signal. `width`, in px, is that of the whole time shown.
 pub(super) fn stays(window: &Window<'_>, width: f64) -> Vec<Stay> {
     let scale = width / (window.to - window.from);
     let x = |time: f64| ((time - window.from) * scale).clamp(0.0, width);
@@ -52,7 +52,7 @@ pub(super) fn stays(window: &Window<'_>, width: f64) -> Vec<Stay> {
 #[derive(Debug, Default)]
 struct LaneBuilder {
     done: Vec<Stay>,
-    /// Narrow stays side by side: from, to, how many, the value of the last one.
+    /// Adjacent narrow ranges: start, end, number, and value of the last one.
     narrow: Option<(f64, f64, usize, i64)>,
 }
 
@@ -82,7 +82,7 @@ impl LaneBuilder {
     }
 }
 
-/// A value of a lane as text.
+/// Returns a value of a lane as text.
 pub(super) fn value_text(kind: &Kind, value: i64) -> String {
     match kind {
         Kind::Enum(names) => match usize::try_from(value).ok().and_then(|place| names.get(place)) {
@@ -95,7 +95,7 @@ pub(super) fn value_text(kind: &Kind, value: i64) -> String {
     }
 }
 
-/// `FOLLOWING_ERROR`, `DRIVE_FAULT 8611h`; the number where it has no name.
+/// Returns text such as `FOLLOWING_ERROR` or `DRIVE_FAULT 8611h`; the number if the code has no name.
 fn code_text(value: i64) -> String {
     let code = u32::try_from(value).ok().map(Code);
     let name = Code::rows().find(|row| Some(row.code) == code).map(|row| row.name.to_owned());

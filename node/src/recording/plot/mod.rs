@@ -1,16 +1,17 @@
-//! Figures of a run: signals as stacked panels over one time axis, events as numbered lines, as SVG or PNG. plotters draws axes,
-//! ticks, meshes, curves and text; this module chooses signals, units and rows.
+//! Draws figures of a run as SVG or PNG: signals as stacked panels over one time axis, events as numbered lines.
+//! plotters draws axes, ticks, meshes, curves and text; this module chooses signals, units and rows.
 //!
-//! Law      Signals of one quantity and unit share a panel, whose legend is above it. Bits, enums, words and numbers without a
-//!          unit that seldom change are lanes of a timing diagram. Each axis has a unit, with a prefix for small and large
-//!          values, and 1 for none; encoders in m or rad are shown in the unit of the axes. Signals chosen by a pattern that
-//!          never change, or are a fraction, are named below, not drawn; so is how often a curve has no number, a value too
-//!          large to draw, or a gap.
+//! Law      signals of one quantity and unit share a panel, with the legend above it. Bits, enums, words, and numbers
+//!          without a unit that change seldom are lanes of a timing diagram. Each axis has a unit, with a prefix for
+//!          small and large values, or 1 if there is none; encoders in m or rad are shown in the unit of the axes.
+//!          Signals chosen by a pattern that never change, or that are a fraction, are not drawn but named below.
+//!          Numbers of NaN or infinite values, values too large to draw, and gaps of a curve are also given below.
 //! Reads    series in order of time, events in any order
-//! Refuses  no series, none that changes, a size that holds no figure
+//! Refuses  no series, only constant series, a size too small or too large for a figure
 //!
-//! A figure is a pure function of its arguments: the same arguments make the same bytes on every machine, with the bundled font.
-//! Colours are those of Okabe and Ito, which colour-blind people tell apart, each with its own dashes.
+//! A figure is a pure function of its arguments: the same arguments give the same bytes on every machine, with the
+//! bundled font. The colours are those of Okabe and Ito, which colour-blind people can distinguish, each with its own
+//! dashes.
 
 mod axis;
 mod chart;
@@ -33,34 +34,34 @@ use super::series::{Mark, Series};
 use crate::whole_file::WholeFile;
 use std::path::Path;
 
-/// Smallest and largest width (px).
+/// Minimum and maximum width, in px.
 pub const WIDTHS: (u32, u32) = (500, 8000);
-/// Smallest and largest height (px).
+/// Minimum and maximum height, in px.
 pub const HEIGHTS: (u32, u32) = (200, 20_000);
-/// Most pixels of a PNG.
+/// Maximum number of pixels of a PNG.
 pub const MOST_PIXELS: u64 = 24_000_000;
 
-/// A signal that is wanted in a figure.
+/// A signal chosen for a figure.
 #[derive(Clone, Copy, Debug)]
 pub struct Chosen<'a> {
     /// The signal.
     pub series: &'a Series,
-    /// Chosen by its full name: it is drawn even if it never changes.
+    /// Whether it was chosen by its full name; it is then drawn even if it never changes.
     pub by_name: bool,
 }
 
-/// What lies along the axis that all panels share.
+/// Quantity of the horizontal axis that all panels share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Across {
-    /// Time (s).
+    /// Time, in s.
     #[default]
     Time,
-    /// The place of a master (inc), where a series has times.
+    /// Position of a master, in inc, in place of the times of a series.
     Master,
 }
 
 impl Across {
-    /// Its name, and its unit.
+    /// Returns name and unit.
     fn words(self) -> (&'static str, &'static str) {
         match self {
             Self::Time => ("time", "s"),
@@ -69,43 +70,43 @@ impl Across {
     }
 }
 
-/// What is to be drawn.
+/// Description of a figure.
 #[derive(Clone, Debug)]
 pub struct Figure<'a> {
-    /// One line on top; empty for none.
+    /// Title line; empty for none.
     pub title: String,
-    /// In this order in legends and lanes.
+    /// Signals in the order of legends and lanes.
     pub signals: Vec<Chosen<'a>>,
     /// Events; those outside of the time shown are left out.
     pub marks: &'a [Mark],
-    /// First time shown (s); left out: that of the first point.
+    /// First time shown, in s; `None` for that of the first point.
     pub from: Option<f64>,
-    /// Last time shown (s); left out: that of the last point.
+    /// Last time shown, in s; `None` for that of the last point.
     pub to: Option<f64>,
-    /// Along the shared axis.
+    /// Quantity of the shared axis.
     pub across: Across,
-    /// Width (px), see [`WIDTHS`].
+    /// Width, in px; see [`WIDTHS`].
     pub width: u32,
-    /// Height (px), see [`HEIGHTS`]; left out: what the panels need.
+    /// Height, in px; see [`HEIGHTS`]. `None` for the height that the panels need.
     pub height: Option<u32>,
-    /// Each signal has a panel of its own.
+    /// Whether each signal has its own panel.
     pub split: bool,
 }
 
-/// Why there is no figure.
+/// Reason why no figure is drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
-    /// Nothing was chosen.
+    /// No signal was chosen.
     #[error("no signal is chosen")]
     NoSignal,
     /// No chosen signal has a value in the time shown.
     #[error("no chosen signal has a value{}{}", asked(*.from, *.to), there_is(*.run))]
     NoValue {
-        /// As it was asked for (s).
+        /// Requested start, in s.
         from: Option<f64>,
-        /// As it was asked for (s).
+        /// Requested end, in s.
         to: Option<f64>,
-        /// From when to when (s) they have values.
+        /// First and last time with a value, in s.
         run: Option<(f64, f64)>,
     },
     /// Only signals that never change were chosen, by patterns.
@@ -113,82 +114,82 @@ pub enum Problem {
         "none of the {count} chosen signals changes from {from} s to {to} s; one that is named in full is drawn all the same"
     )]
     NoChange {
-        /// How many.
+        /// Number of signals.
         count: usize,
-        /// (s)
+        /// Start, in s.
         from: f64,
-        /// (s)
+        /// End, in s.
         to: f64,
     },
-    /// The end lies before the start.
+    /// The end is before the start.
     #[error("the figure would end at {to} s, before its start at {from} s")]
     Backwards {
-        /// (s)
+        /// Start, in s.
         from: f64,
-        /// (s)
+        /// End, in s.
         to: f64,
     },
-    /// The width lies outside of its range.
+    /// The width is outside of its range.
     #[error("width {given} px is outside {} to {} px", WIDTHS.0, WIDTHS.1)]
     Width {
-        /// (px)
+        /// Given width, in px.
         given: u32,
     },
-    /// The height lies outside of its range.
+    /// The height is outside of its range.
     #[error("height {given} px is outside {} to {} px", HEIGHTS.0, HEIGHTS.1)]
     Height {
-        /// (px)
+        /// Given height, in px.
         given: u32,
     },
-    /// The height holds not all panels.
+    /// The height is too small for all panels.
     #[error("{panels} need a height of {needed} px or more, not {given} px")]
     Low {
-        /// What is to be drawn, in words.
+        /// Number of panels and lanes, as text.
         panels: String,
-        /// (px)
+        /// Minimum height, in px.
         needed: u32,
-        /// (px)
+        /// Given height, in px.
         given: u32,
     },
-    /// More panels and lanes than a figure holds.
+    /// The figure has too many panels and lanes.
     #[error("{panels} would need a height of {needed} px, more than {} px; choose fewer signals", HEIGHTS.1)]
     High {
-        /// What is to be drawn, in words.
+        /// Number of panels and lanes, as text.
         panels: String,
-        /// (px)
+        /// Required height, in px.
         needed: u32,
     },
-    /// More pixels than a PNG may have.
+    /// The PNG has too many pixels.
     #[error("{width} x {height} px are more than the {} million pixels of a PNG; an SVG may be as large", MOST_PIXELS / 1_000_000)]
     Pixels {
-        /// (px)
+        /// Width, in px.
         width: u32,
-        /// (px)
+        /// Height, in px.
         height: u32,
     },
-    /// The name of the file ends with neither of the formats.
+    /// The file extension is none of the formats.
     #[error("{name} ends with neither .svg nor .png")]
     Ending {
-        /// The file.
+        /// Name of the file.
         name: String,
     },
     /// The file cannot be written.
     #[error("cannot write {name}: {reason}")]
     File {
-        /// The file.
+        /// Name of the file.
         name: String,
-        /// What the system says.
+        /// Error message of the operating system.
         reason: String,
     },
-    /// The picture could not be made.
+    /// The drawing library failed.
     #[error("the picture cannot be made: {reason}")]
     Drawing {
-        /// What the drawing library says.
+        /// Error message of the drawing library.
         reason: String,
     },
 }
 
-/// ` from 3 s to 4 s`
+/// Returns text such as ` from 3 s to 4 s`.
 fn asked(from: Option<f64>, to: Option<f64>) -> String {
     match (from, to) {
         (Some(from), Some(to)) => format!(" from {from} s to {to} s"),
@@ -205,7 +206,7 @@ fn there_is(run: Option<(f64, f64)>) -> String {
 /// Draws a figure and returns the content of its file.
 ///
 /// # Errors
-/// [`Problem`], all but its variants about files.
+/// Returns any [`Problem`] except those about files.
 pub fn draw(figure: &Figure<'_>, target: Target) -> Result<Vec<u8>, Problem> {
     signals::draw(figure, target)
 }
@@ -220,7 +221,7 @@ pub enum Target {
 }
 
 impl Target {
-    /// The format that the ending of a file's name asks for.
+    /// Returns the format for the extension of a file name.
     ///
     /// # Errors
     /// [`Problem::Ending`]
@@ -233,7 +234,8 @@ impl Target {
     }
 }
 
-/// Draws a figure and writes it; a file that exists is replaced. Where that fails, nothing is left and an old file stays.
+/// Draws a figure and writes it to a file, replacing an existing one. After an error, no partial file remains and an
+/// existing file is unchanged.
 ///
 /// # Errors
 /// [`Problem`]
@@ -241,7 +243,8 @@ pub fn write(figure: &Figure<'_>, path: &Path) -> Result<(), Problem> {
     replace(path, &draw(figure, Target::of(path)?)?)
 }
 
-/// Writes a figure; a file that exists is replaced. Where that fails, nothing is left and an old file stays.
+/// Writes a figure to a file, replacing an existing one. After an error, no partial file remains and an existing file
+/// is unchanged.
 ///
 /// # Errors
 /// [`Problem::File`]

@@ -1,4 +1,4 @@
-//! Lines, texts, legends and plots on a drawing area of plotters, in px of the figure.
+//! Draws lines, texts, legends and plots on a drawing area of plotters, in px of the figure.
 
 use super::axis::Plotted;
 use super::events::Listed;
@@ -12,30 +12,30 @@ use plotters::prelude::DrawingBackend;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, RGBColor, ShapeStyle, TRANSPARENT, TextStyle, WHITE};
 
-/// How a curve looks.
+/// Line style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
-    /// The new state: wide and solid.
+    /// New state: wide and solid.
     New,
-    /// The old state: grey, dashed.
+    /// Old state: grey, dashed.
     Old,
-    /// A curve to compare with: thin, dashed, above the others.
+    /// Curve for comparison: thin, dashed, above the others.
     Other,
-    /// A demanded value: thin, dotted.
+    /// Demanded value: thin, dotted.
     Asked,
-    /// The curve with this number among the signals of its panel.
+    /// Curve with this index among the signals of its panel.
     Signal(usize),
 }
 
-/// Sizes of letters (px).
+/// Font sizes, in px.
 pub(super) const LABEL: f64 = 12.0;
 pub(super) const SMALL: f64 = 11.0;
-/// Free on all sides (px).
+/// Margin on all sides, in px.
 pub(super) const MARGIN: f64 = 14.0;
-/// Side of the tag of an event, and length of a line in a legend (px).
+/// Side of the tag of an event, and length of a line in a legend, in px.
 pub(super) const TAG: f64 = 15.0;
 pub(super) const SWATCH: f64 = 30.0;
-/// More dashes than these make no readable line: the curve is drawn solid and thin.
+/// Maximum number of dashes in a curve; a curve with more would be unreadable and is drawn solid and thin.
 const MOST_DASHES: f64 = 600.0;
 
 pub(super) const INK: RGBColor = RGBColor(34, 34, 34);
@@ -47,7 +47,7 @@ pub(super) const BUSY: RGBColor = RGBColor(150, 150, 150);
 pub(super) const BIT: RGBColor = RGBColor(0, 114, 178);
 pub(super) const BIT_FILL: RGBColor = RGBColor(176, 212, 236);
 
-/// Okabe and Ito without the yellow, which is hard to see on white, and a grey for their black.
+/// Colours of Okabe and Ito without the yellow, which is hard to see on white, and with grey instead of black.
 const CURVES: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -57,10 +57,11 @@ const CURVES: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
 ];
-/// Lengths of dash and gap (px) of all curves but the first, which is wide and solid: it is seen through their gaps.
+/// Lengths of dash and gap, in px, of all curves except the first, which is wide and solid and so visible through their
+/// gaps.
 const DASHES: [(f64, f64); 6] = [(8.0, 5.0), (3.0, 4.0), (15.0, 6.0), (5.0, 9.0), (22.0, 9.0), (2.0, 7.0)];
 
-/// Colour, width (px), and dash and gap (px) of a line.
+/// Colour, width in px, and dash and gap in px of a line.
 pub(super) type Line = (RGBColor, f64, Option<(f64, f64)>);
 
 impl Look {
@@ -76,7 +77,7 @@ impl Look {
     }
 }
 
-/// Colour of an event, by severity.
+/// Returns the colour of an event by its severity.
 pub(super) fn severity_colour(severity: u8) -> RGBColor {
     match severity {
         0 => RGBColor(120, 120, 120),
@@ -109,10 +110,10 @@ impl Entry {
 pub(super) type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 pub(super) type Plot<'a, DB> = ChartContext<'a, DB, Cartesian2d<Plotted, Plotted>>;
 
-/// A drawing area that counts px of the figure.
+/// A drawing area with coordinates in px of the figure.
 pub(super) struct Pen<DB: DrawingBackend> {
     pub(super) area: DrawingArea<DB, Shift>,
-    /// Pixels of the area for one px.
+    /// Number of pixels of the area per px.
     pub(super) factor: f64,
 }
 
@@ -121,7 +122,7 @@ impl<DB: DrawingBackend> Pen<DB> {
         ((x * self.factor).round() as i32, (y * self.factor).round() as i32)
     }
 
-    /// The place (px) of a point of a plot.
+    /// Returns the place of a point of a plot, in px.
     pub(super) fn place(&self, chart: &Plot<'_, DB>, point: (f64, f64)) -> (f64, f64) {
         let (x, y) = chart.backend_coord(&point);
         (f64::from(x) / self.factor, f64::from(y) / self.factor)
@@ -149,7 +150,7 @@ impl<DB: DrawingBackend> Pen<DB> {
         self.area.draw(&Rectangle::new([self.px(from), self.px(to)], colour.filled()))
     }
 
-    /// The number of an event on its colour.
+    /// Draws the number of an event on its colour.
     pub(super) fn tag(&self, event: &Listed, (x, y): (f64, f64)) -> Drawn<DB> {
         let half = TAG / 2.0;
         self.fill((x - half, y - half), (x + half, y + half), severity_colour(event.severity))?;
@@ -184,7 +185,7 @@ impl<DB: DrawingBackend> Pen<DB> {
         }
     }
 
-    /// A part of a curve without a gap; `scale` is the px of a unit along both axes.
+    /// Draws a part of a curve without a gap; `scale` is the length of a unit along each axis, in px.
     pub(super) fn curve(
         &self,
         chart: &mut Plot<'_, DB>,

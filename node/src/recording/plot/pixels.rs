@@ -1,29 +1,29 @@
-//! A figure as PNG.
+//! Draws a figure as PNG.
 //!
-//! The figure is drawn larger by a whole factor and each pixel is the mean of the pixels that it covers: lines and letters
-//! get smooth edges. Thick lines have round ends, so that noise has neither spikes nor holes.
+//! The figure is drawn larger by an integer factor, and each pixel is the mean of the pixels that it covers, so that
+//! lines and letters have smooth edges. Thick lines have round ends, so that noise shows neither spikes nor holes.
 
 use super::Problem;
 use plotters_backend::text_anchor::{HPos, VPos};
 use plotters_backend::{BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind};
 use std::convert::Infallible;
 
-/// Largest factor, and most pixels that are drawn.
+/// Maximum factor, and maximum number of pixels that are drawn.
 const FINEST: u32 = 3;
 const MOST_DRAWN: u64 = 50_000_000;
 
-/// How much plotters places a text too high (parts of its size): its lines have no room below the letters.
+/// Offset by which plotters places a text too high, as a fraction of its size: it ignores the space below the letters.
 const LOWER: f64 = 0.125;
 
 type Drawn = Result<(), DrawingErrorKind<Infallible>>;
 
-/// The pixels that plotters draws.
+/// Pixel buffer on which plotters draws.
 pub(super) struct Pixels<'a> {
     bytes: &'a mut [u8],
     size: (u32, u32),
 }
 
-/// Returns the factor by which a PNG of this size (px) is drawn larger.
+/// Returns the factor by which a PNG of this size (in px) is drawn larger.
 ///
 /// # Errors
 /// [`Problem::Pixels`]
@@ -35,7 +35,7 @@ pub(super) fn factor((width, height): (u32, u32)) -> Result<u32, Problem> {
     Ok((2..=FINEST).rev().find(|factor| shown * u64::from(factor * factor) <= MOST_DRAWN).unwrap_or(1))
 }
 
-/// Draws a PNG of this size (px) with `paint`, which draws it larger by `factor`.
+/// Draws a PNG of this size (in px) with `paint`, which draws it larger by `factor`.
 ///
 /// # Errors
 /// [`Problem::Drawing`]
@@ -83,7 +83,7 @@ fn means(bytes: &[u8], width: usize, factor: usize) -> Vec<u8> {
 }
 
 impl Pixels<'_> {
-    /// Fills the pixels of a row from one to before another.
+    /// Fills the pixels of a row from `from` up to, but not including, `to`.
     fn fill_row(&mut self, row: i32, from: i32, to: i32, colour: BackendColor) {
         let (from, to) = (from.max(0), to.min(self.size.0 as i32));
         if row < 0 || row >= self.size.1 as i32 || from >= to {
@@ -100,7 +100,7 @@ impl Pixels<'_> {
         }
     }
 
-    /// Fills what is nearer than `radius` to the line between two points.
+    /// Fills all pixels within `radius` of the line between two points.
     fn fill_line(&mut self, from: (f64, f64), to: (f64, f64), radius: f64, colour: BackendColor) {
         let top = (from.1.min(to.1) - radius).floor().max(0.0) as i32;
         let end = (from.1.max(to.1) + radius).ceil().min(f64::from(self.size.1)) as i32;
@@ -112,7 +112,7 @@ impl Pixels<'_> {
     }
 }
 
-/// Returns where the level line at `y` is nearer than `radius` to the line between two points.
+/// Returns the part of the horizontal line at `y` that is within `radius` of the line between two points.
 fn span(from: (f64, f64), to: (f64, f64), radius: f64, y: f64) -> Option<(f64, f64)> {
     let mut span: Option<(f64, f64)> = None;
     let mut add = |x: f64| span = Some(span.map_or((x, x), |(left, right)| (left.min(x), right.max(x))));
@@ -125,7 +125,7 @@ fn span(from: (f64, f64), to: (f64, f64), radius: f64, y: f64) -> Option<(f64, f
     }
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     if dy != 0.0 {
-        // The two long edges of the line; its round ends are above.
+        // Intersections with the two long edges of the line; those with its round ends were added above.
         let length = dx.hypot(dy);
         for side in [radius / length, -radius / length] {
             let part = (y - (from.1 + side * dx)) / dy;
@@ -203,7 +203,7 @@ impl DrawingBackend for Pixels<'_> {
             return Ok(());
         }
         let radius = (f64::from(style.stroke_width()) / 2.0).max(0.5);
-        // The edges of a line are edges of pixels: that of an odd width lies in the middle of its pixel.
+        // Edges of a line are edges of pixels: a line of odd width is centred on the middle of its pixel.
         let middle = if style.stroke_width() % 2 == 1 { 0.5 } else { 0.0 };
         let mut before = None;
         for (x, y) in path {
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use plotters::style::{BLACK, Color};
 
-    /// Decoded bytes of a PNG of 40 x 40 px.
+    /// Returns the decoded bytes of a PNG of 40 x 40 px.
     fn drawn(paint: impl FnOnce(&mut Pixels<'_>)) -> Vec<u8> {
         let file = png((40, 40), 2, |mut pixels| {
             paint(&mut pixels);
@@ -257,7 +257,7 @@ mod tests {
             let bytes = drawn(|pixels| drop(pixels.draw_path([from, to], &Color::stroke_width(&BLACK, 8))));
             let dark: f64 = bytes.chunks_exact(3).map(|pixel| f64::from(255 - pixel[0]) / 255.0).sum();
             let length = f64::from(to.0 - from.0).hypot(f64::from(to.1 - from.1)) / 2.0;
-            // 4 px wide, with two half circles as ends.
+            // 4 px wide, with two half circles at the ends.
             let expected = 4.0 * length + std::f64::consts::PI * 4.0;
             assert!((dark - expected).abs() < 0.05 * expected, "{dark} {expected}");
         }

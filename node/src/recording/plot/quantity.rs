@@ -1,16 +1,17 @@
-//! Physical quantities of signals: signals of one quantity and unit share a panel. And the unit in which a panel shows them.
+//! Physical quantities of signals, and the units in which panels show them. Signals of one quantity and unit share a
+//! panel.
 
-/// The quantities in the order of their panels.
+/// Quantities, in the order of their panels.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum SignalQuantity {
     Position,
     Velocity,
     Acceleration,
     Jerk,
-    /// Differences of positions, much smaller than the positions.
+    /// Difference of positions, much smaller than the positions.
     Error,
     Effort,
-    /// Raw counts, which have an origin of their own.
+    /// Raw counts, with their own origin.
     Count,
     Fraction,
     Voltage,
@@ -24,7 +25,7 @@ impl SignalQuantity {
         let (last, before) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
         let ending = last.rsplit('_').next().unwrap_or_default();
         match (before, last) {
-            // The command of a drive is in its counts.
+            // The command of a drive is in counts of the drive.
             ("output", "position") => Self::Count,
             (_, "count") if before != "latch" => Self::Count,
             ("phase", "master") => Self::Other("phase shift left".to_owned()),
@@ -47,14 +48,14 @@ impl SignalQuantity {
                 (_, unit) if unit.ends_with("/s") => Self::Velocity,
                 (_, unit) if unit.ends_with("/s^2") => Self::Acceleration,
                 (_, unit) if unit.ends_with("/s^3") => Self::Jerk,
-                // Memory cells have bare names: they share one panel for each unit.
+                // Memory cells have names without a dot or slash; they share one panel per unit.
                 _ if !name.contains(['.', '/']) => Self::Other("value".to_owned()),
                 _ => Self::Other(last.to_owned()),
             },
         }
     }
 
-    /// The label of its panel.
+    /// Returns the label of the panel.
     pub(super) fn label(&self) -> &str {
         match self {
             Self::Position => "position",
@@ -71,15 +72,15 @@ impl SignalQuantity {
     }
 }
 
-/// A unit in which a panel is shown, with the factor from the unit of its signals.
+/// Unit in which a panel is shown, with the factor from the unit of its signals.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ShownUnit {
     pub(super) factor: f64,
-    /// As on the axis; `1` for none.
+    /// Text on the axis; `1` if there is no unit.
     pub(super) text: String,
 }
 
-/// Symbols that take a prefix, with their least and largest power of ten.
+/// Unit symbols that may have a prefix, with their minimum and maximum power of ten.
 const WITH_PREFIX: [(&str, i32, i32); 9] = [
     ("m", -9, 3),
     ("rad", -6, 0),
@@ -92,24 +93,25 @@ const WITH_PREFIX: [(&str, i32, i32); 9] = [
     ("Hz", -3, 9),
 ];
 const PREFIXES: [(i32, &str); 7] = [(-9, "n"), (-6, "\u{b5}"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G")];
-/// Lengths and angles that a cell may use, as parts of a metre and of a radian.
+/// Units of length and angle that a cell may use, as multiples of a metre and of a radian.
 const LENGTHS: [(&str, f64); 5] = [("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6), ("in", 0.0254)];
 const ANGLES: [(&str, f64); 4] =
     [("rad", 1.0), ("mrad", 1e-3), ("deg", std::f64::consts::PI / 180.0), ("rev", 2.0 * std::f64::consts::PI)];
 
-/// `mm` and `/s` of `mm/s`.
+/// Splits a unit into symbol and rest: `mm/s` into `mm` and `/s`.
 fn parts(unit: &str) -> (&str, &str) {
     unit.find(['/', '*', '^']).map_or((unit, ""), |place| unit.split_at(place))
 }
 
-/// The lengths or the angles, if the unit is of one of them.
+/// Returns the units of length or of angle, if the unit is one of them.
 fn family(unit: &str) -> Option<&'static [(&'static str, f64)]> {
     let symbol = parts(unit).0;
     [&LENGTHS[..], &ANGLES[..]].into_iter().find(|family| family.iter().any(|(known, _)| *known == symbol))
 }
 
-/// Returns `unit`, or the unit of an axis that shows the same dimension where `unit` is m or rad only because the cell does not
-/// name one: a figure does not mix rad/s with rev/s. With the factor of the values.
+/// Returns the unit in which to show values in `unit`, with their factor. If `unit` is in m or rad only because the
+/// cell does not name a unit, it is the unit of an axis with the same dimension, so that a figure does not mix rad/s
+/// with rev/s.
 pub(super) fn unified(unit: &str, all: &[&str]) -> (f64, String) {
     let (symbol, rest) = parts(unit);
     let kept = (1.0, unit.to_owned());
@@ -151,7 +153,7 @@ pub(super) fn with_prefix(unit: &str, largest: f64) -> ShownUnit {
     ShownUnit { factor: 10_f64.powi(-power), text }
 }
 
-/// `10^n` with raised digits.
+/// Returns `10^n` with superscript digits.
 fn power_of_ten(exponent: i32) -> String {
     let digits: Vec<char> =
         "\u{2070}\u{b9}\u{b2}\u{b3}\u{2074}\u{2075}\u{2076}\u{2077}\u{2078}\u{2079}".chars().collect();

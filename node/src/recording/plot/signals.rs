@@ -1,4 +1,4 @@
-//! The rows of a figure of signals: panels of curves, lanes of states, and lines of text.
+//! Rows of a figure of signals: panels of curves, lanes of states, and lines of text.
 
 use super::axis::{Axis, Spacing};
 use super::chart::{Chart, Curve, Lane, Page, Panel, check_width};
@@ -13,20 +13,20 @@ use crate::recording::series::{Kind, Series};
 use plotters::style::RGBColor;
 use std::collections::HashMap;
 
-/// A number without a unit that changes no more than this often is a lane.
+/// Maximum number of changes of a number without a unit that is drawn as a lane.
 const SELDOM: usize = 40;
-/// Largest time (s): larger ones lose parts of a second.
+/// Maximum time, in s; larger ones lose fractions of a second.
 const LATEST: f64 = 1e14;
-/// Least height of a plot where the height of the figure is given (px).
+/// Minimum height of a plot if the height of the figure is given, in px.
 const LOWEST: f64 = 64.0;
-/// Changes below this are none: f64 has hardly any digits for them.
+/// Minimum change; f64 has hardly any digits for smaller ones.
 const SMALLEST: f64 = 1e-150;
 
-/// A signal that is drawn, in the time shown.
+/// A signal that is drawn, within the time shown.
 #[derive(Clone, Debug)]
 struct Shown<'a> {
     series: &'a Series,
-    /// Its name, with the topic where several have that name.
+    /// Name of the signal, with the topic if several signals have that name.
     name: String,
     window: Window<'a>,
 }
@@ -42,11 +42,11 @@ struct Group<'a> {
 /// All signals of a figure.
 #[derive(Clone, Debug, Default)]
 struct Signals<'a> {
-    /// (s)
+    /// Start, in s.
     from: f64,
-    /// (s)
+    /// End, in s.
     to: f64,
-    /// Each curve has a panel of its own.
+    /// Whether each curve has its own panel.
     split: bool,
     groups: Vec<Group<'a>>,
     lanes: Vec<Shown<'a>>,
@@ -54,9 +54,9 @@ struct Signals<'a> {
     constant: Vec<String>,
     /// Signals without a value in the time shown.
     empty: Vec<String>,
-    /// Fractions that are not named in full: of a motion they are a solid block.
+    /// Fractions that were not chosen by full name; during motion they would be a solid area.
     fractions: Vec<(Shown<'a>, SignalQuantity)>,
-    /// Values that a curve does not show: each signal, and how often.
+    /// Values that a curve does not show: signal, and number of times.
     gaps: Vec<String>,
     no_numbers: Vec<String>,
     too_large: Vec<String>,
@@ -65,7 +65,7 @@ struct Signals<'a> {
 /// Draws a figure.
 ///
 /// # Errors
-/// [`Problem`], all but its variants about files.
+/// Returns any [`Problem`] except those about files.
 pub(super) fn draw(figure: &Figure<'_>, target: Target) -> Result<Vec<u8>, Problem> {
     use_bundled_font();
     let signals = Signals::new(figure)?;
@@ -107,7 +107,7 @@ impl<'a> Signals<'a> {
             signals.add(chosen, name);
         }
         if signals.groups.is_empty() && signals.lanes.is_empty() {
-            // There is nothing else to draw.
+            // There are no other curves to draw.
             let fractions = std::mem::take(&mut signals.fractions);
             fractions.into_iter().for_each(|(shown, quantity)| signals.place(shown, quantity, usize::MAX));
         }
@@ -162,7 +162,7 @@ impl<'a> Signals<'a> {
         }
     }
 
-    /// Notes values that the curve or lane of a signal does not show.
+    /// Records values that the curve or lane of a signal does not show.
     fn note(&mut self, shown: &Shown<'a>) {
         let name = &shown.name;
         let times = |count: usize| if count == 1 { "once".to_owned() } else { format!("{count} times") };
@@ -198,7 +198,7 @@ impl<'a> Signals<'a> {
         self.groups.iter().enumerate().map(panel).collect()
     }
 
-    /// The lines of text below the figure.
+    /// Returns the lines of text below the figure.
     fn notes(&self, events: &Events, room: f64) -> Vec<String> {
         let mut notes = Vec::new();
         if !events.rest.is_empty() {
@@ -222,14 +222,14 @@ impl<'a> Signals<'a> {
     }
 }
 
-/// `constant: x.homed 0, x.brake 0 and 31 more` on two lines at most.
+/// Returns text such as `constant: x.homed 0, x.brake 0 and 31 more`, on at most two lines.
 fn listing(word: &str, signals: &[String], room: f64) -> Vec<String> {
     let text = |count: usize| {
         let rest = signals.len() - count;
         let more = if rest == 0 { String::new() } else { format!(" and {rest} more") };
         format!("{word}: {}{more}", signals[..count].join(", "))
     };
-    // Two lines hold no more than this many; a count that is too low would only shorten the list.
+    // More names do not fit on two lines; a limit that is too low would only shorten the list.
     let most = signals.len().min(200);
     let fits = |count: &usize| {
         let whole = text(*count);
@@ -239,7 +239,7 @@ fn listing(word: &str, signals: &[String], room: f64) -> Vec<String> {
     wrap(&text(count), SMALL, room, 2)
 }
 
-/// A panel of curves in one unit; its place in the figure is still missing.
+/// Returns a panel of curves in one unit, without the fields that depend on its place in the figure.
 fn panel(group: &Group<'_>, units: &[&str], columns: f64) -> Panel {
     let (unifying, unit) = unified(&group.unit, units);
     let extents = group.curves.iter().filter_map(|shown| shown.window.extent());
@@ -251,7 +251,7 @@ fn panel(group: &Group<'_>, units: &[&str], columns: f64) -> Panel {
     let drawn = |(place, shown): (usize, &Shown<'_>)| {
         let points = curve(&shown.window, is_stepped(shown.series), columns);
         let points = points.into_iter().map(|(time, value)| (time, value * factor_of_all)).collect();
-        // A name that says no more than the label of the panel needs no legend.
+        // A panel with a single curve needs no legend if the name is the same as the label.
         let name = if group.curves.len() == 1 && shown.name == label { String::new() } else { shown.name.clone() };
         Curve { name, look: Look::Signal(place), points }
     };
@@ -268,10 +268,11 @@ fn panel(group: &Group<'_>, units: &[&str], columns: f64) -> Panel {
     }
 }
 
-/// Returns the range of an axis for values from `low` to `high`: with air above and below, and with zero where it is near.
+/// Returns the range of an axis for values from `low` to `high`, with a margin above and below, and with zero if it is
+/// near.
 fn range(low: f64, high: f64) -> (f64, f64) {
     let largest = low.abs().max(high.abs());
-    // A change of the last digits of an f64 is rounding.
+    // A change in the last digits of an f64 is rounding.
     let is_constant = high - low <= (largest * 1e-13).max(SMALLEST);
     let (low, high) = match (is_constant, largest > SMALLEST) {
         (true, false) => (-1.0, 1.0),
@@ -284,7 +285,7 @@ fn range(low: f64, high: f64) -> (f64, f64) {
     (low - 0.06 * span, high + 0.06 * span)
 }
 
-/// A lane of the timing diagram for a figure of so many columns.
+/// Returns a lane of the timing diagram for a figure with this number of columns.
 fn lane(shown: &Shown<'_>, columns: f64) -> Lane {
     let kind = &shown.series.kind;
     let state = |stay: Stay| match stay.content {
@@ -300,7 +301,7 @@ fn lane(shown: &Shown<'_>, columns: f64) -> Lane {
     Lane { name: shown.name.clone(), is_bit: *kind == Kind::Bit, states }
 }
 
-/// Grounds of states.
+/// Background colours of states.
 const STATES: [RGBColor; 7] = [
     RGBColor(205, 235, 222),
     RGBColor(204, 224, 242),
@@ -311,7 +312,7 @@ const STATES: [RGBColor; 7] = [
     RGBColor(218, 212, 236),
 ];
 
-/// Returns the ground of a state: faults and error codes are red, states without power are grey.
+/// Returns the background colour of a state: red for faults and error codes, grey for states without power.
 fn state_colour(kind: &Kind, value: i64, name: &str) -> RGBColor {
     let name = name.to_ascii_uppercase();
     let is_code = *kind == Kind::Code;
@@ -324,7 +325,7 @@ fn state_colour(kind: &Kind, value: i64, name: &str) -> RGBColor {
     }
 }
 
-/// The names of the signals, each with its topic where several have that name.
+/// Returns the names of the signals, each with its topic if several signals have that name.
 fn names(figure: &Figure<'_>) -> Vec<String> {
     let mut counts: HashMap<&str, usize> = HashMap::new();
     figure.signals.iter().for_each(|chosen| *counts.entry(&chosen.series.name).or_default() += 1);
@@ -335,7 +336,7 @@ fn names(figure: &Figure<'_>) -> Vec<String> {
     figure.signals.iter().map(name).collect()
 }
 
-/// Whether the signal jumps from value to value; a position moves between two of its values.
+/// Whether the signal is drawn as steps; a position is drawn as lines, because it moves between two of its values.
 fn is_stepped(series: &Series) -> bool {
     let jumps = ["target.", "latch."].iter().any(|part| series.name.contains(part));
     match series.kind {
@@ -344,7 +345,7 @@ fn is_stepped(series: &Series) -> bool {
     }
 }
 
-/// `x.homed 0`
+/// Returns text such as `x.homed 0`.
 fn constant(series: &Series, name: &str, value: f64) -> String {
     match series.kind {
         Kind::Real | Kind::Int => {
@@ -361,7 +362,7 @@ fn is_time(time: f64) -> bool {
     time.abs() <= LATEST
 }
 
-/// First and last time (s) of all signals.
+/// Returns the first and the last time of all signals, in s.
 fn ends(figure: &Figure<'_>) -> Option<(f64, f64)> {
     let ends = figure.signals.iter().flat_map(|chosen| {
         let points = &chosen.series.points;
@@ -375,7 +376,7 @@ fn no_value(figure: &Figure<'_>, run: Option<(f64, f64)>) -> Problem {
     Problem::NoValue { from: figure.from, to: figure.to, run }
 }
 
-/// First and last time shown (s), never the same.
+/// Returns the first and the last time shown, in s; they always differ.
 fn times(figure: &Figure<'_>) -> Result<(f64, f64), Problem> {
     let Some(run) = ends(figure) else { return Err(no_value(figure, None)) };
     let (from, to) = (figure.from.unwrap_or(run.0), figure.to.unwrap_or(run.1));
@@ -388,7 +389,7 @@ fn times(figure: &Figure<'_>) -> Result<(f64, f64), Problem> {
     if !is_time(from) || !is_time(to) || from > run.1 || to < run.0 {
         return Err(no_value(figure, Some(run)));
     }
-    // Times in f64 are no finer than this.
+    // Resolution of times in f64.
     let shortest = 1e-9_f64.max(1e-12 * from.abs().max(to.abs()));
     Ok(if to - from < shortest { (from - 0.5, to + 0.5) } else { (from, to) })
 }

@@ -1,4 +1,4 @@
-//! Whole figures.
+//! Tests whole figures.
 
 mod figures;
 mod odd;
@@ -11,7 +11,7 @@ fn series(name: &str, unit: &str, kind: Kind, points: Vec<(f64, f64)>) -> Series
     Series { name, unit, kind, topic, points, gaps: Vec::new() }
 }
 
-/// A signal at 1 kHz.
+/// Returns a signal sampled at 1 kHz.
 fn sampled(name: &str, unit: &str, kind: Kind, count: u32, value: impl Fn(f64) -> f64) -> Series {
     let times = (0..count).map(|cycle| f64::from(cycle) / 1e3);
     series(name, unit, kind, times.map(|time| (time, value(time))).collect())
@@ -25,7 +25,7 @@ fn mark(time: f64, severity: u8, kind: &str, text: &str) -> Mark {
     Mark { time, severity, kind: kind.to_owned(), source: "x".to_owned(), text: text.to_owned() }
 }
 
-/// All signals as if they were chosen by a pattern.
+/// Returns a figure of all signals, as if they were chosen by a pattern.
 fn figure<'a>(signals: &'a [Series], marks: &'a [Mark]) -> Figure<'a> {
     Figure {
         title: "A run".to_owned(),
@@ -44,7 +44,7 @@ fn svg(figure: &Figure<'_>) -> String {
     String::from_utf8(draw(figure, Target::Svg).unwrap()).unwrap()
 }
 
-/// The texts of an SVG, in the order in which they are painted.
+/// Returns the texts of an SVG, in the order in which they are drawn.
 pub(super) fn texts(svg: &str) -> Vec<&str> {
     let texts = svg.split("<text").skip(1).filter_map(|text| text.split_once(">\n")?.1.split_once("\n</text>"));
     texts.map(|(text, _)| text).collect()

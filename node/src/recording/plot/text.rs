@@ -1,24 +1,24 @@
 //! Text of a figure: its width, and how it is wrapped or shortened to fit.
 //!
-//! All widths are those of the bundled font. A viewer shows an SVG in its own sans-serif font, which is hardly ever wider.
+//! All widths are those of the bundled font. A viewer shows an SVG in its own sans-serif font, which is rarely wider.
 
 use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
 use std::sync::Once;
 
 /// DejaVu Sans 2.37, unchanged; its licence is next to it.
 static FONT: &[u8] = include_bytes!("../../../fonts/DejaVuSans.ttf");
-/// Size that plotters gives to a font whose letters measure 1 (em).
+/// Size at which plotters draws a font with an em of 1.
 pub(super) const SIZE_PER_EM: f64 = 1.24;
-/// Units in which plotters measures whole pixels; larger for finer widths.
+/// Factor for finer widths: plotters measures whole pixels.
 const FINE: f64 = 10.0;
-/// Longest text of a figure (characters): no figure has room for more.
+/// Maximum length of a text, in characters: no figure has room for more.
 const LONGEST: usize = 4000;
 const DOTS: char = '\u{2026}';
 
-/// Makes the bundled font known to plotters; no other font is ever used.
+/// Registers the bundled font with plotters; no other font is used.
 pub(super) fn use_bundled_font() {
     static ONCE: Once = Once::new();
-    // A bundled font that cannot be read is an error of every text that is drawn.
+    // If the bundled font cannot be read, every text that is drawn reports the error.
     ONCE.call_once(|| {
         let _ = register_font("sans-serif", FontStyle::Normal, FONT);
     });
@@ -28,7 +28,7 @@ pub(super) fn font(em: f64) -> FontDesc<'static> {
     FontDesc::new(FontFamily::SansSerif, em * SIZE_PER_EM, FontStyle::Normal)
 }
 
-/// Width of a text (px) whose letters have the size `em` (px).
+/// Returns the width of a text, in px, for a font size `em`, in px.
 pub(super) fn width(text: &str, em: f64) -> f64 {
     font(em * FINE).box_size(text).map_or(0.0, |(width, _)| f64::from(width) / FINE)
 }
@@ -47,7 +47,7 @@ pub(super) fn shorten(text: &str, em: f64, room: f64) -> String {
     if kept == 0 { String::new() } else { cut(kept + 2) }
 }
 
-/// Breaks a text into at most `most` lines at its blanks. A word that is too long is shortened, and so is the last line.
+/// Wraps a text at spaces into at most `most` lines. A word that is too long is shortened, and so is the last line.
 pub(super) fn wrap(text: &str, em: f64, room: f64, most: usize) -> Vec<String> {
     let (mut lines, mut line): (Vec<String>, String) = (Vec::new(), String::new());
     for word in text.split(' ') {
@@ -62,7 +62,7 @@ pub(super) fn wrap(text: &str, em: f64, room: f64, most: usize) -> Vec<String> {
     lines.iter().map(|line| shorten(line, em, room)).collect()
 }
 
-/// Returns the text on one line, without characters that an SVG cannot hold.
+/// Returns the text on one line, without characters that SVG does not allow.
 pub(super) fn clean(text: &str) -> String {
     let good = |letter: char| match letter {
         '\u{fffe}' | '\u{ffff}' => '?',
@@ -72,7 +72,7 @@ pub(super) fn clean(text: &str) -> String {
     text.trim().chars().take(LONGEST).map(good).collect()
 }
 
-/// Returns the number with thin spaces between its thousands, and with a minus as wide as a plus.
+/// Returns the number with thin spaces between groups of three digits, and with a minus sign as wide as a plus sign.
 pub(super) fn grouped(digits: &str) -> String {
     let (sign, digits) = digits.strip_prefix('-').map_or(("", digits), |digits| ("\u{2212}", digits));
     let (whole, part) = digits.split_once('.').map_or((digits, None), |(whole, part)| (whole, Some(part)));
@@ -86,7 +86,7 @@ pub(super) fn grouped(digits: &str) -> String {
     part.map_or(text.clone(), |part| format!("{text}.{part}"))
 }
 
-/// Returns a value for a line of text: up to six digits.
+/// Formats a value for a line of text, with up to six digits.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 {
         return "0".to_owned();

@@ -1,4 +1,4 @@
-//! What was recorded of a cycle against what its replay did.
+//! Compares the recorded data of a cycle with its replay.
 
 use super::ReplayError;
 use super::group::Group;
@@ -11,36 +11,36 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
-/// The first thing that differs.
+/// First difference between recording and replay.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// k
+    /// Cycle number k.
     pub cycle: u64,
-    /// A signal, or a topic and a field.
+    /// Name of a signal, or a topic and a field.
     pub what: String,
-    /// As it was recorded.
+    /// Recorded value.
     pub recorded: String,
-    /// As it is now.
+    /// Replayed value.
     pub replayed: String,
 }
 
-/// How much was compared.
+/// Numbers of compared values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Counts {
-    /// Values of signals.
+    /// Number of signal values.
     pub values: u64,
-    /// Messages of the other topics.
+    /// Number of messages of the other topics.
     pub messages: u64,
 }
 
 /// Compares one cycle after the other.
 pub(super) struct Comparison {
     signals: Vec<(Signal, String, Type)>,
-    /// The recorded signals; none before all of them were told.
+    /// Recorded signal values; `None` until a message has had all of them.
     words: Option<Vec<u64>>,
-    /// The recording is one of this program: it has all topics, and begins with all signals.
+    /// Whether this program made the recording: it then has all topics and begins with all signals.
     is_ours: bool,
-    /// Topics of which another recording has messages.
+    /// Topics of which a recording of another program has messages.
     seen: Vec<Topic>,
     pub counts: Counts,
 }
@@ -51,7 +51,7 @@ impl Comparison {
         Self { signals, words: None, is_ours, seen: Vec::new(), counts: Counts::default() }
     }
 
-    /// The first difference of a cycle. Of one that is not `is_whole` messages may be missing.
+    /// Returns the first difference of a cycle. If `is_whole` is false, messages of the cycle may be missing.
     pub(super) fn compare(
         &mut self,
         group: &Group,
@@ -80,7 +80,7 @@ impl Comparison {
             if !recorded.is_empty() && !self.seen.contains(&topic) {
                 self.seen.push(topic);
             }
-            // A topic that was not recorded, or the part of a cycle that was cut off.
+            // Otherwise the topic was not recorded, or belongs to the part of a cycle that was cut off.
             let is_expected = is_whole && (self.is_ours || self.seen.contains(&topic));
             if recorded.len() < of_replay.len() && !is_expected {
                 continue;
@@ -93,7 +93,7 @@ impl Comparison {
         Ok(None)
     }
 
-    /// Takes what changed of the recorded signals.
+    /// Applies the changes of the recorded signals.
     fn apply(&mut self, message: &Signals, cycle: u64) -> Result<(), String> {
         let (places, words, all) = (message.index.len(), message.word.len(), self.signals.len());
         if message.cycle != cycle {
@@ -117,7 +117,7 @@ impl Comparison {
         Ok(())
     }
 
-    /// Name, recorded and replayed value of the first signal that differs.
+    /// Returns name, recorded and replayed value of the first signal that differs.
     fn first_other_signal(&mut self, board: &Board) -> Option<Other> {
         let words = self.words.as_ref()?;
         self.counts.values += words.len() as u64;
@@ -127,10 +127,10 @@ impl Comparison {
     }
 }
 
-/// What differs, as recorded and as replayed.
+/// Name of a difference, recorded value and replayed value.
 type Other = (String, String, String);
 
-/// A word as a person reads it.
+/// Formats a signal value.
 fn value_text(kind: Type, word: u64) -> String {
     match kind {
         Type::Real => format!("{:?}", f64::from_bits(word)),
@@ -153,7 +153,7 @@ fn first_other_message(
     recorded: &[&[u8]],
     replayed: &[&[u8]],
 ) -> Result<Option<Other>, ReplayError> {
-    // Signals were compared one by one; here counts whether they are there.
+    // Signals were compared one by one; only their presence is compared here.
     let is_other = |place: usize| {
         let (mine, other) = (recorded.get(place), replayed.get(place));
         topic != Topic::Signals
@@ -182,7 +182,7 @@ fn first_other_message(
     Ok(Some((format!("{name}{path}"), mine, other)))
 }
 
-/// Whether two events differ in their texts only: another version words them in another way.
+/// Whether two events differ only in their text, which may differ between versions.
 fn is_reworded(mine: Option<&[u8]>, other: Option<&[u8]>) -> bool {
     let without_text = |data: &[u8]| -> Option<Vec<u8>> {
         let event: Event = cdr::decode_with_header(data).ok()?;
@@ -192,13 +192,13 @@ fn is_reworded(mine: Option<&[u8]>, other: Option<&[u8]>) -> bool {
     mine.is_some() && mine == other.and_then(without_text)
 }
 
-/// A message as a tree of fields.
+/// Returns a message as a tree of fields.
 fn json<T: Serialize + DeserializeOwned>(group: &Group, topic: Topic, data: &[u8]) -> Result<Json, ReplayError> {
     let message: T = decode(group, topic, data)?;
     serde_json::to_value(message).map_err(|error| group.bad(topic.schema().0, error.to_string()))
 }
 
-/// Path and both values of the first field that differs.
+/// Returns path and both values of the first field that differs.
 fn first_other_field(mine: &Json, other: &Json) -> Option<Other> {
     let under = |step: String, (path, a, b): Other| (format!("{step}{path}"), a, b);
     match (mine, other) {

@@ -1,4 +1,4 @@
-//! The recorded messages of one cycle.
+//! Recorded messages of one cycle.
 
 use super::ReplayError;
 use crate::recording::run::Message;
@@ -12,47 +12,47 @@ use lineshaft_msgs::msg::{AppliedCommand, CycleInputs, Event};
 /// The messages of one log time.
 #[derive(Debug, Default)]
 pub(super) struct Group {
-    /// t_k (ns).
+    /// Time t_k, in ns.
     pub log_time: u64,
-    /// File of the first of them.
+    /// Index of the file of the first message.
     pub file: usize,
     pub commands: Vec<AppliedCommand>,
     pub inputs: Option<RecordedInputs>,
-    /// All others of a known type, as they stand.
+    /// All other messages of a known type, not decoded.
     pub others: Vec<(Topic, Vec<u8>)>,
-    /// A message was taken since it was cleared.
+    /// Whether a message was added since the last clear.
     is_begun: bool,
 }
 
-/// Inputs as they stand in the file.
+/// Recorded inputs.
 #[derive(Debug)]
 pub(super) struct RecordedInputs {
     pub message: CycleInputs,
-    /// Of the bytes in the file.
+    /// CRC of the bytes in the file.
     pub crc: u32,
 }
 
 impl Group {
-    /// Does a message of that time belong to it?
+    /// Whether a message of that time belongs to this group.
     pub(super) fn is_of(&self, log_time: u64) -> bool {
         !self.is_begun || self.log_time == log_time
     }
 
-    /// Does it hold anything of a cycle? Joint states may come from anybody, where not all is of our recorder.
+    /// Whether it has a message of a cycle. Joint states may have another sender, unless the recording is ours.
     pub(super) fn is_of_a_cycle(&self, is_ours: bool) -> bool {
         !self.commands.is_empty() || self.others.iter().any(|(topic, _)| is_ours || *topic != Topic::JointStates)
     }
 
-    /// The messages of a topic.
+    /// Returns the messages of a topic.
     pub(super) fn of(&self, topic: Topic) -> impl Iterator<Item = &[u8]> {
         self.others.iter().filter(move |(of, _)| *of == topic).map(|(_, data)| data.as_slice())
     }
 
-    /// System time of the cycle (ns), as the first of its messages with a stamp tells it; `None` where none does.
+    /// Returns the system time of the cycle, in ns, from its first message with a stamp; `None` if there is none.
     pub(super) fn stamp_ns(&self) -> Option<u64> {
         if let Some(data) = [Topic::AxisStates, Topic::JointStates].into_iter().find_map(|topic| self.of(topic).next())
         {
-            // They begin with the stamp: encapsulation, then seconds and nanoseconds.
+            // The messages begin with the stamp: CDR header, then seconds and nanoseconds.
             let time: Time = cdr::decode_with_header(data.get(..12)?).ok()?;
             return stamp(&time).ok();
         }
@@ -64,7 +64,7 @@ impl Group {
         *self = Self::default();
     }
 
-    /// Takes a message; one of another type is left out.
+    /// Adds a message; messages of other types are ignored.
     pub(super) fn add(&mut self, message: &Message<'_>) -> Result<(), ReplayError> {
         if !self.is_begun {
             (self.log_time, self.file, self.is_begun) = (message.log_time, message.file, true);
@@ -83,7 +83,7 @@ impl Group {
         Ok(())
     }
 
-    /// A message of this cycle that cannot be played.
+    /// Returns the error for a message of this cycle that cannot be replayed.
     pub(super) fn bad(&self, kind: &str, reason: String) -> ReplayError {
         ReplayError::Message { topic: kind.to_owned(), log_time: self.log_time, reason }
     }

@@ -1,13 +1,13 @@
-//! Replay: a recorded run through the core again, cycle by cycle, bit for bit.
+//! Replays a recorded run with the core, cycle by cycle, and compares the result bit by bit.
 //!
-//! Law      the same cell, the same inputs and the same commands in the same cycles give the same signals and the same
-//!          messages; of wall time only log times, and how far the recorded stamps are ahead of them, take part
-//! Reads    a [`Run`] with the attachment `cell.yaml`: commands and inputs to play, everything else to compare with. What was
-//!          saved before it began is the attachment `store.yaml`. A run that does not begin with cycle 0 begins with the
-//!          attachment `machine_state`
-//! Refuses  a run without cell or inputs, a cell that was changed, a state of another version or cell
+//! Law      the same cell, inputs and commands in the same cycles give the same signals and messages. Of wall time only
+//!          log times are used, and how far the recorded stamps are ahead of them
+//! Reads    a [`Run`] with the attachment `cell.yaml`: it replays commands and inputs, and compares everything else.
+//!          Values that were stored before the run are the attachment `store.yaml`. A run that does not begin with
+//!          cycle 0 begins with the attachment `machine_state`
+//! Refuses  a run without cell or inputs, a changed cell, a state of another version or cell
 //!
-//! All messages of a cycle have the same log time, in whatever order they stand.
+//! All messages of a cycle have the same log time; their order is arbitrary.
 
 mod compare;
 mod group;
@@ -31,7 +31,7 @@ use lineshaft_core::machine::{Machine, StateError};
 use lineshaft_msgs::msg::CycleInputs;
 use verb::Applied;
 
-/// Why a run cannot be replayed.
+/// Reason why a run cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// The bag cannot be read.
@@ -43,56 +43,56 @@ pub enum ReplayError {
          other bags"
     )]
     NoCell,
-    /// The bag holds no inputs.
+    /// The bag has no inputs.
     #[error("there is no message of type lineshaft_msgs/msg/CycleInputs: without inputs nothing can be replayed")]
     NoInputs,
-    /// The bag holds nothing but inputs and commands.
+    /// The bag has only inputs and commands.
     #[error("there is nothing to compare with: no signals, events, axis states or joint states")]
     NothingToCompare,
-    /// The cell is not the one that was recorded.
+    /// The cell is not the recorded one.
     #[error("the attached cell.yaml was changed after the recording: its SHA-256 is {found}, {recorded} was recorded")]
     ChangedCell {
-        /// Of the attachment.
+        /// SHA-256 of the attachment.
         found: String,
-        /// As recorded.
+        /// Recorded SHA-256.
         recorded: String,
     },
-    /// The cell has errors, for this version.
+    /// The cell has errors in this version.
     #[error("the attached cell has errors:\n{0}")]
     Cell(Problems),
-    /// What was saved does not fit the cell, for this version.
+    /// The stored values do not fit the cell in this version.
     #[error("the attached store does not fit the attached cell:\n{0}")]
     Store(Problems),
-    /// The bag begins in the middle of a run.
+    /// The bag begins in the middle of a run, without a state.
     #[error("the recording begins with cycle {0} and holds no state of the machine to begin with")]
     NoState(u64),
     /// The state cannot be read.
     #[error("the attached state of the machine cannot be read by version {version}: {reason}")]
     BadState {
-        /// Of this program.
+        /// Version of this program.
         version: &'static str,
-        /// Why.
+        /// Reason.
         reason: String,
     },
-    /// The state is not the one before the first cycle.
+    /// The state does not belong to the first cycle.
     #[error("the attached state of the machine is that before cycle {state}; the inputs begin with cycle {inputs}")]
     OtherCycle {
-        /// Of the state.
+        /// Cycle of the state.
         state: u64,
-        /// Of the first inputs.
+        /// Cycle of the first inputs.
         inputs: u64,
     },
-    /// The state, or the cell, makes no machine.
+    /// No machine can be made from the state or the cell.
     #[error("the attached state and cell make no machine: {0}")]
     Machine(#[from] StateError),
-    /// A message that is none.
+    /// A message is invalid.
     #[error("{topic}: the message recorded at {log_time} ns cannot be read: {reason}")]
     Message {
-        /// Its topic.
+        /// Message type or topic.
         topic: String,
-        /// When it was recorded (ns).
+        /// Log time, in ns.
         log_time: u64,
-        /// Why.
+        /// Reason.
         reason: String,
     },
 }
@@ -100,11 +100,11 @@ pub enum ReplayError {
 /// Replays a run up to its first difference.
 ///
 /// # Errors
-/// The run cannot be replayed at all, or is damaged.
+/// Returns an error if the run cannot be replayed at all or is damaged.
 pub fn replay(run: &mut Run) -> Result<Report, ReplayError> {
     let cell = attached_cell(run)?;
     let record = run.metadata("lineshaft");
-    // Bags from before this key have equal stamps and log times.
+    // In bags without this key, stamps and log times are equal.
     let ahead_ns = record.and_then(|record| record.get(STAMPS_AHEAD)?.parse().ok()).unwrap_or(0);
     let mut player = Player::new(cell, run.attachment_of(0, "machine_state")?, record.is_some(), ahead_ns);
     let cut: Vec<bool> = run.files().iter().map(|file| file.cut.is_some()).collect();
@@ -114,7 +114,7 @@ pub fn replay(run: &mut Run) -> Result<Report, ReplayError> {
         match run.next_message()? {
             Some(message) if group.is_of(message.log_time) => group.add(&message)?,
             next => {
-                // Where a file was cut off its last cycle may be there in part.
+                // In a file that was cut off, the last cycle may be incomplete.
                 let is_last = next.is_none_or(|next| next.file != group.file);
                 let is_whole = !(is_last && cut.get(group.file) == Some(&true));
                 verdict = player.play(&group, is_whole)?;
@@ -155,30 +155,30 @@ fn attached_cell(run: &Run) -> Result<Cell, ReplayError> {
     Ok(cell)
 }
 
-/// Plays one cycle after the other.
+/// Replays one cycle after the other.
 struct Player {
-    /// The recording is one of this program.
+    /// Whether this program made the recording.
     is_ours: bool,
     cell: Cell,
     state: Option<Vec<u8>>,
-    /// How far stamps are ahead of log times in the first cycle (ns).
+    /// Time by which stamps are ahead of log times in the first cycle, in ns.
     ahead_ns: i64,
     stage: Option<Stage>,
-    /// Cycles that were played.
+    /// Number of replayed cycles.
     cycles: u64,
     first: u64,
 }
 
-/// What plays, from the first inputs on.
+/// State of the replay, from the first inputs on.
 struct Stage {
     machine: Machine,
     encoder: Encoder,
     inputs: Inputs,
     outputs: Outputs,
     comparison: Comparison,
-    /// How far stamps are ahead of log times (ns).
+    /// Time by which stamps are ahead of log times, in ns.
     ahead_ns: i64,
-    /// Log time of the cycle before (ns).
+    /// Log time of the previous cycle, in ns.
     log_ns: Option<u64>,
 }
 
@@ -187,7 +187,7 @@ impl Player {
         Self { is_ours, cell, state, ahead_ns, stage: None, cycles: 0, first: 0 }
     }
 
-    /// Plays the cycle of a group; a verdict where there is no sense in going on.
+    /// Replays the cycle of a group; returns a verdict if the replay cannot continue.
     fn play(&mut self, group: &Group, is_whole: bool) -> Result<Option<Verdict>, ReplayError> {
         let expected = self.stage.as_ref().map(|stage| stage.machine.next_cycle());
         let Some(recorded) = &group.inputs else {
@@ -219,7 +219,7 @@ impl Player {
 }
 
 impl Stage {
-    /// A machine before cycle `first`.
+    /// Creates a machine before cycle `first`.
     fn new(cell: &Cell, first: u64, state: Option<Vec<u8>>, is_ours: bool) -> Result<Self, ReplayError> {
         let config = cell.machine.clone();
         let machine = match state {
@@ -272,8 +272,9 @@ impl Stage {
         self.comparison.compare(group, crc, &encoded, self.machine.board(), is_whole)
     }
 
-    /// Follows a step of the system clock. It is no input of the machine: only stamps show it. A smaller difference is no step, and is
-    /// found when messages are compared; but for a gap in which no cycle ran: steps in it have no event, and only their sum shows.
+    /// Follows a step of the system clock. It is no input of the machine and appears only in stamps. A smaller
+    /// difference is no step; the comparison of messages finds it. A gap without cycles is an exception: steps within
+    /// it have no event, and only their sum is visible.
     fn follow_step(&mut self, group: &Group) {
         let before = self.log_ns.replace(group.log_time);
         let is_gap = before.is_some_and(|before| group.log_time.saturating_sub(before) > CLOCK_STEP_NS);
@@ -284,7 +285,7 @@ impl Stage {
         }
     }
 
-    /// The commands in the order in which they applied, and the setpoints.
+    /// Returns the commands in the order in which they were applied, and the setpoints.
     fn commands(&self, group: &Group) -> Result<(Vec<Command>, Option<Setpoints>), ReplayError> {
         let (mut commands, mut stream) = (Vec::new(), None::<Setpoints>);
         for applied in &group.commands {

@@ -1,40 +1,40 @@
-//! What a replay found.
+//! Result of a replay.
 
 use super::compare::{Counts, Difference};
 use crate::recording::run::{Run, grouped};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// How it ended.
+/// Verdict of a replay.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Nothing differs.
+    /// There is no difference.
     Same,
-    /// Something does.
+    /// There is a difference.
     Differs(Difference),
-    /// Cycles are missing: what comes after them cannot be replayed.
+    /// Cycles are missing; the cycles after them cannot be replayed.
     Gap {
-        /// The first one that is missing.
+        /// First missing cycle.
         first: u64,
-        /// The one that comes next in the recording.
+        /// Next cycle in the recording.
         next: u64,
     },
 }
 
-/// What a replay found.
+/// Report of a replay.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Report {
-    /// How it ended.
+    /// Verdict.
     pub verdict: Verdict,
     /// First cycle.
     pub first: u64,
-    /// Cycles that were replayed.
+    /// Number of replayed cycles.
     pub cycles: u64,
-    /// Values of signals that were compared.
+    /// Number of compared signal values.
     pub values: u64,
-    /// Messages that were compared, beside those of the signals.
+    /// Number of compared messages, without those of signals.
     pub messages: u64,
-    /// What the recording itself lacks, in sentences.
+    /// Messages about defects of the recording.
     pub notes: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Whole runs, recorded and replayed.
+//! Records and replays whole runs.
 
 use super::*;
 use crate::recording::Topic;
@@ -11,7 +11,7 @@ use lineshaft_msgs::msg::{AppliedCommand, Event, Signals};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Numbers that look random and are the same in every run.
+/// Pseudorandom numbers that are the same in every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -21,7 +21,7 @@ impl Numbers {
     }
 }
 
-/// The demo cell with goals, stops, couplings, parameters and faults at random moments.
+/// Returns a scenario for the demo cell with goals, stops, couplings, parameters and faults at random times.
 fn random_scenario(seconds: u64, seed: u64) -> String {
     let mut numbers = Numbers(seed);
     let mut text = format!("scenario: anything\nfor: {seconds} s\nsteps:\n  - {{at: 0, do: {{enable: {{}}}}}}\n");
@@ -48,7 +48,7 @@ fn random_scenario(seconds: u64, seed: u64) -> String {
             14 => "inject: {fault: {axis: x, code: 4660}}".to_owned(),
             _ => "inject: {encoder_jump: {axis: y, by: 77 inc}}".to_owned(),
         };
-        // Whether it is refused is no matter here: what follows enables again.
+        // It may be refused; the next line enables the axes again.
         writeln!(text, "  - {{at: {cycle}, do: {{{verb}}}}}").unwrap();
         writeln!(text, "  - {{at: {}, do: [{{reset_errors: {{}}}}, {{enable: {{}}}}]}}", cycle + 1).unwrap();
         cycle += 2 + numbers.below(600);
@@ -105,7 +105,7 @@ fn a_split_bag_replays_as_a_whole_and_from_each_of_its_files() {
     }
 }
 
-/// Plays a recording of which each cycle was changed by `edit`.
+/// Replays a recording after each cycle was changed by `edit`.
 fn edited(path: &Path, mut edit: impl FnMut(&mut Group, u64)) -> Result<Option<Verdict>, ReplayError> {
     let mut player = Player::new(Cell::demo(), None, true, 0);
     let mut run = Run::open(path).unwrap();
@@ -145,7 +145,7 @@ fn another_input_is_found_in_its_cycle_by_the_first_signal_that_differs() {
     assert_eq!((recorded - replayed).abs(), 16);
 }
 
-/// A bit of the status word that means nothing (CiA 402: manufacturer-specific) has no effect, and was changed all the same.
+/// A manufacturer-specific bit of the status word (CiA 402) has no effect on the axis, but its change must be found.
 #[test]
 fn an_input_without_effect_is_found_by_its_checksum() {
     let folder = tempfile::tempdir().unwrap();
@@ -193,7 +193,7 @@ fn what_a_recording_of_ours_lacks_is_a_difference() {
     assert!(sentence.ends_with(&expected), "{sentence}");
 }
 
-/// Another version may word the text of an event differently; its code identifies it.
+/// Another version may have other texts of events; the code identifies the event.
 #[test]
 fn text_of_an_event_is_not_compared_and_its_code_is() {
     let folder = tempfile::tempdir().unwrap();
@@ -235,7 +235,7 @@ fn messages_that_are_not_cdr_are_left_out_or_refused() {
     }
 }
 
-/// Setpoints are no commands with an answer, but they enter a cycle as well: without one of them the replay differs.
+/// Setpoints are no commands with an answer, but they are inputs of a cycle too: the replay differs if one is missing.
 #[test]
 fn setpoints_replay_and_a_missing_one_is_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -243,7 +243,7 @@ fn setpoints_replay_and_a_missing_one_is_found() {
     let steps = "- {at: 0, do: {enable: {}}}\n- {at: 1000, every: 50 ms, count: 60, do: {setpoints: {axes: {x: 20 mm/s}}}}\n\
         - {at: 1010, every: 30 ms, count: 20, do: {setpoints: {axes: {y: -10 mm/s, turret: 0.1}, duration: 20 ms}}}\n\
         expect:\n- {signal: x.command.velocity, at: 1500, is: 20 mm/s}\n- {event: {kind: warning, source: x}, from: 3950, to: 4060, count: 1}\n";
-    // Files of 2 s: one begins while x streams.
+    // Files of 2 s: one begins during the stream of x.
     record(&format!("scenario: streams\nfor: 5 s\nsteps:\n{steps}"), &path, Some(2_000_000_000));
     let report = replayed(&path);
     assert_eq!((report.verdict, report.cycles), (Verdict::Same, 5000));
@@ -258,7 +258,7 @@ fn setpoints_replay_and_a_missing_one_is_found() {
             }
         }
     }
-    // Where both steps act, in four cycles from 1100 on, all axes stand in one message.
+    // In the four cycles from 1100 on in which both steps stream, one message has all axes.
     assert_eq!(streamed.len(), 60 + 20 - 4, "{streamed:?}");
     let both = &streamed.iter().find(|(cycle, _)| *cycle == 1100).unwrap().1;
     assert!(
@@ -274,7 +274,7 @@ fn setpoints_replay_and_a_missing_one_is_found() {
     assert_eq!(difference.cycle, 1000);
 }
 
-/// What was saved of the machine's own parameters is in force in the replay as it was in the run, and stands in parameters.yaml.
+/// Stored parameters of the machine are in force in the replay as in the run, and are in parameters.yaml.
 #[test]
 fn saved_parameters_of_the_machine_are_there_in_a_replay() {
     let text = "

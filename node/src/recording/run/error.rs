@@ -1,237 +1,237 @@
-//! Why a run cannot be read, and what of it is lost.
+//! Reasons why a run cannot be read, and descriptions of lost data.
 
 use super::grouped;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why a run cannot be opened or read on.
+/// Reason why a run cannot be opened or read further.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// Nothing of that name, or it may not be read.
+    /// The path does not exist or is not readable.
     #[error("{}: {error}", .path.display())]
     Open {
-        /// What was asked for.
+        /// Given path.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         error: std::io::Error,
     },
-    /// Neither a file nor a folder.
+    /// The path is neither a file nor a folder.
     #[error("{}: a file or a folder is expected", .path.display())]
     Special {
-        /// What was asked for.
+        /// Given path.
         path: PathBuf,
     },
-    /// A folder without recordings.
+    /// The folder has no recordings.
     #[error("{}: there is no .mcap file in this folder", .path.display())]
     Empty {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
-    /// A folder of several runs.
+    /// The folder has files of several runs.
     #[error(
         "{}: {first} and {other} were not recorded with the same cell and are no parts of one run; name one of them",
         .path.display()
     )]
     Unrelated {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// The first file in it.
+        /// First file in the folder.
         first: String,
-        /// One that does not belong to it.
+        /// File of another run.
         other: String,
     },
-    /// The storage of older recorders.
+    /// The storage format is that of older recorders.
     #[error("{}: this is a bag in an sqlite3 database; `ros2 bag convert` makes an MCAP file of it", .path.display())]
     Database {
-        /// The database.
+        /// Path of the database.
         path: PathBuf,
     },
-    /// A file, or its messages, compressed from outside.
+    /// A file or its messages have an additional compression.
     #[error("{}: {what}, which is not read; {hint}", .path.display())]
     Compressed {
-        /// The file or the bag's description.
+        /// Path of the file or of the metadata.yaml of the bag.
         path: PathBuf,
-        /// What is compressed.
+        /// Name of the compressed part.
         what: &'static str,
-        /// How to come by a bag that is read.
+        /// How to get a readable bag.
         hint: &'static str,
     },
-    /// Another format.
+    /// The file has another format.
     #[error("{}: this is no MCAP file", .path.display())]
     NoMcap {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The description of a bag has errors.
+    /// The metadata.yaml of a bag has errors.
     #[error("{0}")]
     Description(String),
-    /// The system does not give the bytes of a file.
+    /// The bytes of a file cannot be read.
     #[error("{file}, byte {}: {error}", grouped(*.at))]
     Read {
         /// Name of the file.
         file: String,
-        /// Where in it (bytes).
+        /// Offset in the file, in bytes.
         at: u64,
-        /// What the system says.
+        /// Error of the operating system.
         error: std::io::Error,
     },
-    /// The content of a file is not what was written, or not what this program reads.
+    /// The content of a file is damaged or not supported.
     #[error("{file}, byte {}: {damage}", grouped(*.at))]
     Damaged {
         /// Name of the file.
         file: String,
-        /// Where the record starts (bytes).
+        /// Offset of the record, in bytes.
         at: u64,
-        /// What is wrong with it.
+        /// Kind of damage.
         damage: Damage,
     },
 }
 
-/// What is wrong with a record.
+/// Damage of a record.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Damage {
-    /// Fields that do not fit.
+    /// The fields do not fit the record.
     #[error("the fields of this record do not fit into it")]
     Record,
-    /// A text in another encoding.
+    /// A text is not UTF-8.
     #[error("a text of this record is no UTF-8")]
     Text,
-    /// A length beyond the end of a file that was finished.
+    /// A length exceeds the rest of a finished file.
     #[error("this record claims {} bytes, {} are left in the file", grouped(*.claimed), grouped(*.left))]
     Length {
-        /// Bytes that it claims.
+        /// Length given by the record, in bytes.
         claimed: u64,
-        /// Bytes that are there.
+        /// Remaining length of the file, in bytes.
         left: u64,
     },
-    /// A length that no reader takes memory for.
+    /// A length exceeds the maximum that is read into memory.
     #[error("{what} would take {} bytes, at most {} are read", grouped(*.bytes), grouped(*.most))]
     TooLong {
-        /// What.
+        /// Kind of record.
         what: &'static str,
-        /// How long it is.
+        /// Length, in bytes.
         bytes: u64,
-        /// How long it may be.
+        /// Maximum length, in bytes.
         most: u64,
     },
-    /// No kind of record.
+    /// The kind of record is unknown.
     #[error("no record begins with {0:#04x}")]
     Opcode(u8),
-    /// The first record is another one.
+    /// The first record is no header.
     #[error("a header is expected as first record")]
     NoHeader,
-    /// A chunk's content.
+    /// The checksum of a chunk is wrong.
     #[error("the content of this chunk has the checksum {found:08x}, {written:08x} was written")]
     ChunkCrc {
-        /// Of what is there.
+        /// CRC of the content.
         found: u32,
-        /// As it was written.
+        /// CRC in the file.
         written: u32,
     },
-    /// A file's content.
+    /// The checksum of a file is wrong.
     #[error("the content up to here has the checksum {found:08x}, {written:08x} was written")]
     FileCrc {
-        /// Of what is there.
+        /// CRC of the content.
         found: u32,
-        /// As it was written.
+        /// CRC in the file.
         written: u32,
     },
-    /// The index and the footer.
+    /// The checksum of the index and the footer is wrong.
     #[error("the index from here on has the checksum {found:08x}, {written:08x} was written")]
     IndexCrc {
-        /// Of what is there.
+        /// CRC of the content.
         found: u32,
-        /// As it was written.
+        /// CRC in the file.
         written: u32,
     },
-    /// A record of the data behind its end.
+    /// A data record is after the end of the data.
     #[error("{0} stands within the index")]
     InIndex(&'static str),
-    /// Another end than the format's mark.
+    /// The file does not end with the magic bytes of the format.
     #[error("the mark of the format is expected behind the footer")]
     NoMark,
-    /// More than a file.
+    /// There are bytes after the end of the file format.
     #[error("{} bytes follow the end of the recording, they are not read", grouped(*.bytes))]
     Behind {
-        /// How many.
+        /// Number of bytes.
         bytes: u64,
     },
-    /// An attachment's content.
+    /// The checksum of an attachment is wrong.
     #[error("attachment {name} has the checksum {found:08x}, {written:08x} was written")]
     AttachmentCrc {
-        /// Its name.
+        /// Name of the attachment.
         name: String,
-        /// Of what is there.
+        /// CRC of the content.
         found: u32,
-        /// As it was written.
+        /// CRC in the file.
         written: u32,
     },
-    /// Compressed content that is none.
+    /// Compressed content cannot be unpacked.
     #[error("the content of this chunk does not decompress: {0}")]
     Packed(String),
-    /// Compressed content of another size.
+    /// The unpacked content has a wrong size.
     #[error("the content of this chunk is {} bytes, {} are announced", grouped(*.found), grouped(*.announced))]
     Size {
-        /// Bytes that are there.
+        /// Actual size, in bytes.
         found: u64,
-        /// Bytes that the chunk announces.
+        /// Size given by the chunk, in bytes.
         announced: u64,
     },
-    /// Records in a chunk that do not fit.
+    /// The records in a chunk do not fit it.
     #[error("the records within this chunk do not fit into it")]
     Inside,
-    /// A compression that is not read.
+    /// The compression is not supported.
     #[error("this chunk is compressed with `{0}`; zstd, lz4 or none is read")]
     Compression(String),
-    /// A message without a channel.
+    /// A message has no channel.
     #[error("a message is of channel {0}, which no record describes")]
     Channel(u16),
-    /// A channel without its schema.
+    /// A channel has no schema.
     #[error("topic {topic} is of schema {schema}, which no record describes")]
     Schema {
-        /// Its topic.
+        /// Topic of the channel.
         topic: String,
-        /// The schema's number.
+        /// Number of the schema.
         schema: u16,
     },
-    /// The same number twice.
+    /// A number is used twice.
     #[error("{what} {id} is described twice, not in the same way")]
     Conflict {
-        /// A channel or a schema.
+        /// Channel or schema.
         what: &'static str,
-        /// Its number.
+        /// The number.
         id: u16,
     },
-    /// The index begins where the data has not ended.
+    /// The index begins before the end of the data.
     #[error("the index begins before a record of the data's end")]
     NoDataEnd,
 }
 
-/// What is missing at the end of a file.
+/// Missing part at the end of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// Not even the format's mark is whole.
+    /// The magic bytes at the start are incomplete.
     Start,
-    /// Within a record; which kind.
+    /// The file ends within a record of this kind.
     Within(&'static str),
-    /// Between two records.
+    /// The file ends between two records.
     NoEnd,
-    /// Behind the data: the index is not whole, no message is missing.
+    /// The index after the data is incomplete; no message is missing.
     Index,
-    /// Zeros from there on, as a file system leaves them after a loss of power.
+    /// The rest is zeros, as a file system leaves them after a power failure.
     Zeros,
 }
 
-/// A file that was cut off: it is read up to its last whole chunk or record.
+/// A file that was cut off; it is read up to its last complete chunk or record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Cut {
     /// Name of the file.
     pub file: String,
-    /// Bytes that are read.
+    /// Number of bytes that are read.
     pub read_bytes: u64,
-    /// Bytes of the file.
+    /// Size of the file, in bytes.
     pub file_bytes: u64,
-    /// Where it ends.
+    /// Kind of the end.
     pub reason: Reason,
 }
 

@@ -1,11 +1,11 @@
-//! The fields of MCAP records.
+//! Reads the fields of MCAP records.
 //!
-//! Law      numbers are little endian; a text is its length (u32) and its bytes; a map is its length in bytes (u32) and texts,
-//!          key and value in turn
-//! Refuses  what does not fit its record
+//! Law      numbers are little endian; a text is its length (u32) and its bytes; a map is its length in bytes (u32) and
+//!          texts, key and value alternating
+//! Refuses  fields that exceed their record
 //!
-//! Not read with the crate `mcap`: its parser takes memory for lengths that a file only claims, and some of its
-//! subtractions trust them too. A file from outside may claim anything.
+//! The crate `mcap` is not used here: its parser allocates memory for lengths given by the file, and some of its
+//! subtractions trust them too. A file from outside may have any values.
 
 use super::error::Damage;
 use std::collections::BTreeMap;
@@ -20,7 +20,7 @@ impl<'a> Fields<'a> {
         Self { rest: body }
     }
 
-    /// What was not read yet.
+    /// Returns the unread rest.
     pub(super) fn rest(&self) -> &'a [u8] {
         self.rest
     }
@@ -49,7 +49,7 @@ impl<'a> Fields<'a> {
         self.number().map(u64::from_le_bytes)
     }
 
-    /// Bytes behind their length, which is 64 bits wide here.
+    /// Returns bytes that follow their length, which has 64 bits here.
     pub(super) fn bytes(&mut self) -> Result<&'a [u8], Damage> {
         let length = self.u64()?;
         self.take(usize::try_from(length).map_err(|_| Damage::Record)?)
@@ -75,7 +75,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// What stands before the data of a message.
+/// Fields before the data of a message.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MessageHead {
     pub channel: u16,
@@ -85,7 +85,7 @@ pub(super) struct MessageHead {
 }
 
 impl MessageHead {
-    /// Bytes before the data.
+    /// Number of bytes before the data.
     pub(super) const LENGTH: usize = 2 + 4 + 8 + 8;
 
     pub(super) fn read(body: &[u8]) -> Result<Self, Damage> {
@@ -99,12 +99,12 @@ impl MessageHead {
     }
 }
 
-/// A chunk of records, its content still packed.
+/// A chunk of records, still compressed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chunk<'a> {
-    /// Unpacked (bytes).
+    /// Uncompressed size, in bytes.
     pub size: u64,
-    /// 0: not known.
+    /// CRC of the uncompressed records; 0 if unknown.
     pub crc: u32,
     pub compression: &'a str,
     pub packed: &'a [u8],
@@ -113,7 +113,7 @@ pub(super) struct Chunk<'a> {
 impl<'a> Chunk<'a> {
     pub(super) fn read(body: &'a [u8]) -> Result<Self, Damage> {
         let mut fields = Fields::new(body);
-        // Of its first and its last message.
+        // Times of its first and its last message.
         let _times = (fields.u64()?, fields.u64()?);
         Ok(Self { size: fields.u64()?, crc: fields.u32()?, compression: fields.text()?, packed: fields.bytes()? })
     }
@@ -139,7 +139,7 @@ mod tests {
         assert!(matches!(Fields::new(&[0xff, 0xff, 0xff, 0xff, 1]).text(), Err(Damage::Record)));
         assert!(matches!(Fields::new(&[0xff; 8]).bytes(), Err(Damage::Record)));
         assert!(matches!(Fields::new(&[1, 0, 0, 0, 0xff]).text(), Err(Damage::Text)));
-        // A map whose last value is missing.
+        // A map without its last value.
         assert!(matches!(Fields::new(&[5, 0, 0, 0, 1, 0, 0, 0, b'a']).map(), Err(Damage::Record)));
     }
 }

@@ -1,4 +1,4 @@
-//! The messages of one file, chunk by chunk.
+//! Reads the messages of one file, chunk by chunk.
 
 use super::error::{Damage, RunError};
 use super::fields::{Chunk, Fields, MessageHead};
@@ -10,7 +10,7 @@ use std::io::Read;
 use std::ops::Range;
 use zstd::bulk::Decompressor;
 
-/// Most bytes of names of topics and types in one file.
+/// Maximum size of all names of topics and types in one file, in bytes.
 const MAX_NAMES: u64 = 16 << 20;
 
 /// A topic of a file.
@@ -21,7 +21,7 @@ pub(super) struct Channel {
     pub encoding: String,
 }
 
-/// Where the last message stands.
+/// Location of the last message.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     pub head: MessageHead,
@@ -31,18 +31,18 @@ pub(super) struct Place {
 /// Reads the messages of one file in their order.
 pub(super) struct Messages {
     records: Records,
-    /// As written behind the data.
+    /// CRC written after the data.
     crc: Option<u32>,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Channel>,
-    /// Bytes of their names.
+    /// Size of the names, in bytes.
     names: u64,
-    /// The body of a record as it stands in the file.
+    /// Body of a record as in the file.
     body: Vec<u8>,
-    /// The records of the current chunk, and the byte at which it stands in the file.
+    /// Records of the current chunk, and its offset in the file.
     content: Vec<u8>,
     chunk_at: u64,
-    /// Where the next record in `content` begins.
+    /// Offset of the next record in `content`.
     next: usize,
     unpacker: Option<Decompressor<'static>>,
 }
@@ -68,12 +68,12 @@ impl Messages {
         })
     }
 
-    /// The byte of the file that comes next.
+    /// Returns the offset of the next byte of the file.
     pub(super) fn at(&self) -> u64 {
         self.records.at()
     }
 
-    /// Goes to the next message; none at the end of the file.
+    /// Goes to the next message; returns `None` at the end of the file.
     pub(super) fn advance(&mut self) -> Result<Option<Place>, RunError> {
         loop {
             let place = if self.next < self.content.len() {
@@ -88,12 +88,12 @@ impl Messages {
         }
     }
 
-    /// The topic of a message, and its bytes.
+    /// Returns the topic of a message, and its bytes.
     pub(super) fn message(&self, place: &Place) -> (Option<&Channel>, &[u8]) {
         (self.channels.get(&place.head.channel), self.content.get(place.data.clone()).unwrap_or_default())
     }
 
-    /// The next record in the current chunk.
+    /// Reads the next record of the current chunk.
     fn inside(&mut self) -> Result<Option<Place>, Damage> {
         let rest = self.content.get(self.next..).unwrap_or_default();
         let (head, rest) = rest.split_first_chunk::<{ HEAD as usize }>().ok_or(Damage::Inside)?;
@@ -113,7 +113,7 @@ impl Messages {
         }
     }
 
-    /// A record that stands in no chunk, or the chunk itself.
+    /// Reads a record outside of a chunk, or a chunk itself.
     fn outside(&mut self, frame: Frame) -> Result<Option<Place>, RunError> {
         let damaged = |records: &Records, damage| records.damaged(frame.at, damage);
         match frame.kind {
@@ -168,7 +168,7 @@ impl Messages {
                 unpacker.decompress_to_buffer(chunk.packed, content).map_err(failed)?;
             }
             "lz4" => {
-                // One byte more than announced shows that there is more.
+                // One byte more than the given size reveals additional data.
                 let mut unpacked = lz4_flex::frame::FrameDecoder::new(chunk.packed).take(chunk.size + 1);
                 unpacked.read_to_end(content).map_err(|error| Damage::Packed(error.to_string()))?;
             }
@@ -185,7 +185,7 @@ impl Messages {
         Ok(())
     }
 
-    /// The message whose record's body stands at `body`.
+    /// Returns the location of the message whose record body is at `body`.
     fn place(&self, body: Range<usize>) -> Result<Place, Damage> {
         let head = MessageHead::read(self.content.get(body.clone()).unwrap_or_default())?;
         if !self.channels.contains_key(&head.channel) {
@@ -194,7 +194,7 @@ impl Messages {
         Ok(Place { head, data: body.start + MessageHead::LENGTH..body.end })
     }
 
-    /// Takes down a schema or a channel.
+    /// Stores a schema or a channel.
     fn describe(&mut self, kind: u8, body: &[u8]) -> Result<(), Damage> {
         let mut fields = Fields::new(body);
         let id = fields.u16()?;

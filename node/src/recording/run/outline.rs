@@ -1,4 +1,4 @@
-//! What stands in one file, seen without unpacking its chunks: where it ends, its attachments and its metadata.
+//! Scans one file without unpacking its chunks: finds its end, attachments and metadata.
 
 use super::error::{Cut, Damage, Reason, RunError};
 use super::fields::{Fields, MessageHead};
@@ -9,62 +9,62 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Most bytes of names and metadata that are kept of one file.
+/// Maximum size of names and metadata that are kept of one file, in bytes.
 const MAX_KEPT: u64 = 16 << 20;
-/// What a kept name takes beside its text (bytes).
+/// Memory of a kept name in addition to its text, in bytes.
 const ENTRY: u64 = 128;
-/// Bytes of an attachment in which its names end.
+/// Size of the start of an attachment that contains its names, in bytes.
 const ATTACHMENT_HEAD: u64 = 4096;
-/// Bytes of a footer, and of the checksum at its end.
+/// Sizes of a footer and of the checksum at its end, in bytes.
 const FOOTER: u64 = 8 + 8 + CRC;
 const CRC: u64 = 4;
-/// Bytes of a message or a chunk in which its time stands.
+/// Size of the start of a message or a chunk that contains its time, in bytes.
 const MESSAGE_HEAD: u64 = MessageHead::LENGTH as u64;
 
 /// A file attached to a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Attachment {
-    /// Its name.
+    /// Name of the attachment.
     pub name: String,
-    /// What it is, as `text/yaml`.
+    /// Media type, such as `text/yaml`.
     pub media_type: String,
-    /// Its length (bytes).
+    /// Length, in bytes.
     pub bytes: u64,
-    /// The record that holds it.
+    /// Record of the attachment.
     pub(super) frame: Frame,
 }
 
 /// One file of a run.
 #[derive(Clone, Debug)]
 pub struct Outline {
-    /// Where it is.
+    /// Path of the file.
     pub path: PathBuf,
-    /// What sentences call it.
+    /// Name for messages.
     pub name: String,
-    /// Its length (bytes).
+    /// Length, in bytes.
     pub bytes: u64,
-    /// Profile of its format; `ros2` for bags.
+    /// Profile of the MCAP file; `ros2` for bags.
     pub profile: String,
-    /// The program that wrote it.
+    /// Program that wrote the file.
     pub library: String,
-    /// In their order.
+    /// Attachments in the order of the file.
     pub attachments: Vec<Attachment>,
-    /// Records of metadata in their order: name, keys and values.
+    /// Metadata records in the order of the file: name, keys and values.
     pub metadata: Vec<(String, BTreeMap<String, String>)>,
-    /// Time of its first message (ns), if it has any.
+    /// Time of the first message, in ns, if there is any.
     pub first_time: Option<u64>,
-    /// What of it is missing, if anything.
+    /// Missing part, if any.
     pub cut: Option<Cut>,
-    /// What is wrong behind its data, and where (bytes): no message is lost by that.
+    /// Defect after the data, with its offset in bytes; no message is lost by it.
     pub(super) flaw: Option<(u64, Damage)>,
-    /// The byte behind the last record that is read.
+    /// Offset after the last record that is read.
     pub(super) end: u64,
-    /// Checksum of the data, where one was written.
+    /// Checksum of the data, if the file has one.
     pub(super) crc: Option<u32>,
 }
 
 impl Outline {
-    /// Looks through a file.
+    /// Scans a file.
     pub(super) fn read(path: &Path) -> Result<Self, RunError> {
         let open = |error| RunError::Open { path: path.to_owned(), error };
         let about = fs::metadata(path).map_err(open)?;
@@ -92,7 +92,7 @@ impl Outline {
     }
 }
 
-/// Is it an MCAP file, or the start of one?
+/// Checks that the file is an MCAP file or the start of one.
 fn check_start(path: &Path) -> Result<(), RunError> {
     const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
     let mut start = Vec::new();
@@ -111,13 +111,13 @@ fn check_start(path: &Path) -> Result<(), RunError> {
     }
 }
 
-/// A file that is being looked through.
+/// A file during the scan.
 struct Look {
     records: Records,
     outline: Outline,
-    /// Bytes that the outline takes.
+    /// Memory of the outline, in bytes.
     kept: u64,
-    /// The file ends as a finished one does.
+    /// Whether the file has a regular end.
     is_finished: bool,
 }
 
@@ -155,7 +155,7 @@ impl Look {
         Ok(self.outline)
     }
 
-    /// The next record that is whole; none where the file was cut off.
+    /// Returns the next complete record; `None` if the file was cut off.
     fn next(&mut self) -> Result<Option<Frame>, RunError> {
         let (at, left) = (self.records.at(), self.records.left());
         if left == 0 {
@@ -189,8 +189,8 @@ impl Look {
         Ok(Some(frame))
     }
 
-    /// What is wrong with the index, which begins at `start`, with the footer, and with what follows them, if anything is. None
-    /// of them is read for itself.
+    /// Returns the defect of the index, which begins at `start`, of the footer, or of the bytes after them, if any.
+    /// Their content is not used otherwise.
     fn index(&mut self, start: u64) -> Result<Option<(u64, Damage)>, RunError> {
         let footer = loop {
             let (at, left) = (self.records.at(), self.records.left());
@@ -241,7 +241,7 @@ impl Look {
         Ok((bytes > 0).then_some((at, Damage::Behind { bytes })))
     }
 
-    /// The checksum of the bytes from `start` to `end`, and of what was read behind them.
+    /// Returns the checksum of the bytes from `start` to `end`, followed by `behind`.
     fn crc_of(&mut self, start: u64, end: u64, behind: &[u8]) -> Result<u32, RunError> {
         let back = self.records.at();
         self.records.seek(start)?;
@@ -263,7 +263,7 @@ impl Look {
         self.outline.end = read;
     }
 
-    /// Are all bytes zero, from the head of the last record on?
+    /// Whether all bytes from the head of the last record on are zero.
     fn are_all_zero(&mut self) -> Result<bool, RunError> {
         let start = self.records.at() - HEAD;
         let back = self.records.at();
@@ -279,7 +279,7 @@ impl Look {
         Ok(all_zero)
     }
 
-    /// A record of the index before the end of the data, or none at all: this is not what was written.
+    /// Returns an error for a record of the index before the end of the data, and for an unknown record.
     fn check_kind(&self, frame: Frame) -> Result<(), RunError> {
         let damage = match frame.kind {
             op::FOOTER
@@ -294,7 +294,7 @@ impl Look {
         Err(self.records.damaged(frame.at, damage))
     }
 
-    /// Keeps what the outline tells of a record.
+    /// Keeps the information of a record for the outline.
     fn keep(&mut self, frame: Frame) -> Result<(), RunError> {
         let is_first = self.outline.first_time.is_none();
         let length = match frame.kind {
@@ -319,7 +319,7 @@ impl Look {
         Ok(())
     }
 
-    /// How many bytes it takes in memory.
+    /// Keeps the body of a record; returns its memory in bytes.
     fn keep_body(&mut self, frame: Frame, body: &[u8]) -> Result<u64, Damage> {
         let mut fields = Fields::new(body);
         match frame.kind {

@@ -1,4 +1,4 @@
-//! Which files a run is made of.
+//! Finds the files of a run.
 
 use super::error::RunError;
 use super::outline::Outline;
@@ -6,10 +6,10 @@ use crate::document::{Document, Value};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// What a bag's description is called.
+/// File name of the description of a bag.
 const DESCRIPTION: &str = "metadata.yaml";
 
-/// The files of a run in their order.
+/// Returns the files of a run in their order.
 pub(super) fn outlines(path: &Path) -> Result<Vec<Outline>, RunError> {
     let open = |error| RunError::Open { path: path.to_owned(), error };
     let about = fs::metadata(path).map_err(open)?;
@@ -24,7 +24,7 @@ pub(super) fn outlines(path: &Path) -> Result<Vec<Outline>, RunError> {
     if is_description { listed(path) } else { Ok(vec![Outline::read(path)?]) }
 }
 
-/// Files that a description lists.
+/// Returns the files that a description lists.
 fn listed(description: &Path) -> Result<Vec<Outline>, RunError> {
     let document = Document::read(description);
     let described = document.root("the description").and_then(|root| describe(&root));
@@ -41,16 +41,16 @@ fn listed(description: &Path) -> Result<Vec<Outline>, RunError> {
     described.files.iter().map(|file| Outline::read(&folder.join(file))).collect()
 }
 
-/// How to come by a bag without compression from outside.
+/// How to get a bag without additional compression.
 const UNPACK: &str = "`ros2 bag convert` unpacks it";
 
 struct Described {
     files: Vec<PathBuf>,
-    /// `file`, `message` or anything else for none.
+    /// Compression mode: `file`, `message`, or any other text for none.
     compression: String,
 }
 
-/// What of a description matters here; each problem is noted.
+/// Reads the relevant fields of a description; each problem is recorded.
 fn describe(root: &Value<'_>) -> Option<Described> {
     let mut map = root.map("the description of a bag")?;
     let bag = map.required("rosbag2_bagfile_information")?;
@@ -63,7 +63,7 @@ fn describe(root: &Value<'_>) -> Option<Described> {
     for item in list.list()? {
         let written = PathBuf::from(item.text()?);
         let is_within = written.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-        // One file has many names: `./a` is `a`.
+        // A file has many names: `./a` is `a`.
         let file: PathBuf = written.components().filter(|part| *part != Component::CurDir).collect();
         if !is_within || file.as_os_str().is_empty() {
             item.refuse(
@@ -82,7 +82,7 @@ fn describe(root: &Value<'_>) -> Option<Described> {
     Some(Described { files, compression: compression.unwrap_or_default() })
 }
 
-/// Files that a folder without a description holds, by the times of their first messages.
+/// Returns the files of a folder without a description, sorted by the times of their first messages.
 fn found(folder: &Path) -> Result<Vec<Outline>, RunError> {
     let open = |error| RunError::Open { path: folder.to_owned(), error };
     let mut files = Vec::new();
@@ -104,7 +104,7 @@ fn found(folder: &Path) -> Result<Vec<Outline>, RunError> {
         (true, None, None) => return Err(RunError::Empty { path: folder.to_owned() }),
         (false, ..) => {}
     }
-    // By name where two begin at one time; a file without messages is the last of a recorder that was killed.
+    // Files with the same time are sorted by name; a file without messages is the last one of a killed recorder.
     files.sort();
     let mut outlines = files.iter().map(|file| Outline::read(file)).collect::<Result<Vec<_>, _>>()?;
     outlines.sort_by_key(|outline| (outline.first_time.is_none(), outline.first_time));
@@ -115,7 +115,7 @@ fn found(folder: &Path) -> Result<Vec<Outline>, RunError> {
 pub(super) fn check_related(path: &Path, files: &[Outline]) -> Result<(), RunError> {
     let description = path.join(DESCRIPTION);
     match unrelated(files) {
-        // Where a description lists them somebody has put them together.
+        // With a description, the files were grouped on purpose.
         Some((first, other)) if path.is_dir() && !description.exists() => {
             Err(RunError::Unrelated { path: path.to_owned(), first: short(first), other: short(other) })
         }
@@ -123,20 +123,20 @@ pub(super) fn check_related(path: &Path, files: &[Outline]) -> Result<(), RunErr
     }
 }
 
-/// Two files that were recorded with different cells; one without any message tells nothing.
+/// Returns two files that were recorded with different cells; files without messages are ignored.
 pub(super) fn unrelated(files: &[Outline]) -> Option<(&Outline, &Outline)> {
     let mut told = files.iter().filter(|file| file.first_time.is_some());
     let first = told.next()?;
     told.find(|file| cell_of(file) != cell_of(first)).map(|other| (first, other))
 }
 
-/// Checksum of the cell; files of other recorders have none.
+/// Returns the checksum of the cell; files of other recorders have none.
 fn cell_of(file: &Outline) -> Option<&str> {
     let (_, lineshaft) = file.metadata.iter().find(|(name, _)| name == "lineshaft")?;
     lineshaft.get("cell_sha256").map(String::as_str)
 }
 
-/// The name of a file within its folder.
+/// Returns the name of a file within its folder.
 fn short(file: &Outline) -> String {
     file.path.file_name().unwrap_or(file.path.as_os_str()).to_string_lossy().into_owned()
 }

@@ -1,7 +1,7 @@
-//! The records of one file, one after the other.
+//! Reads the records of one file, one after the other.
 //!
 //! Law      a record is its kind (one byte), the length of its body (u64) and its body
-//! Refuses  lengths beyond the end of the file and beyond what memory is taken for
+//! Refuses  lengths beyond the end of the file, and lengths beyond the memory limit
 
 use super::error::{Damage, RunError};
 use lineshaft_ros::layer::open_file;
@@ -11,29 +11,29 @@ use std::path::Path;
 
 pub(super) use mcap::records::op;
 
-/// Longest record that is read whole (bytes).
+/// Maximum length of a record that is read into memory, in bytes.
 pub(super) const MAX_RECORD: u64 = 256 << 20;
-/// Bytes before the body of a record.
+/// Number of bytes before the body of a record.
 pub(super) const HEAD: u64 = 1 + 8;
 
-/// Where a record stands.
+/// Location of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Frame {
     pub kind: u8,
-    /// Its first byte.
+    /// Offset of its first byte.
     pub at: u64,
-    /// Length of its body (bytes).
+    /// Length of its body, in bytes.
     pub length: u64,
 }
 
 impl Frame {
-    /// The byte behind it.
+    /// Returns the offset after the record.
     pub(super) fn end(&self) -> u64 {
         self.at + HEAD + self.length
     }
 }
 
-/// What a kind of record is called, with its article.
+/// Returns the name of a kind of record, with its article.
 pub(super) fn what(kind: u8) -> &'static str {
     match kind {
         op::HEADER => "the header",
@@ -49,21 +49,21 @@ pub(super) fn what(kind: u8) -> &'static str {
     }
 }
 
-/// Reads a file record by record; what is not asked for of a body is passed over.
+/// Reads a file record by record; parts of a body that are not requested are skipped.
 #[derive(Debug)]
 pub(super) struct Records {
     file: BufReader<File>,
     name: String,
     at: u64,
-    /// Bytes that may be read.
+    /// Offset at which reading ends.
     end: u64,
-    /// Over every byte so far, where it is asked for; and over those before the last record.
+    /// CRC over all bytes so far, if requested, and over those before the last record.
     crc: Option<crc32fast::Hasher>,
     crc_before: Option<crc32fast::Hasher>,
 }
 
 impl Records {
-    /// Opens a file at its first byte; `end` is where the reading ends.
+    /// Opens a file at its first byte; reading ends at `end`.
     pub(super) fn open(path: &Path, name: &str, end: u64, with_crc: bool) -> Result<Self, RunError> {
         let file = open_file(path).map_err(|error| RunError::Open { path: path.to_owned(), error })?;
         let crc = with_crc.then(crc32fast::Hasher::new);
@@ -71,22 +71,22 @@ impl Records {
         Ok(Self { file, name: name.to_owned(), at: 0, end, crc, crc_before: None })
     }
 
-    /// The byte that comes next.
+    /// Returns the offset of the next byte.
     pub(super) fn at(&self) -> u64 {
         self.at
     }
 
-    /// Bytes that are left.
+    /// Returns the number of remaining bytes.
     pub(super) fn left(&self) -> u64 {
         self.end.saturating_sub(self.at)
     }
 
-    /// The checksum of all bytes before the last record, where it was asked for.
+    /// Returns the checksum of all bytes before the last record, if requested.
     pub(super) fn crc_before(&self) -> Option<u32> {
         self.crc_before.clone().map(crc32fast::Hasher::finalize)
     }
 
-    /// The next bytes.
+    /// Reads the next bytes.
     pub(super) fn take(&mut self, buffer: &mut [u8]) -> Result<(), RunError> {
         self.file.read_exact(buffer).map_err(|error| self.failed(error))?;
         if let Some(crc) = &mut self.crc {
@@ -96,7 +96,7 @@ impl Records {
         Ok(())
     }
 
-    /// Kind and length of the next record, which has its head in the file.
+    /// Reads kind and length of the next record, whose head must be in the file.
     pub(super) fn head(&mut self) -> Result<Frame, RunError> {
         let at = self.at;
         self.crc_before.clone_from(&self.crc);
@@ -106,20 +106,20 @@ impl Records {
         Ok(Frame { kind: kind[0], at, length: u64::from_le_bytes(length) })
     }
 
-    /// The next record, or none at the end.
+    /// Returns the next record, or `None` at the end.
     pub(super) fn next(&mut self) -> Result<Option<Frame>, RunError> {
         if self.left() == 0 {
             return Ok(None);
         }
         let frame = self.head()?;
-        // The file was looked through before; it has changed if this does not hold.
+        // The file was scanned before; if this does not hold, it has changed since.
         if frame.length > self.left() {
             return Err(self.damaged(frame.at, Damage::Length { claimed: frame.length, left: self.left() }));
         }
         Ok(Some(frame))
     }
 
-    /// The body of the record whose head was read, instead of what is in `buffer`.
+    /// Reads the body of the record whose head was read; replaces the content of `buffer`.
     pub(super) fn body(&mut self, frame: Frame, buffer: &mut Vec<u8>) -> Result<(), RunError> {
         if frame.length > MAX_RECORD {
             let damage = Damage::TooLong { what: what(frame.kind), bytes: frame.length, most: MAX_RECORD };
@@ -130,7 +130,7 @@ impl Records {
         self.take(buffer)
     }
 
-    /// Passes over all bytes before `to`.
+    /// Skips all bytes before `to`.
     pub(super) fn skip_to(&mut self, to: u64) -> Result<(), RunError> {
         if self.crc.is_none() {
             // A file has at most i64::MAX bytes.
@@ -147,14 +147,14 @@ impl Records {
         Ok(())
     }
 
-    /// Goes to a byte, also back.
+    /// Moves to a byte offset, forwards or backwards.
     pub(super) fn seek(&mut self, to: u64) -> Result<(), RunError> {
         self.file.seek(SeekFrom::Start(to)).map_err(|error| self.failed(error))?;
         self.at = to;
         Ok(())
     }
 
-    /// The error of a record at byte `at`.
+    /// Returns the error of a record at byte `at`.
     pub(super) fn damaged(&self, at: u64, damage: Damage) -> RunError {
         RunError::Damaged { file: self.name.clone(), at, damage }
     }

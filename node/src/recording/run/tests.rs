@@ -1,4 +1,4 @@
-//! Whole, cut and damaged files, and folders of them.
+//! Tests complete, cut and damaged files, and folders of them.
 
 mod cuts;
 mod flips;
@@ -28,7 +28,7 @@ fn disk(bytes: &[u8]) -> Disk {
     Disk { _folder: folder, path }
 }
 
-/// All messages before an error, and the error.
+/// Returns all messages before an error, and the error.
 fn read(path: &Path) -> (Vec<Read>, Option<RunError>) {
     match Run::open(path) {
         Ok(run) => read_all(run),
@@ -85,7 +85,7 @@ fn text(text: &str) -> Text {
     Text { data: text.to_owned() }
 }
 
-/// A small bag with everything in it: two topics, several chunks, attachments, metadata.
+/// Returns a small bag with all kinds of content: two topics, several chunks, attachments, metadata.
 fn small(options: WriteOptions) -> Vec<u8> {
     let mut bag = TestBag::with(options);
     bag.metadata("lineshaft", &[("version", "1.2.3"), ("cycle_ns", "1000000")]);
@@ -102,7 +102,7 @@ fn small(options: WriteOptions) -> Vec<u8> {
     bag.finish()
 }
 
-/// The same with and without chunks, with and without compression.
+/// Options with and without chunks, with and without compression.
 fn every_form() -> [WriteOptions; 3] {
     use crate::recording::test_bags::options;
     [options(), options().compression(None), options().use_chunks(false)]

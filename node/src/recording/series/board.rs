@@ -1,4 +1,4 @@
-//! Every signal of a machine, from ~/signals and the attached cell.
+//! Loads the signals of a machine from ~/signals and the attached cell.
 
 use super::select::{Select, alias};
 use super::{Budget, Late, Refusal, SeriesError, Track};
@@ -9,14 +9,14 @@ use lineshaft_core::signal::{Entry, Measure, Type};
 use lineshaft_core::unit::Scale;
 use lineshaft_msgs::msg::Signals;
 
-/// How the words of a signal become values.
+/// Conversion of the words of a signal to values.
 #[derive(Clone, Copy, Debug)]
 struct Reading {
-    /// Place of its track; none where it is not asked for.
+    /// Index of its track; `None` if the signal is not selected.
     track: Option<usize>,
     is_real: bool,
     scale: Option<(Scale, u8)>,
-    /// Cycles are missing from this time (ns) on, and since then its value was not told.
+    /// Time in ns from which cycles are missing, if its value has been unknown since then.
     unknown: Option<u64>,
 }
 
@@ -24,15 +24,15 @@ struct Reading {
 pub(super) struct BoardTracks {
     readings: Vec<Reading>,
     tracks: Vec<Track>,
-    /// Number and time of the cycle before.
+    /// Number and time of the previous cycle.
     previous: Option<(u64, u64)>,
     topic: String,
-    /// Cycles whose time lies before that of their forerunner.
+    /// Number of cycles whose time is before that of the previous cycle.
     late: u64,
 }
 
 impl BoardTracks {
-    /// For the machine of a cell, of which those signals are kept that are asked for.
+    /// Creates the tracks for the machine of a cell; only selected signals are kept.
     pub(super) fn new(
         (cell, files): (&[u8], Option<&str>),
         topic: &str,
@@ -58,7 +58,7 @@ impl BoardTracks {
         Ok(Self { readings, tracks, previous: None, topic: topic.to_owned(), late: 0 })
     }
 
-    /// Takes the signals of a cycle.
+    /// Adds the signals of a cycle.
     pub(super) fn take(&mut self, time: u64, signals: &Signals, budget: &mut Budget) -> Result<(), Refusal> {
         let Signals { index, word, .. } = signals;
         if index.len() != word.len() {
@@ -66,10 +66,10 @@ impl BoardTracks {
         }
         let (before, previous) = self.previous.unwrap_or((signals.cycle.wrapping_sub(1), time));
         self.late += u64::from(time < previous);
-        // A clock that was set back stands still.
+        // If the clock was set back, the time stays the same.
         let time = time.max(previous);
         if signals.cycle.wrapping_sub(before) != 1 {
-            // What changed in the meantime is told only where it changes again, or by a message with all signals.
+            // A change in the missing cycles is visible only at the next change, or in a message with all signals.
             self.readings.iter_mut().for_each(|reading| reading.unknown = reading.unknown.or(Some(previous)));
         }
         for (&index, &word) in index.iter().zip(word) {
@@ -89,7 +89,7 @@ impl BoardTracks {
         Ok(())
     }
 
-    /// The tracks, each up to the last cycle, and what is odd about their times.
+    /// Returns the tracks, each up to the last cycle, and the late cycles.
     pub(super) fn finish(mut self, budget: &mut Budget) -> Result<(Vec<Track>, Option<Late>), Refusal> {
         let end = self.previous.map_or(0, |(_, time)| time);
         for reading in &self.readings {
@@ -116,7 +116,7 @@ impl Reading {
     }
 }
 
-/// The scale in which people read a signal, and the order of its derivative.
+/// Returns the scale in which a signal is displayed, and its order of derivative.
 fn scale_of(config: &MachineConfig, entry: &Entry) -> Option<(Scale, u8)> {
     let order = match entry.measure {
         Measure::Position => 0,
@@ -126,15 +126,15 @@ fn scale_of(config: &MachineConfig, entry: &Entry) -> Option<(Scale, u8)> {
         Measure::None | Measure::Voltage => return None,
     };
     let (object, signal) = entry.name.split_once('.')?;
-    // The leader's increments, which may be others, and counts as they come from and go to the drive, with a direction and
-    // an origin of their own.
+    // The increments of the leader may have another scale. Counts from and to the drive have their own direction and
+    // origin.
     if signal == "sync.master" || signal == "output.position" || signal.rsplit('.').next() == Some("count") {
         return None;
     }
     let axis = config.axes.iter().find(|axis| axis.name == object).map(|axis| axis.scale);
     let scale = axis.or_else(|| config.encoders.iter().find(|encoder| encoder.name == object).map(|found| found.scale));
-    // Of an axis unit that is a share of a unit, such as 0.1 mm, the values are told in the unit: they have a name
-    // there.
+    // If the axis unit is a fraction of a unit, such as 0.1 mm, values are given in the unit itself, because it has a
+    // name.
     let scale = scale.filter(|scale| !scale.is_in_increments());
     scale.map(|scale| (scale.with_unit(scale.unit().unit()).unwrap_or(scale), order))
 }

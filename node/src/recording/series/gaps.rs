@@ -1,29 +1,29 @@
-//! Where the samples of a signal stay away for much longer than usual.
+//! Finds the times at which the samples of a signal are missing for much longer than usual.
 
-/// A gap is longer than this many usual intervals.
+/// A gap is longer than this number of usual intervals.
 const UNUSUAL: u64 = 5;
-/// Of fewer intervals nobody can say what is usual.
+/// Minimum number of intervals from which the usual one is determined.
 const FEWEST: usize = 4;
-/// How many intervals tell what is usual; they lie evenly over all.
+/// Maximum number of intervals that are kept to determine the usual one; they are evenly distributed.
 const KEPT: usize = 128;
-/// Most gaps of one signal: those that are the longest.
+/// Maximum number of gaps of one signal; the longest are kept.
 const MOST_GAPS: usize = 256;
 
-/// The intervals between the samples of a signal, of which few are kept.
+/// Intervals between the samples of a signal; only some are kept.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Intervals {
-    /// Lengths (ns) of each interval whose number is a multiple of 2^`coarseness`.
+    /// Length, in ns, of each interval whose number is a multiple of 2^`coarseness`.
     kept: Vec<u64>,
     coarseness: u32,
     count: u64,
-    /// Starts and ends (ns) of the longest.
+    /// Start and end of the longest intervals, in ns.
     longest: Vec<(u64, u64)>,
-    /// No shorter one (ns) is among the longest any more.
+    /// Minimum length of a new interval among the longest, in ns.
     floor: u64,
 }
 
 impl Intervals {
-    /// Takes the interval between two samples.
+    /// Adds the interval between two samples.
     pub(super) fn add(&mut self, from: u64, to: u64) {
         let length = to - from;
         if self.count.trailing_zeros() >= self.coarseness {
@@ -48,7 +48,7 @@ impl Intervals {
         }
     }
 
-    /// The gaps, in order of time.
+    /// Returns the gaps, in order of time.
     pub(super) fn gaps(&self) -> Vec<(u64, u64)> {
         if self.kept.len() < FEWEST {
             return Vec::new();
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn of_too_many_gaps_the_longest_are_told() {
-        // Each thousand intervals of 1 end with one of 100, 101, 102..
+        // Each thousand intervals of 1 are followed by one of 100, 101, 102, ...
         let mut times = vec![0];
         for gap in 0..600 {
             let last = times[times.len() - 1];

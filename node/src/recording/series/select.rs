@@ -1,32 +1,32 @@
-//! Which signals are asked for.
+//! Selects signals by patterns.
 
 use crate::scenario::{did_you_mean, nearest};
 use globset::{GlobBuilder, GlobMatcher};
 use lineshaft_core::unit::excerpt;
 use std::collections::HashSet;
 
-/// Why names cannot be chosen.
+/// Reason why signals cannot be selected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SelectError {
-    /// Not a pattern.
+    /// The pattern is invalid.
     #[error("`{pattern}` is no pattern: {reason}")]
     Pattern {
-        /// As it was given.
+        /// Given pattern.
         pattern: String,
-        /// What is wrong.
+        /// Reason.
         reason: String,
     },
-    /// Nothing of that name.
+    /// No name matches the pattern.
     #[error("no signal matches `{pattern}`{hint}")]
     NoMatch {
-        /// As it was given.
+        /// Given pattern.
         pattern: String,
-        /// What was probably meant.
+        /// Suggested name.
         hint: String,
     },
 }
 
-/// A pattern such as `x.*`.
+/// Compiles a pattern such as `x.*`.
 pub(crate) fn pattern(text: &str) -> Result<GlobMatcher, SelectError> {
     let glob = GlobBuilder::new(text)
         .build()
@@ -34,13 +34,14 @@ pub(crate) fn pattern(text: &str) -> Result<GlobMatcher, SelectError> {
     Ok(glob.compile_matcher())
 }
 
-/// The error of a pattern that matches none of the names.
+/// Returns the error for a pattern that matches none of the names.
 pub(crate) fn no_match<'n>(pattern: &str, names: impl Iterator<Item = &'n str>) -> SelectError {
     let hint = nearest(pattern, names).map_or(String::new(), |name| format!(", {}", did_you_mean(name)));
     SelectError::NoMatch { pattern: excerpt(pattern), hint }
 }
 
-/// What a field of a message is called: `x.position` for `x.actual.position`, `x.command_velocity`, `x.error_code`.
+/// Returns the name of the corresponding field of a message: `x.position` for `x.actual.position`, and likewise
+/// `x.command_velocity` and `x.error_code`.
 pub(crate) fn alias(name: &str) -> Option<String> {
     let (rest, last) = name.rsplit_once('.')?;
     let other = match (rest.rsplit_once('.'), last) {
@@ -52,10 +53,10 @@ pub(crate) fn alias(name: &str) -> Option<String> {
     Some(other)
 }
 
-/// How many names a sentence holds.
+/// Maximum number of names in a message.
 const MOST_NAMES: usize = 6;
 
-/// Patterns, and the names that they were held against.
+/// Patterns, and the names that they were compared with.
 pub(super) struct Select {
     patterns: Vec<(String, GlobMatcher, bool)>,
     names: HashSet<String>,
@@ -67,7 +68,7 @@ impl Select {
         Ok(Self { patterns: patterns.collect::<Result<_, _>>()?, names: HashSet::new() })
     }
 
-    /// Is this signal asked for, by its name or by what it is called as well?
+    /// Whether a pattern matches this signal, by its name or its alias.
     pub(super) fn wants(&mut self, name: &str, alias: Option<&str>) -> bool {
         self.names.insert(name.to_owned());
         let mut is_wanted = self.patterns.is_empty();
@@ -79,25 +80,25 @@ impl Select {
         is_wanted
     }
 
-    /// Forgets all names.
+    /// Clears all names.
     pub(super) fn start_again(&mut self) {
         self.names.clear();
         self.patterns.iter_mut().for_each(|(.., has_matched)| *has_matched = false);
     }
 
-    /// Was there no name at all?
+    /// Whether there was no name.
     pub(super) fn is_empty(&self) -> bool {
         self.names.is_empty()
     }
 
-    /// The first pattern that matched nothing is an error. `is_board`: the names are those of the cell.
+    /// Returns an error for the first pattern that matched nothing. `is_board`: the names are those of the cell.
     pub(super) fn finish(&self, is_board: bool) -> Result<(), SelectError> {
         let Some((text, ..)) = self.patterns.iter().find(|(.., has_matched)| !has_matched) else { return Ok(()) };
         let mut names: Vec<&str> = self.names.iter().map(String::as_str).collect();
         names.sort_unstable();
         let aliases: Vec<String> = names.iter().filter_map(|name| alias(name)).collect();
         let known = || names.iter().copied().chain(aliases.iter().map(String::as_str));
-        // What was not written to its end, before what was written wrongly.
+        // An incomplete name is more likely than a misspelled one.
         let longer = known().filter(|name| name.starts_with(text.as_str())).min_by_key(|name| name.len());
         let near = longer.or_else(|| nearest(text, known()));
         let mut hint = near.map_or(String::new(), |name| format!(", {}", did_you_mean(name)));
@@ -107,7 +108,7 @@ impl Select {
     }
 }
 
-/// `the run has x.state, x.error and 19 more`
+/// Returns text such as `the run has x.state, x.error and 19 more`.
 fn listed(names: &[&str]) -> String {
     let shown: Vec<String> = names.iter().take(MOST_NAMES).map(|name| excerpt(name)).collect();
     let more = names.len() - shown.len();

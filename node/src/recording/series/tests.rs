@@ -47,7 +47,7 @@ fn directory() -> Directory {
     Machine::new(Cell::demo().machine).unwrap().directory().clone()
 }
 
-/// ~/signals of a cycle; all other signals are 0 in the first message.
+/// Adds ~/signals of a cycle; all other signals are 0 in the first message.
 fn signals(bag: &mut TestBag, directory: &Directory, cycle: u64, changed: &[(&str, u64)]) {
     let place = |name: &str| directory.find(name).unwrap().index() as u32;
     let mut message = Signals { cycle, ..Signals::default() };
@@ -83,7 +83,7 @@ fn a_board_gives_every_signal_with_its_changes_and_what_held_before_them() {
     signals(&mut bag, &directory, 3, &[("x.command.position", increments), ("x.state", 2)]);
     signals(&mut bag, &directory, 4, &[("x.command.velocity", (1_048_576.0_f64).to_bits())]);
     signals(&mut bag, &directory, 5, &[]);
-    // A recorder that sends everything again tells no change.
+    // The same value sent again by a recorder is no change.
     signals(&mut bag, &directory, 6, &[("x.state", 2), ("x.command.position", (-1_i64).cast_unsigned())]);
     bag.message("/joint_states", 0, &joints(0, &[("x", 99.0)]));
     let recorded = loaded(bag, &[]);
@@ -101,7 +101,7 @@ fn a_board_gives_every_signal_with_its_changes_and_what_held_before_them() {
     assert_eq!(state.points, [(0.0, 1.0), (0.002, 1.0), (0.003, 2.0), (0.006, 2.0)]);
     let Kind::Enum(names) = &state.kind else { panic!("{:?}", state.kind) };
     assert_eq!(names[2], "DISCRETE_MOTION");
-    // The leader counts in its own increments.
+    // The master position is in increments of the leader.
     assert_eq!(find(&recorded, "x.sync.master").unit, "inc");
     assert_eq!(find(&recorded, "turret.command.velocity").unit, "deg/s");
     assert_eq!(find(&recorded, "x.error").kind, Kind::Code);
@@ -167,7 +167,7 @@ fn after_lost_cycles_nothing_is_known_until_it_is_told() {
     let mut bag = demo_bag();
     signals(&mut bag, &directory, 0, &[("x.state", 1), ("x.homed", 1)]);
     signals(&mut bag, &directory, 1, &[]);
-    // Cycles 2 to 4 are lost; x.state is told at once, x.homed later, x.enabled never.
+    // Cycles 2 to 4 are lost; x.state is sent immediately after them, x.homed later, x.enabled never.
     signals(&mut bag, &directory, 5, &[("x.state", 1)]);
     signals(&mut bag, &directory, 6, &[("x.homed", 0)]);
     signals(&mut bag, &directory, 7, &[]);
@@ -231,7 +231,7 @@ fn bags_of_any_recorder_give_the_fields_of_their_topics() {
     assert_eq!(position.points, points);
     assert_eq!(find(&recorded, "x.error").points, [(0.0, 10_001.0), (0.040, 10_001.0)]);
     assert_eq!(find(&recorded, "arm.actual.position").topic, "/joint_states");
-    // axis_states tells it, and a joint without velocities has none.
+    // axis_states has it already, and a joint without velocities has none.
     assert_eq!(names(&recorded).iter().filter(|name| **name == "x.actual.position").count(), 1);
     assert!(!names(&recorded).contains(&"arm.actual.velocity"));
     assert_eq!(recorded.start_ns, 10 * MS);

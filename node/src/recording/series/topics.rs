@@ -1,6 +1,6 @@
-//! Signals from joint_states and axis_states, as any recorder keeps them.
+//! Loads signals from joint_states and axis_states of any recorder.
 //!
-//! Where a field is a signal of the board it has that name; the others have the name of the field.
+//! A field that is a signal of the board has the name of the signal; other fields have their own name.
 
 use super::select::{Select, alias};
 use super::{Budget, Refusal, Track, is_of_this_program, stamp};
@@ -15,9 +15,9 @@ use lineshaft_msgs::msg::{AxisState, AxisStates};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// The unit of what is in m or rad, and their derivatives: a message does not tell which.
+/// Unit of values in m or rad and of their derivatives: a message does not contain the unit.
 const SI: &str = "SI";
-/// Most signals of one run.
+/// Maximum number of signals of one run.
 const MAX_TRACKS: usize = 100_000;
 
 type Field = (&'static str, Type, &'static str, fn(&AxisState) -> f64);
@@ -48,18 +48,18 @@ const AXIS_FIELDS: [Field; 21] = [
 ];
 const JOINT_FIELDS: [&str; 3] = ["actual.position", "actual.velocity", "actual.effort"];
 
-/// What the values of a signal are.
+/// Kind of the values of a signal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Measure {
-    /// A position, or its derivative of that order.
+    /// Position, or its derivative of that order.
     Order(u8),
-    /// A force or a torque.
+    /// Force or torque.
     Effort,
-    /// Numbers that change in steps.
+    /// Number that changes in steps.
     Steps,
 }
 
-/// Which of the two types a topic is of.
+/// Message type of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Source {
     Joints,
@@ -72,9 +72,9 @@ pub(crate) struct Stream {
     pub topic: String,
     pub source: Source,
     pub tracks: Vec<Track>,
-    /// Stamps of its messages (ns).
+    /// Stamps of its messages, in ns.
     stamps: Vec<u64>,
-    /// For each track the messages, by their places, of which it took a sample.
+    /// Ranges of the messages that gave a sample, for each track.
     samples: Vec<Vec<Range<usize>>>,
     objects: HashMap<String, Object>,
 }
@@ -84,18 +84,18 @@ pub(crate) struct Stream {
 struct Object {
     /// Its tracks, in the order of its fields.
     places: Vec<Place>,
-    /// The last message in which it stands.
+    /// Last message that contains it.
     message: Option<usize>,
 }
 
 impl Stream {
-    /// Times of all samples of a track (ns), none before its forerunner; also those that brought no point.
+    /// Returns the times of all samples of a track, in ns, never decreasing; also of samples without a point.
     pub(crate) fn times(&self, track: usize) -> impl Iterator<Item = u64> {
         let ranges = self.samples.get(track).into_iter().flatten();
         ranges.filter_map(|range| self.stamps.get(range.clone())).flatten().copied()
     }
 
-    /// The last message brought a sample for a track.
+    /// Records that the last message gave a sample for a track.
     fn sampled(&mut self, track: usize, budget: &mut Budget) -> Result<(), Refusal> {
         let next = self.stamps.len();
         let Some(ranges) = self.samples.get_mut(track) else { return Ok(()) };
@@ -110,27 +110,28 @@ impl Stream {
     }
 }
 
-/// Where the values of a field go.
+/// Destination of the values of a field.
 #[derive(Clone, Copy, Debug)]
 enum Place {
     /// The field had no value yet.
     Unseen,
-    /// Nobody asks for it.
+    /// The signal is not selected.
     Unwanted,
     Track(usize),
 }
 
-/// All such topics of a run.
+/// All topics of these types in a run.
 #[derive(Debug, Default)]
 pub(crate) struct Topics {
     streams: Vec<Stream>,
     tracks: usize,
-    /// Times are log times. In a bag of this program they are those of the cycles, and go on steadily where the system clock is set.
+    /// Whether times are log times. In a bag of this program they are those of the cycles, and are not affected by
+    /// steps of the system clock.
     by_log_time: bool,
 }
 
 impl Topics {
-    /// Those of a run, before its first message.
+    /// Creates the topics of a run, before its first message.
     pub(crate) fn of(run: &Run) -> Self {
         Self { by_log_time: is_of_this_program(run), ..Self::default() }
     }
@@ -139,7 +140,7 @@ impl Topics {
         if self.by_log_time { Ok(message.log_time) } else { stamp(&header.stamp) }
     }
 
-    /// Takes a message, if it is of one of the types.
+    /// Adds a message if it has one of the types.
     pub(super) fn take(
         &mut self,
         message: &Message<'_>,
@@ -149,7 +150,7 @@ impl Topics {
         self.take_if(message, |name| select.wants(name, alias(name).as_deref()), budget)
     }
 
-    /// As [`Topics::take`], of the signals that `wants` names.
+    /// Does the same as [`Topics::take`] for the signals selected by `wants`.
     pub(crate) fn take_if(
         &mut self,
         message: &Message<'_>,
@@ -163,7 +164,7 @@ impl Topics {
         }
     }
 
-    /// The topics in the order in which they come.
+    /// Returns the topics in the order of their first messages.
     pub(crate) fn into_streams(mut self) -> Vec<Stream> {
         for stream in &mut self.streams {
             stream.tracks.iter_mut().for_each(Track::finish_samples);
@@ -171,7 +172,7 @@ impl Topics {
         self.streams
     }
 
-    /// All tracks, but none of joint_states that axis_states has as well.
+    /// Returns all tracks, except those of joint_states that axis_states has as well.
     pub(super) fn into_best_tracks(self) -> Vec<Track> {
         let (axes, joints): (Vec<_>, Vec<_>) =
             self.into_streams().into_iter().partition(|stream| stream.source == Source::Axes);
@@ -224,7 +225,7 @@ impl Topics {
         Ok(())
     }
 
-    /// Place of the stream of a topic, which has one message more.
+    /// Adds a message to the stream of a topic and returns the index of the stream.
     fn place(&mut self, topic: &str, source: Source, time: u64, budget: &mut Budget) -> Result<usize, Refusal> {
         budget.spend(1).ok_or(Refusal::TooMany)?;
         let known = self.streams.iter().position(|stream| stream.topic == topic && stream.source == source);
@@ -237,7 +238,7 @@ impl Topics {
         Ok(place)
     }
 
-    /// Takes the values of one joint or axis; one that is left out gives no sample.
+    /// Adds the values of one joint or axis; a message without it gives no sample.
     fn object(
         &mut self,
         stream: usize,
@@ -265,7 +266,7 @@ impl Topics {
             return Err(format!("{what} {} stands twice", excerpt(object)).into());
         }
         known.message = message;
-        // Taken out while its stream is changed.
+        // Moved out while its stream is changed.
         let mut places = std::mem::take(&mut known.places);
         let taken = stream.fields(object, &mut places, fields, time, wants, budget);
         if let Some(known) = stream.objects.get_mut(object) {
@@ -276,7 +277,7 @@ impl Topics {
 }
 
 impl Stream {
-    /// Takes the values of the fields of an object.
+    /// Adds the values of the fields of an object.
     fn fields(
         &mut self,
         object: &str,
@@ -310,7 +311,7 @@ impl Stream {
     }
 }
 
-/// What the values of a signal of a topic are, by its name.
+/// Returns the kind of the values of a signal, by its name.
 pub(crate) fn names_measure(name: &str) -> Measure {
     let is = |ends: &[&str]| ends.iter().any(|end| name.strip_suffix(end).is_some_and(|object| object.ends_with('.')));
     if is(&["command.position", "actual.position", "following_error", "sync.error"]) {

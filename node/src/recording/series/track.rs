@@ -1,13 +1,13 @@
-//! The points of one signal.
+//! Stores the points of one signal.
 
 use super::Refusal;
 use super::gaps::Intervals;
 use lineshaft_core::signal::Type;
 
-/// Most points of all signals that are loaded together: 16 bytes each.
+/// Maximum number of points of all signals that are loaded together; a point has 16 bytes.
 pub(super) const MAX_POINTS: u64 = 50_000_000;
 
-/// How many points there may still be.
+/// Number of points that may still be added.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget(u64);
 
@@ -18,32 +18,32 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// Takes some; none when there are not so many any more.
+    /// Subtracts points; returns `None` if fewer are left.
     pub(crate) fn spend(&mut self, points: u64) -> Option<()> {
         self.0 = self.0.checked_sub(points)?;
         Some(())
     }
 }
 
-/// One signal, as it is taken from messages.
+/// One signal, read from messages.
 #[derive(Clone, Debug)]
 pub(crate) struct Track {
     pub name: String,
     pub unit: String,
     pub kind: Type,
     pub topic: String,
-    /// Times (ns) and values: each change, the last sample before it, the first and the last sample.
+    /// Times in ns, and values: each change, the last sample before it, the first and the last sample.
     pub points: Vec<(u64, f64)>,
-    /// Samples, also those that brought no point.
+    /// Number of samples, including those without a point.
     pub samples: u64,
-    /// Samples whose stamp lies before that of their forerunner; they are left out.
+    /// Number of samples whose stamp is before that of the previous sample; they are left out.
     pub late: u64,
-    /// Two tracks with the same rhythm have samples at the same times after their first one.
+    /// Hash of the sample times: two tracks with the same hash have samples at the same times after their first one.
     pub rhythm: u64,
     first: u64,
     last: u64,
     intervals: Intervals,
-    /// From when to when (ns) nothing is known, where that is not told by the intervals.
+    /// Start and end, in ns, of times with unknown values that do not follow from the intervals.
     lost: Vec<(u64, u64)>,
 }
 
@@ -65,7 +65,7 @@ impl Track {
         }
     }
 
-    /// Takes a sample.
+    /// Adds a sample.
     pub(crate) fn sample(&mut self, time: u64, value: f64, budget: &mut Budget) -> Result<(), Refusal> {
         if self.samples > 0 && time < self.last {
             self.late += 1;
@@ -79,12 +79,12 @@ impl Track {
         let previous = self.last;
         self.samples += 1;
         self.last = time;
-        // FNV-1a, a word at a time.
+        // FNV-1a, word by word.
         self.rhythm = (self.rhythm ^ (time - self.first)).wrapping_mul(0x0100_0000_01b3);
         self.change(previous, time, value, budget)
     }
 
-    /// Takes a value that may be new; `previous` is the time until which the old one held for certain.
+    /// Adds a value that may be new; `previous` is the time until which the old one was certainly valid.
     pub(super) fn change(&mut self, previous: u64, time: u64, value: f64, budget: &mut Budget) -> Result<(), Refusal> {
         if let Some(&(at, held)) = self.points.last() {
             if held.to_bits() == value.to_bits() {
@@ -97,13 +97,13 @@ impl Track {
         self.push(time, value, budget)
     }
 
-    /// Takes the first value behind a time from `from` on in which none is known.
+    /// Adds the first value after a time of unknown values that began at `from`.
     pub(super) fn resume(&mut self, from: u64, time: u64, value: f64, budget: &mut Budget) -> Result<(), Refusal> {
         self.lose(from, time, budget)?;
         self.push(time, value, budget)
     }
 
-    /// From `from` to `to` no value is known; the last one held until then.
+    /// Records that the value is unknown from `from` to `to`; the last value was valid until `from`.
     pub(super) fn lose(&mut self, from: u64, to: u64, budget: &mut Budget) -> Result<(), Refusal> {
         budget.spend(1).ok_or(Refusal::TooMany)?;
         self.finish(from);
@@ -111,7 +111,7 @@ impl Track {
         Ok(())
     }
 
-    /// From when to when (ns) nothing is known, in order of time.
+    /// Returns start and end, in ns, of all times with unknown values, in order of time.
     pub(super) fn gaps(&self) -> Vec<(u64, u64)> {
         let mut gaps = self.intervals.gaps();
         gaps.extend(&self.lost);
@@ -119,7 +119,7 @@ impl Track {
         gaps
     }
 
-    /// The last value held until `time`.
+    /// Extends the last value to `time`.
     pub(super) fn finish(&mut self, time: u64) {
         if let Some(&(at, held)) = self.points.last()
             && at < time
@@ -128,7 +128,7 @@ impl Track {
         }
     }
 
-    /// The last value held until the last sample.
+    /// Extends the last value to the last sample.
     pub(super) fn finish_samples(&mut self) {
         self.finish(self.last);
     }

@@ -1,16 +1,16 @@
-//! One signal of a run against the same signal as expected.
+//! Compares one signal of a run with the same signal of the expected run.
 //!
-//! Law      lines: at each time at which one of both has a point, the other is read on the straight line between its points;
-//!          the deviation is the distance of both. Steps: the values in the order in which they occur are the same; where both
-//!          have samples at exactly the same times, they change at the same times as well
-//! Refuses  NaN, ends that lie apart, and gaps
+//! Law      lines: at each time at which one of the two has a point, the other is interpolated linearly between its
+//!          points; the deviation is the distance of the two values. Steps: the values must occur in the same order; if
+//!          both have samples at exactly the same times, they must also change at the same times
+//! Refuses  NaN, start or end times that differ, and gaps
 
 use super::rhythm::{gaps, median};
 use crate::recording::series::Track;
 use lineshaft_core::code::Code;
 use lineshaft_core::signal::Type;
 
-/// A signal, the time (ns) from which its own times count, and all of its samples in that time.
+/// A signal, the time in ns that counts as zero, and all of its sample times.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timed<'t> {
     pub track: &'t Track,
@@ -18,33 +18,33 @@ pub(super) struct Timed<'t> {
     pub samples: &'t [i64],
 }
 
-/// What is allowed.
+/// Permitted deviations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Allowed {
-    /// Distance of values, in SI.
+    /// Difference of values, in SI.
     pub value: f64,
-    /// Distance of ends, of samples and of steps (ns), where it is more than what is usual.
+    /// Difference of the times of ends, samples and steps, in ns, if it is larger than the usual one.
     pub time: u64,
-    /// The starts may lie apart: they were put where motion begins.
+    /// Whether the starts may differ, because zero is the start of motion.
     pub any_start: bool,
 }
 
-/// The values of both at one time.
+/// Values of both at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Worst {
-    /// Their distance; none for steps.
+    /// Their difference; `None` for steps.
     pub deviation: Option<f64>,
-    /// When (ns), from where the times count.
+    /// Time in ns, relative to zero.
     pub at: i64,
     pub run: f64,
     pub expected: f64,
 }
 
-/// What a comparison found.
+/// Result of a comparison.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Judged {
     pub worst: Option<Worst>,
-    /// What is wrong, if anything.
+    /// Error messages, if any.
     pub failures: Vec<String>,
 }
 
@@ -58,14 +58,14 @@ impl Timed<'_> {
         (0..self.track.points.len()).filter_map(|place| self.point(place))
     }
 
-    /// Times of the first and the last sample.
+    /// Returns the times of the first and the last sample, in ns.
     fn span(&self) -> Option<(i64, i64)> {
         let last = self.track.points.len().checked_sub(1)?;
         Some((self.point(0)?.0, self.point(last)?.0))
     }
 }
 
-/// Compares both.
+/// Compares a signal with the expected one.
 pub(super) fn compare(run: Timed<'_>, expected: Timed<'_>, allowed: Allowed) -> Judged {
     let mut judged = Judged::default();
     let (Some(given), Some(wanted)) = (run.span(), expected.span()) else {
@@ -106,7 +106,7 @@ pub(super) fn compare(run: Timed<'_>, expected: Timed<'_>, allowed: Allowed) -> 
     judged
 }
 
-/// The sentence of ends that lie too far apart.
+/// Returns the error message for start or end times that differ too much.
 fn apart(what: &str, run: i64, expected: i64, slack: u64) -> Option<String> {
     let far = run.abs_diff(expected);
     let when = if run < expected { "earlier" } else { "later" };
@@ -118,10 +118,10 @@ fn seconds(time: u64) -> String {
     (time as f64 / 1e9).to_string()
 }
 
-/// A signal that is read at times that do not go back.
+/// A signal that is read at increasing times.
 struct Line<'t> {
     timed: Timed<'t>,
-    /// The last point that is not later.
+    /// Index of the last point that is not later.
     place: usize,
 }
 
@@ -150,7 +150,7 @@ fn lines(run: Timed<'_>, expected: Timed<'_>, from: i64, to: i64, tolerance: f64
     let mut worst: Option<Worst> = None;
     for at in times {
         let (Some(run), Some(expected)) = (given.at(at), wanted.at(at)) else { continue };
-        // Equal infinities are no distance.
+        // Equal infinities have no distance.
         let deviation = if run == expected { 0.0 } else { (run - expected).abs() };
         let found = Worst { deviation: Some(deviation), at, run, expected };
         if deviation.is_nan() {
@@ -178,7 +178,7 @@ fn steps(run: Timed<'_>, expected: Timed<'_>, from: i64, to: i64, slack: u64, ju
         && run.span() == expected.span();
     for place in 0..given.len().max(wanted.len()) {
         let (run, expected) = (given.get(place), wanted.get(place));
-        // What one of both lacks is there told by its last value.
+        // If one of the two lacks a value there, its last value is shown.
         let values = (run.or(given.last()), expected.or(wanted.last()));
         let (Some(&(run_at, run_value)), Some(&(expected_at, expected_value))) = values else { return };
         let at = if run.is_some() { run_at } else { expected_at };
@@ -201,7 +201,7 @@ fn steps(run: Timed<'_>, expected: Timed<'_>, from: i64, to: i64, slack: u64, ju
     }
 }
 
-/// The value at `from` and each other one until `to`, with the times from which they hold.
+/// Returns the value at `from` and each other value until `to`, with the times from which they are valid.
 fn changes(timed: Timed<'_>, from: i64, to: i64) -> Vec<(i64, f64)> {
     let mut changes: Vec<(i64, f64)> = Vec::new();
     for (time, value) in timed.points().filter(|(time, _)| *time <= to) {
@@ -214,11 +214,11 @@ fn changes(timed: Timed<'_>, from: i64, to: i64) -> Vec<(i64, f64)> {
     changes
 }
 
-/// A value for people.
+/// Formats a value.
 pub(super) fn text(value: f64, kind: Type) -> String {
     match kind {
         Type::Enum(names) => {
-            // Steps are whole and small.
+            // Steps are small integers.
             let name = (value >= 0.0).then_some(value as usize).and_then(|place| names.get(place));
             name.map_or_else(|| value.to_string(), |name| (*name).to_owned())
         }
@@ -231,7 +231,7 @@ pub(super) fn text(value: f64, kind: Type) -> String {
     }
 }
 
-/// At most nine digits.
+/// Formats a number with at most nine digits.
 pub(super) fn number(value: f64) -> String {
     let rounded = format!("{value:.8e}").parse().unwrap_or(value);
     let magnitude: f64 = f64::abs(rounded);

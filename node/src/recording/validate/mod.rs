@@ -1,12 +1,13 @@
-//! Runs held against other runs: do the axes move as expected?
+//! Compares runs with expected runs: checks that the axes move as expected.
 //!
-//! Law      every signal of joint_states and axis_states that is expected is in the run, begins and ends with it within two
-//!          samples, has no gap, and stays within its tolerance; `compare.rs` says how values are compared
+//! Law      every expected signal of joint_states and axis_states must be in the run, begin and end with the expected
+//!          one within two samples, have no gap, and stay within its tolerance; `compare.rs` describes how values are
+//!          compared
 //! Reads    bags of any recorder
-//! Refuses  tolerances that fit no signal; runs without anything to compare
+//! Refuses  tolerances that match no signal; runs without comparable signals
 //!
-//! The times of both count from the first sample of each bag, or from the first sample at which a position is
-//! further from where it was than its tolerance.
+//! Time zero of each run is the first sample of its bag, or the first sample at which a position has moved by more than
+//! its tolerance.
 
 mod compare;
 mod report;
@@ -27,37 +28,37 @@ use std::collections::{HashMap, HashSet};
 use tolerance::Tolerances;
 use units::Units;
 
-/// From where the times of a run count.
+/// Time zero of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
-    /// The first sample of the bag.
+    /// First sample of the bag.
     #[default]
     Start,
-    /// The first sample at which a position is further from where it was than its tolerance.
+    /// First sample at which a position has moved by more than its tolerance.
     Motion,
 }
 
-/// Why runs cannot be compared.
+/// Reason why runs cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum ValidateError {
-    /// The bags.
+    /// The bags cannot be read.
     #[error(transparent)]
     Series(#[from] SeriesError),
-    /// The tolerances.
+    /// The tolerances are wrong.
     #[error(transparent)]
     Tolerance(#[from] ToleranceError),
-    /// Nothing that could be compared.
+    /// There are no comparable signals.
     #[error("{0}: there is nothing to compare, neither joint_states nor axis_states")]
     Nothing(String),
-    /// Nothing moves.
+    /// No axis moves.
     #[error("{0}: no position that both runs have moves further than its tolerance; there is no motion to align")]
     NoMotion(String),
 }
 
-/// Compares a run with what is expected.
+/// Compares a run with an expected run.
 ///
 /// # Errors
-/// What is wrong with one of the bags or with the tolerances.
+/// Returns an error if one of the bags or the tolerances are wrong.
 pub fn validate(
     run: &mut Run,
     expected: &mut Run,
@@ -111,7 +112,7 @@ pub fn validate(
     Ok(Report { run, expected, zero, lines, notes })
 }
 
-/// What sentences call a run.
+/// Returns the name of a run for messages.
 fn name(run: &Run) -> String {
     match run.files() {
         [file] => file.name.clone(),
@@ -122,7 +123,7 @@ fn name(run: &Run) -> String {
     }
 }
 
-/// Everything in a run that can be compared.
+/// Reads all comparable signals of a run.
 fn streams(run: &mut Run) -> Result<Vec<Stream>, SeriesError> {
     run.rewind();
     let files: Vec<String> = run.files().iter().map(|file| file.name.clone()).collect();
@@ -134,13 +135,13 @@ fn streams(run: &mut Run) -> Result<Vec<Stream>, SeriesError> {
     Ok(topics.into_streams())
 }
 
-/// A signal that is expected, and the same one in the run.
+/// An expected signal, and the same signal of the run.
 struct Pair<'t> {
     expected: Signal<'t>,
     run: Option<Signal<'t>>,
 }
 
-/// A signal of a topic, by its place.
+/// A signal of a topic, by its index.
 #[derive(Clone, Copy)]
 struct Signal<'t> {
     stream: &'t Stream,
@@ -148,7 +149,7 @@ struct Signal<'t> {
 }
 
 impl<'t> Signal<'t> {
-    /// All signals of a topic.
+    /// Returns all signals of a topic.
     fn all(stream: &'t Stream) -> impl Iterator<Item = Self> {
         (0..stream.tracks.len()).map(move |place| Self { stream, place })
     }
@@ -157,13 +158,14 @@ impl<'t> Signal<'t> {
         &self.stream.tracks[self.place]
     }
 
-    /// When it has samples (ns), from `zero` (ns) on.
+    /// Returns the times of its samples relative to `zero`, in ns.
     fn times(&self, zero: u64) -> Vec<i64> {
         self.stream.times(self.place).map(|time| time.wrapping_sub(zero).cast_signed()).collect()
     }
 }
 
-/// The signals that are expected. Topics belong together by name; where both runs have but one of a type, also without.
+/// Returns the expected signals with those of the run. Topics are matched by name, or by type if each run has only one
+/// of that type.
 fn pairs<'t>(given: &'t [Stream], wanted: &'t [Stream]) -> Vec<Pair<'t>> {
     let mut pairs = Vec::new();
     for stream in wanted {
@@ -182,13 +184,13 @@ fn pairs<'t>(given: &'t [Stream], wanted: &'t [Stream]) -> Vec<Pair<'t>> {
     pairs
 }
 
-/// Time of the first sample of a bag (ns).
+/// Returns the time of the first sample of a bag, in ns.
 fn first_sample(streams: &[Stream]) -> u64 {
     let tracks = streams.iter().flat_map(|stream| &stream.tracks);
     tracks.filter_map(|track| track.points.first()).map(|(time, _)| *time).min().unwrap_or(0)
 }
 
-/// Times at which the positions that both runs have begin to move (ns).
+/// Returns the times, in ns, at which the positions that both runs have begin to move.
 fn motion(
     pairs: &[Pair<'_>],
     names: &[String; 2],
@@ -207,19 +209,20 @@ fn motion(
     Ok(Some((run, expected)))
 }
 
-/// Time of the first sample that is further than `tolerance` from the first value (ns): less is noise.
+/// Returns the time, in ns, of the first sample that differs from the first value by more than `tolerance`; smaller
+/// differences are noise.
 fn first_motion(track: &Track, tolerance: f64) -> Option<u64> {
     let mut points = track.points.iter().filter(|(_, value)| !value.is_nan());
     let (_, start) = points.next()?;
     points.find(|(_, value)| (value - start).abs() > tolerance).map(|(time, _)| *time)
 }
 
-/// A recorder says NaN for what a joint does not measure.
+/// Whether all values are NaN, as a recorder writes them for a value that a joint does not measure.
 fn is_unmeasured(track: &Track) -> bool {
     track.points.iter().all(|(_, value)| value.is_nan()) && names_measure(&track.name) != Measure::Steps
 }
 
-/// A note of the signals that only the run has.
+/// Returns a note about signals that only the run has.
 fn extra(given: &[Stream], pairs: &[Pair<'_>]) -> Option<String> {
     let known: HashSet<(&str, &str)> = pairs
         .iter()

@@ -1,4 +1,4 @@
-//! What a comparison found, in words.
+//! Report of a comparison.
 
 use super::compare::{Judged, Worst, number, text};
 use crate::recording::clean::clean;
@@ -6,51 +6,51 @@ use lineshaft_core::signal::Type;
 use std::collections::HashSet;
 use std::fmt;
 
-/// Names that a note lists.
+/// Maximum number of names in a note.
 const MAX_LISTED: usize = 10;
 
 /// One signal of one topic.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// The signal.
+    /// Name of the signal.
     pub name: String,
-    /// Where it is expected.
+    /// Topic of the expected signal.
     pub topic: String,
-    /// How its values are read.
+    /// Type of the values.
     pub(super) kind: Type,
-    /// What is allowed (SI).
+    /// Tolerance, in SI.
     pub(super) tolerance: f64,
     pub(super) judged: Judged,
 }
 
 impl Line {
-    /// Is it as expected?
+    /// Returns true if the signal is as expected.
     pub fn passed(&self) -> bool {
         self.judged.failures.is_empty()
     }
 
-    /// What is wrong.
+    /// Returns the error messages.
     pub fn failures(&self) -> &[String] {
         &self.judged.failures
     }
 
-    /// The largest distance (SI), where distances are measured.
+    /// Returns the largest deviation, in SI, if the signal has one.
     pub fn deviation(&self) -> Option<f64> {
         self.judged.worst.and_then(|worst| worst.deviation)
     }
 
-    /// Tolerance (SI); none for signals that change in steps.
+    /// Returns the tolerance, in SI; `None` for signals that change in steps.
     pub fn tolerance(&self) -> Option<f64> {
         (self.kind == Type::Real).then_some(self.tolerance)
     }
 
-    /// Where both differ most; none where they are equal.
+    /// Returns the values with the largest difference; `None` if all are equal.
     pub fn worst(&self) -> Option<WorstValues> {
         let worst = self.shown()?;
         Some(WorstValues { at_seconds: worst.at as f64 / 1e9, run: worst.run, expected: worst.expected })
     }
 
-    /// What is wrong, with numbers; the name alone where nothing is.
+    /// Returns the error messages with numbers; only the name if there are none.
     pub fn sentence(&self) -> String {
         let said = format!("{}: {}", self.name, self.judged.failures.join("; "));
         let Some(worst) = self.shown() else { return said };
@@ -81,39 +81,39 @@ impl Line {
     }
 }
 
-/// The values of a signal where both runs differ most.
+/// Values of a signal with the largest difference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorstValues {
-    /// When (s), from where the times count.
+    /// Time relative to zero, in s.
     pub at_seconds: f64,
-    /// In the run (SI).
+    /// Value of the run, in SI.
     pub run: f64,
-    /// As expected (SI).
+    /// Expected value, in SI.
     pub expected: f64,
 }
 
-/// What a comparison found. Its text is for people; [`Report::passed`] for programs.
+/// Result of a comparison. The text is for people; [`Report::passed`] is for programs.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// The run.
+    /// Name of the run.
     pub run: String,
-    /// What is expected.
+    /// Name of the expected run.
     pub expected: String,
-    /// From where times count.
+    /// Description of time zero.
     pub(super) zero: &'static str,
-    /// A line for each signal that is expected.
+    /// A line for each expected signal.
     pub lines: Vec<Line>,
-    /// What is worth to know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
 impl Report {
-    /// From where times count, for people.
+    /// Returns the description of time zero.
     pub fn zero(&self) -> &'static str {
         self.zero
     }
 
-    /// Is everything as it is expected?
+    /// Returns true if all signals are as expected.
     pub fn passed(&self) -> bool {
         self.lines.iter().all(Line::passed)
     }
@@ -123,7 +123,7 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [run, expected] = [&self.run, &self.expected].map(|name| clean(name));
         writeln!(f, "{run} against {expected}; values in SI, times from {}", self.zero)?;
-        // What is wrong stands where it is seen: at the end.
+        // Failed signals are printed last, where they are visible on a terminal.
         let (good, bad): (Vec<&Line>, Vec<&Line>) = self.lines.iter().partition(|line| line.passed());
         let head = ["signal", "topic", "worst", "at", "run", "expected", "tolerance", ""].map(str::to_owned);
         let rows: Vec<[String; 8]> =
@@ -149,7 +149,7 @@ impl fmt::Display for Report {
                 if all == 1 { "the signal agrees".to_owned() } else { format!("all {all} signals agree") }
             ),
             failed => {
-                // A signal may stand on several topics.
+                // Several topics may have the same signal.
                 let mut seen = HashSet::new();
                 let names: Vec<&str> =
                     bad.iter().map(|line| line.name.as_str()).filter(|name| seen.insert(*name)).collect();
@@ -160,7 +160,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// Some names, and how many more there are.
+/// Lists some names, and the number of the others.
 pub(super) fn some(names: &[&str]) -> String {
     let list = names.iter().take(MAX_LISTED).copied().collect::<Vec<_>>().join(", ");
     match names.len().saturating_sub(MAX_LISTED) {

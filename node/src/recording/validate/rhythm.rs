@@ -1,22 +1,22 @@
-//! When samples come: how often, and where none come for long.
+//! Finds the sample rate of a signal, and gaps in it.
 
-/// The run's own rhythm counts where it has at least so many samples.
+/// Minimum number of samples from which the rate of the run itself is used.
 const ENOUGH: usize = 10;
-/// A gap is longer than so many samples.
+/// A gap is longer than this number of samples.
 const SAMPLES: u64 = 5;
 
-/// Times without a sample where some are expected.
+/// Gaps in the run during which samples are expected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Gaps {
-    /// Where the longest one begins (ns).
+    /// Start of the longest one, in ns.
     pub from: i64,
-    /// Its length (ns).
+    /// Length of the longest one, in ns.
     pub length: u64,
-    /// How many there are.
+    /// Number of gaps.
     pub count: usize,
 }
 
-/// Median of the times between samples (ns), of those that are apart; 0 where none are.
+/// Returns the median of the nonzero intervals between samples, in ns; 0 if there are none.
 pub(super) fn median(times: &[i64]) -> u64 {
     let intervals = std::iter::zip(times, times.get(1..).unwrap_or_default());
     let mut lengths: Vec<u64> =
@@ -28,10 +28,10 @@ pub(super) fn median(times: &[i64]) -> u64 {
     *lengths.select_nth_unstable(middle).1
 }
 
-/// The gaps of a run: longer than five of its samples and than `time` (ns), and what is expected has a sample in them that
-/// is further than `slack` (ns) from both ends.
+/// Returns the gaps of a run that are longer than five of its samples and than `time` (in ns), if the expected run has
+/// a sample in them that is more than `slack` (in ns) from both ends.
 ///
-/// A run with few samples has no rhythm of its own: what is expected then counts as well.
+/// The rate of a run with few samples is unknown; that of the expected run is then used as well.
 pub(super) fn gaps(run: &[i64], expected: &[i64], time: u64, slack: u64) -> Option<Gaps> {
     let own = median(run);
     let usual = if run.len() < ENOUGH { own.min(median(expected)) } else { own };
@@ -73,18 +73,18 @@ mod tests {
         };
         let found = |run: &[i64], time| gaps(run, &every(10), time, 20);
         assert_eq!(found(&every(10), 0), None);
-        // Five samples may be missing, and every rate is one.
+        // Five samples may be missing, and every rate is valid.
         assert_eq!(found(&without(500, 550), 0), None);
         assert_eq!(found(&every(70), 0), None);
         assert_eq!(found(&without(500, 560), 0), Some(Gaps { from: 500, length: 60, count: 1 }));
         assert_eq!(found(&without(500, 560), 60), None);
-        // What is expected has the same gap, a little earlier.
+        // The expected run has the same gap, slightly earlier.
         assert_eq!(gaps(&without(500, 900), &without(480, 880), 0, 20), None);
         assert_eq!(gaps(&without(500, 900), &without(460, 860), 0, 20).map(|gaps| gaps.count), Some(1));
         let mut two = without(500, 900);
         two.retain(|time| !(1001..1100).contains(time));
         assert_eq!(found(&two, 0), Some(Gaps { from: 500, length: 400, count: 2 }));
-        // Two samples are no rhythm.
+        // Two samples define no rate.
         assert_eq!(found(&[0, 1990], 0), Some(Gaps { from: 0, length: 1990, count: 1 }));
     }
 }

@@ -36,13 +36,13 @@ fn report(run: TestBag, expected: TestBag, tolerances: &[&str]) -> Report {
     compared(run, expected, tolerances, Align::Start).unwrap()
 }
 
-/// What is wrong with a signal.
+/// Returns the error messages of a signal.
 #[track_caller]
 fn failures<'r>(report: &'r Report, name: &str) -> &'r [String] {
     report.lines.iter().find(|line| line.name == name).unwrap_or_else(|| panic!("{name}: {report}")).failures()
 }
 
-/// joint_states of one joint: `position` at `start`, and then every `period` (ms).
+/// Returns joint_states of one joint: `position` at `start`, and then every `period` (in ms).
 fn moving(start: u64, period: u64, count: u64, position: impl Fn(f64) -> f64) -> TestBag {
     let mut bag = TestBag::new();
     for sample in 0..count {
@@ -52,7 +52,7 @@ fn moving(start: u64, period: u64, count: u64, position: impl Fn(f64) -> f64) ->
     bag
 }
 
-/// axis_states in which the state changes as told.
+/// Returns axis_states with the given states.
 fn states(start: u64, period: u64, states: &[u8]) -> TestBag {
     let mut bag = TestBag::new();
     for (sample, state) in (0..).zip(states) {
@@ -93,10 +93,10 @@ fn the_worst_deviation_is_told_with_time_and_values() {
 #[test]
 fn between_samples_both_are_read_on_straight_lines() {
     let line = |t: f64| 0.25 * t;
-    // Every third sample of one meets a sample of the other; a line is met everywhere.
+    // Every third sample of one run has the time of a sample of the other; on a line all times match.
     let good = report(moving(0, 6, 100, line), moving(0, 4, 150, line), &["x.position=1e-12"]);
     assert!(good.passed(), "{good}");
-    // A corner that falls between the samples of the run is cut by 2 ms * 0.5 / 2.
+    // The interpolation cuts a corner between the samples of the run by 2 ms * 0.5 / 2.
     let corner = |t: f64| 0.5 * (t - 0.05).max(0.0);
     let tight = report(moving(0, 4, 50, |t| corner(t - 0.002)), moving(0, 4, 50, corner), &["x.position=1.001 mm"]);
     assert!(tight.passed(), "{tight}");
@@ -105,7 +105,7 @@ fn between_samples_both_are_read_on_straight_lines() {
 }
 
 proptest! {
-    /// The worst deviation of two polygons that are sampled at different times is that at one of their corners.
+    /// The worst deviation of two polygons with different sample times is at one of their corners.
     #[test]
     fn the_worst_deviation_is_that_of_all_times(
         given in prop::collection::vec(-5..5_i32, 2..30),
@@ -124,7 +124,7 @@ proptest! {
         };
         let report = report(bag(&given, period), bag(&wanted, 4), &["time=1 s"]);
         let end = ((given.len() as u64 - 1) * period).min((wanted.len() as u64 - 1) * 4);
-        // All corners are at whole milliseconds.
+        // All corners are at integer milliseconds.
         let all = (0..=end).map(|ms| (value(&given, period, ms as f64) - value(&wanted, 4, ms as f64)).abs());
         let worst = all.fold(0.0, f64::max);
         let found = report.lines[0].deviation().unwrap();
@@ -199,7 +199,7 @@ fn noise_is_no_motion() {
         |more: &[&str]| compared(moving(0, 10, 250, noisy(1.5)), moving(0, 10, 150, noisy(0.5)), more, Align::Motion);
     let report = bags(&["x.position=0.1 mm"]).unwrap();
     assert!(report.passed(), "{report}");
-    // Without a tolerance every change is one.
+    // Without a tolerance every deviation is reported.
     assert!(!bags(&[]).unwrap().passed());
     let said = bags(&["x.position=9 m"]).unwrap_err().to_string();
     assert!(said.ends_with("moves further than its tolerance; there is no motion to align"), "{said}");
@@ -294,7 +294,7 @@ fn names_do_not_steer_the_terminal() {
     let text = report(bag(name, 1.0), bag(name, 2.0), &[]).to_string();
     assert!(is_clean(&text) && text.contains("x\\u{1b}[2J\\u{7}\\r\\nPASSED.actual.position"), "{text}");
     assert!(text.lines().all(|line| !line.starts_with("PASSED")), "{text}");
-    // The note of what is more.
+    // The note about additional signals.
     let text = report(bag(name, 1.0), bag("z", 1.0), &[]).to_string();
     assert!(is_clean(&text) && text.contains("\nnote: the run has more signals: x\\u{1b}"), "{text}");
     for tolerance in ["z=1", "x*=1 rad/s"] {
@@ -306,7 +306,7 @@ fn names_do_not_steer_the_terminal() {
 #[test]
 fn steps_are_compared_in_their_order_where_samples_fall_differently() {
     let expected = || states(0, 10, &[0, 1, 1, 2, 2, 2, 1, 1, 1, 1]);
-    // At another rate, and shifted.
+    // At another rate, and with a time offset.
     let run = states(0, 7, &[0, 1, 1, 1, 2, 2, 2, 2, 2, 1, 1, 1, 1]);
     assert!(report(run, expected(), &[]).passed());
     let other = report(states(0, 7, &[0, 1, 1, 1, 2, 2, 2, 7, 7, 1, 1, 1, 1]), expected(), &[]);
@@ -345,7 +345,7 @@ fn what_is_missing_or_nan_is_a_failure_and_what_is_more_is_a_note() {
     let nan = report(one("x", f64::NAN), one("x", 1.0), &["*=1e30"]);
     assert_eq!(failures(&nan, "x.actual.position"), ["the value in the run is NaN"]);
     assert!(failures(&nan, "y.actual.position").is_empty());
-    // What a joint does not measure cannot be expected.
+    // A value that a joint does not measure cannot be expected.
     let never = |value: f64| moving(0, 10, 20, move |_| value);
     let unmeasured = |bag: TestBag| {
         let mut bag = bag;

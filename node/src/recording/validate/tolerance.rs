@@ -1,9 +1,9 @@
-//! How far the signals of a run may be from what is expected.
+//! Tolerances of signals.
 //!
-//! Law      a pattern is held against the names of signals and their aliases; of several that match, the last one holds
-//!          its unit must be that of the axis, where the attached cell tells which that is
-//! Refuses  negative values, those that no signal can have, and a length beside an angle where nothing tells which of both
-//!          a signal is
+//! Law      a pattern is compared with the names of signals and their aliases. If several match, the last one applies.
+//!          Its unit must be that of the axis, if the attached cell defines the unit
+//! Refuses  negative values, values outside of the range of the signals, and a length together with an angle if the
+//!          cell does not define which of them the signal is
 
 use super::units::Units;
 use crate::recording::clean::clean;
@@ -13,12 +13,12 @@ use globset::GlobMatcher;
 use lineshaft_core::unit::{Dimension, Quantity, ScaleKind, excerpt, fraction_to_f64, parse_decimal};
 use std::str::FromStr;
 
-/// The name that stands for times instead of a signal.
+/// Name for the tolerance of times instead of a signal.
 const TIME: &str = "time";
-/// Names that a sentence lists.
+/// Maximum number of names in a message.
 const MAX_LISTED: usize = 40;
 
-/// What a tolerance may be in.
+/// Permitted dimensions of a tolerance.
 const DIMENSIONS: [Dimension; 8] = [
     Dimension::Length(0),
     Dimension::Length(1),
@@ -30,17 +30,17 @@ const DIMENSIONS: [Dimension; 8] = [
     Dimension::Torque,
 ];
 
-/// One `SIGNAL=VALUE`.
+/// A tolerance `SIGNAL=VALUE`.
 #[derive(Clone, Debug)]
 pub struct Tolerance {
-    /// As it was given.
+    /// Text as given.
     text: String,
     pattern: String,
-    /// None: for times.
+    /// `None` for times.
     matcher: Option<GlobMatcher>,
-    /// In SI.
+    /// Value in SI.
     value: f64,
-    /// None: a bare number, which fits every signal.
+    /// `None` for a number without unit, which fits every signal.
     dimension: Option<Dimension>,
 }
 
@@ -76,7 +76,7 @@ impl Tolerance {
         matcher.is_match(name) || alias(name).is_some_and(|alias| matcher.is_match(alias))
     }
 
-    /// Has the signal values of this kind? `kind` is that of its axis, where it is known.
+    /// Whether the signal has values of this dimension. `kind` is that of its axis, if known.
     fn fits(&self, name: &str, kind: Option<ScaleKind>) -> bool {
         match (self.dimension, names_measure(name)) {
             (_, Measure::Steps) => false,
@@ -85,18 +85,18 @@ impl Tolerance {
                 given == order && kind != Some(ScaleKind::Rotary)
             }
             (Some(Dimension::Angle(given)), Measure::Order(order)) => given == order && kind != Some(ScaleKind::Linear),
-            // A drive tells the force of its axis or the torque of its motor: the cell does not say which.
+            // A drive reports the force of its axis or the torque of its motor; the cell does not define which.
             (Some(Dimension::Force | Dimension::Torque), Measure::Effort) => true,
             _ => false,
         }
     }
 
-    /// Does it name this signal, not a pattern of several?
+    /// Whether it names exactly this signal, without a pattern.
     fn is_exact(&self, name: &str) -> bool {
         self.pattern == name || alias(name).is_some_and(|alias| alias == self.pattern)
     }
 
-    /// The kind of axis that its unit is of.
+    /// Returns the kind of axis that its unit belongs to.
     fn kind(&self) -> Option<ScaleKind> {
         match self.dimension {
             Some(Dimension::Length(_)) => Some(ScaleKind::Linear),
@@ -106,40 +106,40 @@ impl Tolerance {
     }
 }
 
-/// Why tolerances do not fit the signals.
+/// Reason why tolerances do not fit the signals.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ToleranceError {
-    /// No signal of that name.
+    /// No signal matches.
     #[error("--tolerance {text}: {error}; there are {names}")]
     NoSignal {
-        /// As it was given.
+        /// Text as given.
         text: String,
-        /// With what was probably meant.
+        /// Error with the suggested name.
         error: SelectError,
-        /// The signals.
+        /// Names of the signals.
         names: String,
     },
-    /// Signals of other kinds.
+    /// The signals have another dimension.
     #[error("--tolerance {text}: none of the signals that it names has values of this kind; {first} is {is}")]
     Kind {
-        /// As it was given.
+        /// Text as given.
         text: String,
-        /// The first of them.
+        /// First of these signals.
         first: String,
-        /// What that is.
+        /// Dimension of that signal.
         is: &'static str,
     },
-    /// A length and an angle for one signal.
+    /// A length and an angle are given for one signal.
     #[error(
         "--tolerance {one} and --tolerance {other} are of different kinds, and no attached cell tells which of both {name} is; \
          give {name} one of its own, behind them"
     )]
     Either {
-        /// As one was given.
+        /// Text of the first tolerance.
         one: String,
-        /// And the other one.
+        /// Text of the second tolerance.
         other: String,
-        /// The signal.
+        /// Name of the signal.
         name: String,
     },
 }
@@ -152,7 +152,7 @@ pub(super) struct Tolerances<'t> {
 }
 
 impl<'t> Tolerances<'t> {
-    /// Refuses those that fit none of the signals, and two of different kinds for one of them.
+    /// Refuses tolerances that fit no signal, and two of different dimensions for one signal.
     pub(super) fn new(list: &'t [Tolerance], names: &[&str], units: &'t Units) -> Result<Self, ToleranceError> {
         for tolerance in list.iter().filter(|tolerance| tolerance.matcher.is_some()) {
             let matched: Vec<&str> = names.iter().copied().filter(|name| tolerance.matches(name)).collect();
@@ -181,7 +181,7 @@ impl<'t> Tolerances<'t> {
         Ok(tolerances)
     }
 
-    /// Refuses a length beside an angle where nothing tells which of both the signal is.
+    /// Refuses a length together with an angle if the cell does not define which of them the signal is.
     fn check_kind(&self, name: &str) -> Result<(), ToleranceError> {
         let mut last: Option<&Tolerance> = None;
         for tolerance in self.fitting(name) {
@@ -198,21 +198,21 @@ impl<'t> Tolerances<'t> {
         Ok(())
     }
 
-    /// Tolerances for a signal, the last one first.
+    /// Returns the tolerances of a signal, the last one first.
     fn fitting<'s>(&'s self, name: &'s str) -> impl Iterator<Item = &'t Tolerance> + 's {
         let kind = self.units.kind(name);
         self.list.iter().rev().filter(move |tolerance| tolerance.matches(name) && tolerance.fits(name, kind))
     }
 
-    /// The tolerance of a signal, in SI.
+    /// Returns the tolerance of a signal, in SI.
     pub(super) fn of(&self, name: &str) -> f64 {
         self.fitting(name).next().map_or(0.0, |tolerance| tolerance.value)
     }
 
-    /// The tolerance of times (ns).
+    /// Returns the tolerance of times, in ns.
     pub(super) fn time_ns(&self) -> u64 {
         let last = self.list.iter().rev().find(|tolerance| tolerance.matcher.is_none());
-        // The cast saturates, and what is rounded is far below a sample.
+        // The cast saturates; the rounding error is far below a sample.
         last.map_or(0, |tolerance| (tolerance.value * 1e9).round() as u64)
     }
 }
@@ -274,7 +274,7 @@ mod tests {
         assert_eq!(Tolerances::new(&list, &NAMES, &Units::default()).unwrap().time_ns(), 50_000_000);
     }
 
-    /// Of two axes, the one rotary.
+    /// Returns the tolerances of a linear and a rotary axis.
     fn of_both(texts: &[&str], units: &Units) -> Result<[f64; 4], ToleranceError> {
         let names = ["x.actual.position", "x.following_error", "t.actual.position", "t.actual.velocity"];
         let list = tolerances(texts);

@@ -1,11 +1,11 @@
-//! Which axes are linear and which are rotary: a message does not tell, the attached cell does.
+//! Finds which axes are linear and which are rotary, from the attached cell, because messages do not contain it.
 
 use crate::cell::Cell;
 use crate::recording::run::{Run, RunError};
 use lineshaft_core::unit::ScaleKind;
 use std::collections::HashMap;
 
-/// The kinds of axes and encoders, by their names.
+/// Kinds of axes and encoders, by name.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Units {
     kinds: HashMap<String, ScaleKind>,
@@ -13,7 +13,7 @@ pub(super) struct Units {
 }
 
 impl Units {
-    /// From the cells that are attached to runs; what the first one tells holds.
+    /// Reads the cells attached to the runs; the first one has priority.
     pub(super) fn of(runs: [&Run; 2]) -> Result<Self, RunError> {
         let mut units = Self::default();
         for run in runs {
@@ -21,7 +21,7 @@ impl Units {
             let files = crate::recording::attached_files(run)?;
             match Cell::parse_recorded("cell.yaml", String::from_utf8_lossy(&bytes), files.as_deref()) {
                 Ok(cell) => units.add(&cell),
-                // Another program may call anything so.
+                // Another program may use the same attachment name for other content.
                 Err(_) => {
                     let name = super::name(run);
                     units.notes.push(format!("{name}: the attached cell has errors and tells no units of axes"));
@@ -39,13 +39,13 @@ impl Units {
         }
     }
 
-    /// The kind of the axis that a signal is of, where it is known.
+    /// Returns the kind of axis of a signal, if known.
     pub(super) fn kind(&self, signal: &str) -> Option<ScaleKind> {
         let mut ends = signal.rmatch_indices('.').map(|(end, _)| end);
         ends.find_map(|end| self.kinds.get(&signal[..end]).copied())
     }
 
-    /// What is worth to know.
+    /// Returns notes for the user.
     pub(super) fn notes(&self) -> &[String] {
         &self.notes
     }

@@ -1,4 +1,4 @@
-//! The text of a verb `saia`.
+//! Writes a verb `saia` as text.
 
 use super::write::{Entries, Scalar};
 use lineshaft_core::parameter::Value;
@@ -15,7 +15,7 @@ pub(super) struct Saia<'a> {
     commands: Vec<&'static str>,
 }
 
-/// The verb's arguments; what stands at its default is left out.
+/// Returns the arguments of the verb; default values are left out.
 pub(super) fn saia<'a>(request: &Request, axis: &'a str) -> Saia<'a> {
     let registers = request.registers().map(|(register, value)| {
         let value = match value {

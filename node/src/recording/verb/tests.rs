@@ -1,4 +1,4 @@
-//! Texts of commands word for word, what is refused, and the law over everything that doors make.
+//! Tests the exact texts of commands, refusals, and the round trip of all actions that interfaces create.
 
 mod law;
 mod wf;
@@ -21,7 +21,8 @@ use lineshaft_core::sync::gear::Ratio;
 use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
 use lineshaft_core::unit::Quantity;
 
-/// Scales that are handy (x, turret), that no decimal holds (odd), and that are as fine and as coarse as a cell may ask for.
+/// Scales that are simple (x, turret), that have no exact decimal (odd), and that have the finest and the coarsest
+/// resolution of a cell.
 const CELL: &str = "
 lineshaft: 1
 cycle: 1 ms
@@ -78,7 +79,7 @@ impl Desk {
         from_json(json, &self.config, &self.directory)
     }
 
-    /// The command of number 17 has that text, and the text is that action.
+    /// Checks that the command with number 17 has that text, and that the text is read as that action.
     #[track_caller]
     fn is(&self, action: &Action, json: &str) {
         assert_eq!(self.write(action), json);
@@ -221,7 +222,7 @@ fn touch_probes_name_what_latches_and_their_window() {
     desk.is(&Action::QueryTrajectory(query), r#"{"query_trajectory":{"axis":"x","time":"1000000007 ns"}}"#);
 }
 
-/// To x, in mode position.
+/// Returns a coupling to x, in mode position.
 fn coupling(axis: u16) -> Coupling {
     Coupling {
         axis,
@@ -329,7 +330,7 @@ fn cams_name_their_table() {
     desk.is(&latch, &format!(r#"{head}"engage":"on_event","event":"mark","numerator":3,"denominator":1}}}}"#));
 }
 
-/// What the master is shifted by is written as it was given: in which increments depends on its leader.
+/// The shift of the master is written as given, because its increments depend on the leader.
 #[test]
 fn phase_shifts_of_slave_and_master() {
     let desk = Desk::new();
@@ -467,7 +468,7 @@ fn a_scenario_takes_the_texts_but_for_the_two_that_are_no_verbs() {
         );
         crate::scenario::Scenario::parse("s", &text, &cell).map(drop).map_err(|problems| problems.to_string())
     };
-    // An id is a text, with quotes or without.
+    // An ID is a text, with or without quotes.
     assert_eq!(read(r#"{"cancel":{"id":"17"}}"#), Ok(()));
     assert_eq!(read("{cancel: {id: 17}}"), Ok(()));
     assert_eq!(read(r#"{"set_parameters":{"x.max_jerk":null}}"#), Ok(()));
@@ -516,7 +517,7 @@ fn what_is_wrong_is_one_sentence() {
             r#"{"set_memory":{"big":9007199254740993}}"#,
             "big is 9007199254740993; beyond +-2^53 only what an f64 holds can be set, the nearest is 9007199254740992",
         ),
-        // Its nearest f64 is 2^63, which the cell cannot hold.
+        // The nearest f64 is 2^63, which exceeds the memory cell.
         (
             r#"{"set_memory":{"big":9223372036854775807}}"#,
             "big is 9223372036854775807; beyond +-2^53 only what an f64 holds can be set",
@@ -642,7 +643,7 @@ fn a_trajectory_tells_its_points_by_axis_and_what_is_left_out_is_none() {
     );
 }
 
-/// What no door makes does not read back: one axis with a velocity where the other has none.
+/// A trajectory that no interface creates cannot be read back: one axis has a velocity, the other has none.
 #[test]
 fn a_trajectory_with_gaps_is_refused() {
     use lineshaft_core::trajectory::{Knot, Track, Trajectory};
@@ -656,7 +657,7 @@ fn a_trajectory_with_gaps_is_refused() {
     assert!(desk.read(&desk.write(&Action::Trajectory(run.into()))).is_err());
 }
 
-/// The longest trajectory is longer than a file may be, and reads back.
+/// The longest trajectory exceeds the size limit of a file, and can still be read back.
 #[test]
 fn the_longest_trajectory_reads_back() {
     use lineshaft_core::trajectory::{Knot, MAX_KNOTS, Track, Trajectory};

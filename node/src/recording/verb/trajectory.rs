@@ -1,4 +1,4 @@
-//! The text of a verb `follow_joint_trajectory`.
+//! Writes a verb `follow_joint_trajectory` as text.
 
 use super::write::{axis, length, rate};
 use lineshaft_core::config::MachineConfig;
@@ -43,14 +43,14 @@ struct ExcessLimits {
 struct Point {
     time: String,
     positions: Vec<String>,
-    /// Of all axes, or of none: what a door never makes is written with gaps, which are refused.
+    /// Velocities of all axes, or none. A trajectory that no interface creates is written with gaps, which are refused.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     velocities: Vec<Option<String>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     accelerations: Vec<Option<String>>,
 }
 
-/// By axis, without those that have none.
+/// Tolerances by axis, without axes that have none.
 struct Tolerances<'a>(Vec<(&'a str, Limits)>);
 
 impl Tolerances<'_> {
@@ -75,7 +75,7 @@ struct Limits {
     acceleration: Option<String>,
 }
 
-/// The verb's arguments; what stands at its default is left out.
+/// Returns the arguments of the verb; default values are left out.
 pub(super) fn follow<'a>(id: String, run: &Trajectory, config: &'a MachineConfig) -> FollowJointTrajectory<'a> {
     let tracks = run.tracks();
     let tolerances = |of: fn(&Track) -> Tolerance| {

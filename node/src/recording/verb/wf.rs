@@ -1,4 +1,4 @@
-//! The text of a verb `wf`.
+//! Writes a verb `wf` as text.
 
 use super::write::{length, rate};
 use lineshaft_core::position::{Length, Position};
@@ -56,7 +56,7 @@ impl Block {
     }
 }
 
-/// The verb's arguments; what stands at its default is left out.
+/// Returns the arguments of the verb; default values are left out.
 pub(super) fn wf<'a>(request: &Request, axis: &'a str) -> Wf<'a> {
     Wf {
         axis,

@@ -1,4 +1,4 @@
-//! From a command to its text.
+//! Writes a command as text.
 
 use super::{saia, trajectory, wf};
 use crate::program;
@@ -23,15 +23,15 @@ use serde_json::ser::Formatter;
 use std::borrow::Cow;
 use std::io;
 
-/// In the place of a name for what has none: no object can be called that, so that it does not read back.
+/// Placeholder for a missing name. No object can have this name, so it is refused when read back.
 const NAMELESS: &str = "?";
 
-/// The verb of a command, as JSON.
+/// Returns the verb of a command, as JSON.
 pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
     text(&verb_of(command, config))
 }
 
-/// Setpoints, as JSON.
+/// Returns setpoints, as JSON.
 pub(super) fn setpoints(set: &Setpoints, config: &MachineConfig) -> String {
     let axes = (0..).zip(&set.axes).filter_map(|(index, setpoint)| {
         let Setpoint { velocity, duration } = (*setpoint)?;
@@ -52,7 +52,7 @@ fn text(verb: &Verb<'_>) -> String {
     String::from_utf8(bytes).expect("the serializer writes UTF-8")
 }
 
-/// Arguments in the order in which they are written.
+/// Verb with its arguments in the order in which they are written.
 #[derive(Serialize)]
 #[serde(rename_all = "snake_case")]
 enum Verb<'a> {
@@ -174,7 +174,7 @@ enum Verb<'a> {
     },
 }
 
-/// By their names, in file order.
+/// Streamed axes by name, in the order of the cell file.
 struct StreamedAxes(Vec<(String, Streamed)>);
 
 impl Serialize for StreamedAxes {
@@ -190,7 +190,7 @@ enum Streamed {
     For { velocity: String, duration: String },
 }
 
-/// `{}`
+/// Written as `{}`.
 #[derive(Serialize)]
 struct Nothing {}
 
@@ -402,7 +402,7 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
     }
 }
 
-/// The numbers of a table as its cell has them.
+/// Numbers of a table as in its cell.
 struct Numbers<'a>(&'a Table);
 
 impl Serialize for Numbers<'_> {
@@ -423,7 +423,7 @@ fn command_function<'a>(request: &CommandFunction, config: &'a MachineConfig) ->
     }
 }
 
-/// Values of a set by the names of their fields.
+/// Returns the values of a set, with the names of their fields.
 fn set_values(slot: u16, values: &[(u16, i64)], config: &MachineConfig) -> Entries {
     let kind = config.slots.get(usize::from(slot)).map(|slot| slot.kind);
     let name = |place: u16| match kind.and_then(|kind| kind.description().field_of(place.into())) {
@@ -461,7 +461,7 @@ fn move_axis<'a>(id: String, request: &Move, config: &'a MachineConfig) -> MoveA
             MoveMode::Superimposed => "superimposed",
         },
         position: Some(length(request.target)).filter(|_| !runs || request.target != Length::default()),
-        // A goal tells where to, or how fast, also where that is the default.
+        // The velocity or position of a goal is always written, even if it is the default.
         velocity: if runs { Some(rate(request.velocity, 1)) } else { given(request.velocity, 1) },
         acceleration: given(request.acceleration, 2),
         deceleration: given(request.deceleration, 2),
@@ -483,7 +483,7 @@ fn move_axis<'a>(id: String, request: &Move, config: &'a MachineConfig) -> MoveA
     }
 }
 
-/// What latches.
+/// Returns the name of the object that latches.
 fn latching(source: Object, config: &MachineConfig) -> &str {
     let io = |index: u16| config.io.get(usize::from(index)).map(|io| &io.name);
     let encoder = |index: u16| config.encoders.get(usize::from(index)).map(|encoder| &encoder.name);
@@ -551,7 +551,7 @@ fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) ->
         id,
         axis: axis(request.axis, config),
         master: request.leader.map(|leader| match leader {
-            // A command never names it: its axis does.
+            // No command contains it by name; the axis refers to it.
             Leader::Simulated(_) => NAMELESS.to_owned(),
             Leader::Virtual => VIRTUAL_MASTER.to_owned(),
             Leader::AxisCommand(index) => axis(index, config).to_owned(),
@@ -605,7 +605,7 @@ fn phase<'a>(id: String, request: &Phase, config: &'a MachineConfig) -> Verb<'a>
         PhaseSide::Slave(of) => {
             ("slave", [text(shift(of.shift)), text(given(of.velocity, 1)), text(given(of.acceleration, 2))])
         }
-        // Increments of which scale they are depends on its leader then.
+        // The scale of the increments depends on the leader.
         PhaseSide::Master { given, .. } => ("master", given.map(amount)),
     };
     Verb::Phase { id, axis: axis(request.axis, config), side, shift, velocity, acceleration }
@@ -630,7 +630,7 @@ fn gear_out(request: GearOut, config: &MachineConfig) -> Verb<'_> {
     }
 }
 
-/// As it was given; nothing for a bare 0.
+/// Returns the amount as given; `None` for the number 0 without unit.
 fn amount(amount: Amount) -> Option<Scalar> {
     match amount {
         Amount::Number(number) => (number != 0.0).then_some(Scalar::Real(number)),
@@ -674,7 +674,7 @@ fn parameter(change: &Change, config: &MachineConfig) -> (String, Scalar) {
 
 fn cell(index: u16, value: f64, config: &MachineConfig) -> (String, Scalar) {
     let Some(memory) = config.memory.get(usize::from(index)) else { return (NAMELESS.to_owned(), Scalar::Real(value)) };
-    // The cast saturates; what it changes is no value of an integer cell.
+    // The cast saturates; values that it changes are outside of the range of an integer memory cell.
     let whole = value as i128;
     let is_whole = memory.kind != MemoryKind::F64 && (whole as f64).to_bits() == value.to_bits();
     (memory.name.clone(), if is_whole { Scalar::Whole(whole) } else { Scalar::Real(value) })
@@ -686,33 +686,33 @@ fn output(index: u16, value: f64, config: &MachineConfig) -> (String, Scalar) {
     (io.name.clone(), if is_bit { Scalar::Whole(value as i128) } else { Scalar::Real(value) })
 }
 
-/// A rate that may be left out where it asks for the default.
+/// Returns a rate; `None` if it is the default.
 fn given(value: f64, order: u8) -> Option<String> {
     (value.to_bits() != 0).then(|| rate(value, order))
 }
 
-/// A rate (inc/s^order) by the shortest decimal that reads back as the same f64.
+/// Formats a rate, in inc/s^order, as the shortest decimal that is read back as the same f64.
 pub(super) fn rate(value: f64, order: u8) -> String {
     let unit = Unit::INCREMENT.with_order(order);
     let is_handy = value == 0.0 || (1e-5..1e16).contains(&value.abs());
     if is_handy { format!("{value} {unit}") } else { format!("{value:e} {unit}") }
 }
 
-/// A position (inc) to the tenth decimal, rounded.
+/// Formats a position, in inc, rounded to the tenth decimal.
 pub(super) fn length(value: Length) -> String {
     const FRACTION_BITS: u32 = 32;
     const DECIMALS: u128 = 10_u128.pow(10);
     let raw = value.exact().raw();
     let magnitude = raw.unsigned_abs();
     let (whole, fraction) = (magnitude >> FRACTION_BITS, magnitude & ((1 << FRACTION_BITS) - 1));
-    // The largest fraction, 1 - 2^-32, has 9999999998 behind the point: no carry.
+    // The largest fraction, 1 - 2^-32, gives 9999999998 after the point: no carry.
     let decimals = (fraction * DECIMALS + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
     let sign = if raw < 0 { "-" } else { "" };
     let text = format!("{sign}{whole}.{decimals:010}");
     format!("{} inc", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
-/// Compact JSON in which what YAML does not take as it stands is escaped.
+/// Compact JSON with all characters escaped that YAML does not allow in plain form.
 struct Printable;
 
 impl Formatter for Printable {
@@ -727,7 +727,8 @@ impl Formatter for Printable {
     }
 }
 
-/// Control characters, line breaks of YAML, the byte order mark and what is no character; all of them below 2^16.
+/// Whether it is a control character, a YAML line break, the byte order mark or a noncharacter; all of them are below
+/// 2^16.
 fn is_special(c: char) -> bool {
     matches!(c, '\u{7f}'..='\u{9f}' | '\u{2028}' | '\u{2029}' | '\u{feff}' | '\u{fffe}' | '\u{ffff}')
 }

@@ -1,4 +1,4 @@
-//! Axes.
+//! Keys of axes.
 
 use super::{BOOLEAN, KIND, LIST, MAP, NAMES, NUMBER, POSITIVE, TEXT, TIME, TO_10_S, key};
 use crate::reference::Key;
@@ -73,7 +73,7 @@ pub(super) const AXES: &[Key] = &[
     key("axes.*.drives[]", MAP, ["", "", "One of the two drives, with interface position.", ""]),
 ];
 
-/// Of a drive with an analog reference.
+/// Keys of a drive with an analog reference.
 pub(super) const ANALOG: &[Key] = &[
     key(
         "axes.*.drive.reference",
@@ -135,7 +135,7 @@ pub(super) const FEEDBACK: &[Key] = &[
     ),
 ];
 
-/// Sections of parameters of an axis, and what is in them that is no parameter.
+/// Sections of parameters of an axis, and their keys that are no parameters.
 pub(super) const SECTIONS: &[Key] = &[
     key(
         "axes.*.brake",

@@ -1,10 +1,10 @@
-//! Drives, devices on CAN, and the words of encoders: keys that several mappings have.
+//! Keys of drives, devices on CAN, and formats of encoders, which several mappings have.
 
 use super::{BOOLEAN, LENGTH, LIST, MAP, NODE, OPTIONAL_TIME, POSITIVE, TEXT, TIME, U32, key};
 use crate::reference::Key;
 use crate::reference::Shape::{Boolean, Choice, Integer, Number, Quantity};
 
-/// The keys of a device on CAN in addition to `node`: of a drive, and of an entry of `nodes`.
+/// Keys of a device on CAN in addition to `node`: of a drive, and of an entry of `nodes`.
 macro_rules! device {
     ($at:literal) => {
         [
@@ -101,7 +101,7 @@ macro_rules! device {
     };
 }
 
-/// The keys of a drive on a backend: of `drive`, and of an entry of `drives`.
+/// Keys of a drive on a backend: of `drive`, and of an entry of `drives`.
 macro_rules! drive {
     ($at:literal) => {
         [
@@ -222,7 +222,7 @@ macro_rules! drive {
     };
 }
 
-/// The keys of an absolute or incremental encoder: of an entry of `encoders`, and of `feedback`.
+/// Keys of an absolute or incremental encoder: of an entry of `encoders`, and of `feedback`.
 macro_rules! form {
     ($at:literal) => {
         [

@@ -1,4 +1,4 @@
-//! Tables, programs, functions, masters and groups.
+//! Keys of tables, programs, functions, masters and groups.
 
 use super::{BOOLEAN, I32, LIST, MAP, NAMES, NUMBER, TEXT, TIME, key};
 use crate::reference::Key;

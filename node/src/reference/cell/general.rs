@@ -1,4 +1,4 @@
-//! General keys, and how the node appears in ROS 2.
+//! General keys, and keys of the ROS 2 node.
 
 use super::{BOOLEAN, FREQUENCY, LIST, MAP, RATE, TEXT, TIME, key};
 use crate::reference::Key;

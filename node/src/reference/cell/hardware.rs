@@ -1,4 +1,4 @@
-//! Backends, inputs and outputs, memory and encoders.
+//! Keys of backends, inputs and outputs, memory and encoders.
 
 use super::{
     ANY, BOOLEAN, KIND, LENGTH, LIST, MAP, NAMES, NODE, NOT_NEGATIVE, NUMBER, POSITIVE, SEED, TEXT, TIME, TO_10_S, U32,

@@ -1,4 +1,4 @@
-//! The simulation of a drive.
+//! Keys of the simulation of a drive.
 
 use super::{
     ANY, BOOLEAN, FREQUENCY, LENGTH, MAP, NOT_NEGATIVE, NUMBER, POSITIVE, SEED, TEXT, TIME, TO_10_S, TORQUE, key,
@@ -6,7 +6,7 @@ use super::{
 use crate::reference::Key;
 use crate::reference::Shape::{Choice, Quantity};
 
-/// The keys of switches and index pulses of a simulated drive: of `sim`, and of `sim.second`.
+/// Keys of switches and index pulses of a simulated drive: of `sim`, and of `sim.second`.
 macro_rules! fixtures {
     ($at:literal) => {
         [
@@ -100,7 +100,7 @@ macro_rules! fixtures {
     };
 }
 
-/// Of a simulated drive: its model.
+/// Keys of the model of a simulated drive.
 pub(super) const SIM: &[Key] = &[
     key(
         "axes.*.sim",

@@ -1,5 +1,5 @@
-//! Files with the keys that no example file has. Their problems do not matter: a reader notes what it takes a value for before it
-//! refuses the value.
+//! Files with the keys that no example file has. Their problems do not matter: a reader records the expected kind of a
+//! value before it refuses the value.
 
 /// Cells.
 pub(super) const CELLS: &[&str] = &[CAN, PLANT];

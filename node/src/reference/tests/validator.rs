@@ -1,9 +1,9 @@
-//! As much of JSON Schema, draft-07, as our schemas use.
+//! Validates a value with the parts of JSON Schema, draft-07, that the schemas of this program use.
 
 use crate::reference::schema::{NUMBER, QUANTITY, WHOLE};
 use serde_json::Value;
 
-/// Returns each mismatch with its place.
+/// Returns each mismatch with its location.
 pub(super) fn problems(value: &Value, schema: &Value) -> Vec<String> {
     let mut problems = Vec::new();
     check(value, schema, schema, "", &mut problems);
@@ -91,12 +91,12 @@ fn is_of(value: &Value, kind: &Value) -> bool {
     }
 }
 
-/// Returns true if a value is no number, too.
+/// Returns true also if a value is no number.
 fn is_ordered(low: &Value, high: &Value) -> bool {
     low.as_f64().zip(high.as_f64()).is_none_or(|(low, high)| low <= high)
 }
 
-/// The patterns, without an engine for all others.
+/// Matches the patterns in use, without a general regex engine.
 fn fits(text: &str, pattern: &str) -> bool {
     let number = |text: &str| {
         let rest = text.strip_prefix(['-', '+']).unwrap_or(text);

@@ -1,4 +1,4 @@
-//! No clock is set here: a clock that shows a wrong time has to follow by as much as one that is set.
+//! Tests the clock without setting it: the base of the stamps is wrong instead, which needs the same correction.
 
 use super::*;
 use crate::cell::Cell;
@@ -32,8 +32,8 @@ fn more_than_50_ms_is_a_step_and_less_is_followed_by_a_twentieth_of_the_time() {
 }
 
 proptest! {
-    /// A host that NTP slews (500 ppm is the most that the kernel does), read with errors: stamps follow it within a millisecond, and
-    /// nobody reports a step.
+    /// A host clock that NTP slews (at most 500 ppm in the kernel), read with errors: stamps follow it within a
+    /// millisecond, and no step is reported.
     #[test]
     fn slewing_is_followed_without_a_step(
         ppm in -500_i64..=500,
@@ -52,7 +52,8 @@ proptest! {
         }
     }
 
-    /// Whatever happens to the clock: log times go on by a cycle each, give or take 1/16, and stamps differ from them by the steps alone.
+    /// For any changes of the clock, log times grow by one cycle per cycle, within 1/16, and stamps differ from them
+    /// only by the steps.
     #[test]
     fn log_times_grow_with_each_cycle_and_stamps_step(
         cycle_ns in prop::sample::select(vec![50_000_u64, 125_000, 1_000_000, 20_000_000]),
@@ -90,12 +91,12 @@ fn cycles_catch_up_with_a_slewed_clock() {
         cycles.at(deadline, MS.unsigned_abs()).log_ns.cast_signed() - (1000 * HOUR - MS + deadline.cast_signed())
     };
     assert_eq!([1, 2, 3].map(|cycle| behind(cycle, &mut cycles)), [937_500, 875_000, 812_500]);
-    // 16 of them.
+    // The correction takes 16 cycles.
     assert_eq!((4..=16).map(|cycle| behind(cycle, &mut cycles)).min(), Some(0));
     assert_eq!(behind(17, &mut cycles), 0);
 }
 
-/// A clock that shows a time that is wrong by `wrong_ns`, and the machine to which it is reported.
+/// A clock that is wrong by `wrong_ns`, and the machine to which it is reported.
 struct Rig {
     watch: ClockWatch,
     clock: HostClock,
@@ -114,7 +115,7 @@ impl Rig {
         Self { watch: ClockWatch::new(clock.clone()), clock, handle, lanes }
     }
 
-    /// Looks until something holds, and says how long that took.
+    /// Watches until a condition is true; returns the time that this took.
     fn until(&mut self, holds: impl Fn(&mut Self) -> bool) -> Duration {
         let start = Instant::now();
         while !holds(self) {
@@ -130,14 +131,14 @@ impl Rig {
         (shown - SystemOffset::read().ns).abs() < 50 * MS
     }
 
-    /// The commands that the machine was given since the last call.
+    /// Returns the commands submitted to the machine since the last call.
     fn given(&mut self) -> Vec<Command> {
         self.lanes.take();
         self.lanes.drain().1.collect()
     }
 }
 
-/// The step, once it was submitted (ns), and its command.
+/// Returns the step in ns, once it was submitted, and its command number.
 fn noted(rig: &mut Rig) -> (i64, u64) {
     rig.until(|rig| !rig.lanes.are_empty());
     let given = rig.given();
@@ -190,7 +191,7 @@ fn without_cycles_a_step_is_followed_and_no_command_is_given() {
 fn small_difference_is_followed_without_an_event() {
     let mut rig = Rig::new(20 * MS);
     let looked = rig.until(|rig| (rig.clock.base_ns() - SystemOffset::read().ns).abs() < 2 * MS);
-    // 18 ms of 20 at most, at 1/20 of the time that passes.
+    // 18 of 20 ms at most, at 1/20 of the elapsed time.
     assert!(looked >= Duration::from_millis(18 * 20 - 50), "{looked:?}");
     assert_eq!((rig.clock.steps_ns(), rig.given().len()), (0, 0));
 }

@@ -1,4 +1,4 @@
-//! Where the bags of the flight recorder go: a folder that holds a few of them, the oldest making room for the newest.
+//! Folder for bags of the flight recorder: it keeps a limited number and removes the oldest ones.
 
 use super::super::decoder::Decoder;
 use super::Kept;
@@ -9,18 +9,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fmt, io};
 
-/// How the name of every bag begins.
+/// Prefix of the name of every bag.
 const PREFIX: &str = "flight_";
 
-/// Most nodes of one name that find a folder of their own.
+/// Maximum number of nodes with the same name that get their own folder.
 const MOST_NODES: u32 = 100;
 
-/// A folder of saved bags, for one node alone.
+/// A folder of saved bags, for one node only.
 #[derive(Clone, Debug)]
 pub struct FlightFolder {
     folder: PathBuf,
     keep: usize,
-    /// Held while the node runs; the system lets go of it when the process ends, however it ends.
+    /// Held while the node runs; the operating system releases it when the process ends in any way.
     _lock: Arc<File>,
 }
 
@@ -31,18 +31,18 @@ impl fmt::Display for FlightFolder {
 }
 
 impl FlightFolder {
-    /// A folder that holds at most `keep` bags, at least 1. It is made where it does not exist.
+    /// Creates a folder, if necessary, that keeps at most `keep` bags, at least 1.
     ///
     /// # Errors
-    /// The folder cannot be made, nothing can be made in it, or another node uses it.
+    /// Returns an error if the folder cannot be created or written, or if another node uses it.
     pub fn create(folder: PathBuf, keep: usize) -> Result<Self, BagError> {
         let failed = |path: &Path, error| BagError::Write { path: path.to_owned(), error };
         fs::create_dir_all(&folder).map_err(|error| failed(&folder, error))?;
-        // What the rights and the file system allow shows only when something is made.
+        // Permissions and limits of the file system are only known after a write.
         let trial = folder.join(format!(".trial_{}", std::process::id()));
         let made = fs::create_dir(&trial).and_then(|()| fs::remove_dir(&trial));
         made.map_err(|error| failed(&trial, error))?;
-        // The lock of the folder itself; the store of parameters beside the bags has a lock of its own.
+        // The lock of the folder itself; the store of parameters in it has its own lock.
         let lock = File::open(&folder).map_err(|error| failed(&folder, error))?;
         match lock.try_lock() {
             Ok(()) => Ok(Self { folder, keep: keep.max(1), _lock: Arc::new(lock) }),
@@ -53,10 +53,10 @@ impl FlightFolder {
         }
     }
 
-    /// The same, with `_2`, `_3` .. behind the name where other nodes have it.
+    /// Does the same, with `_2`, `_3`, ... appended to the name if other nodes use it.
     ///
     /// # Errors
-    /// No such folder can be made.
+    /// Returns an error if no such folder can be created.
     pub fn create_beside(folder: &Path, keep: usize) -> Result<Self, BagError> {
         let mut created = Self::create(folder.to_owned(), keep);
         for number in 2..MOST_NODES {
@@ -70,16 +70,16 @@ impl FlightFolder {
         created
     }
 
-    /// Saves cycles as a bag; then the oldest bags go, beyond as many as are kept.
+    /// Saves cycles as a bag, then removes the oldest bags beyond the maximum number.
     ///
     /// # Errors
-    /// The folder or the bag cannot be written, or there is nothing to save.
+    /// Returns an error if the folder or the bag cannot be written, or if there is nothing to save.
     pub fn save(&self, kept: &Kept, decoder: &mut Decoder, subject: &Subject) -> Result<Summary, BagError> {
         let Some((cycle, stamp_ns)) = kept.newest() else {
             let sentence = "the flight recorder has kept no cycle yet that a bag can begin with";
             return Err(BagError::Refused(sentence.to_owned()));
         };
-        // Somebody may have taken it away meanwhile.
+        // The folder may have been deleted.
         let folder = &self.folder;
         fs::create_dir_all(folder).map_err(|error| BagError::Write { path: folder.clone(), error })?;
         let name = format!("{PREFIX}{}_{:012}", date_and_time(stamp_ns), cycle);
@@ -93,7 +93,7 @@ impl FlightFolder {
         Ok(summary)
     }
 
-    /// Removes the oldest bags; `newest` stays, whatever its time.
+    /// Removes the oldest bags; `newest` is kept whatever its time is.
     fn remove_oldest(&self, newest: &Path) -> io::Result<()> {
         let mut bags: Vec<PathBuf> = Vec::new();
         for entry in fs::read_dir(&self.folder)? {
@@ -103,14 +103,15 @@ impl FlightFolder {
                 bags.push(entry.path());
             }
         }
-        // Names sort by time.
+        // The order of names is that of the times.
         bags.sort_unstable();
         let surplus = (bags.len() + 1).saturating_sub(self.keep);
         bags.iter().take(surplus).try_for_each(fs::remove_dir_all)
     }
 }
 
-/// Is it the name of a bag of the flight recorder, such as `flight_20261121_152804_000000048211`? Nothing else is ever removed.
+/// Whether it is the name of a bag of the flight recorder, such as `flight_20261121_152804_000000048211`. No other file
+/// is ever removed.
 fn is_bag(name: &str) -> bool {
     let Some(rest) = name.strip_prefix(PREFIX) else { return false };
     let lengths: Vec<usize> = rest.split('_').map(str::len).collect();

@@ -1,8 +1,9 @@
-//! The flight recorder: the last seconds of every cycle, kept in memory, saved as a bag after a fault or when asked.
+//! Flight recorder: keeps the last seconds of every cycle in memory and saves them as a bag after a fault or on
+//! request.
 //!
-//! A bag begins at a key cycle whose state is known, so that it replays. After a fault the recorder waits a little, to have
-//! the reaction in the bag too. Faults that follow while it waits are in the same bag; the next bag begins to be saved
-//! no sooner than its cycles follow those of the last one, so that a storm of faults neither floods the disk nor loses one.
+//! A bag begins at a key cycle with a known state, so that it can be replayed. After a fault the recorder waits for a
+//! short time, so that the bag contains the reaction too. Faults during that time are in the same bag. The next bag is
+//! saved only when its cycles follow those of the last one, so that many faults neither fill the disk nor lose a cycle.
 
 pub mod folder;
 
@@ -12,9 +13,9 @@ use crate::recording::{CycleTime, Encoded};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// How long it goes on after a fault (ns).
+/// Time after a fault before it is saved, in ns.
 const AFTERMATH_NS: u64 = 1_000_000_000;
-/// Memory that it may take (bytes): with very many moving axes it keeps less than its length.
+/// Maximum memory, in bytes; with very many moving axes less than the given length is kept.
 const MOST_BYTES: usize = 512 << 20;
 
 /// The last seconds of a run.
@@ -24,24 +25,24 @@ pub struct Flight {
     segments: VecDeque<Arc<Segment>>,
     newest_ns: u64,
     bytes: usize,
-    /// Whether a line has said that less than the length is kept.
+    /// Whether the log has reported that less than the given length is kept.
     was_told: bool,
-    /// When to save, because of a fault.
+    /// Time to save because of a fault.
     due_ns: Option<u64>,
-    /// The newest cycle that was saved after a fault (ns).
+    /// Newest cycle saved after a fault, in ns.
     saved_ns: Option<u64>,
 }
 
-/// Cycles from one that a bag may begin with up to the next one, packed.
+/// Packed cycles from one with which a bag may begin up to the next such cycle.
 #[derive(Clone, Debug, Default)]
 struct Segment {
     cycles: Vec<Packed>,
     bytes: Vec<u8>,
-    /// Of the cycles that have any.
+    /// Extras of the cycles that have any.
     extras: Vec<(u64, Extras)>,
-    /// The state of the machine before the first cycle, serialized; none before cycle 0.
+    /// Serialized state of the machine before the first cycle; `None` before cycle 0.
     state: Option<Vec<u8>>,
-    /// Memory that all but `cycles` and `bytes` takes (bytes).
+    /// Memory of everything except `cycles` and `bytes`, in bytes.
     memory: usize,
 }
 
@@ -65,7 +66,7 @@ impl Segment {
             self.extras.push((head.cycle, extras));
         }
         if let Some(state) = &head.state {
-            // Nothing in a state has no serialized form; without one no bag would begin here.
+            // Every state can be serialized; without one, no bag would begin here.
             self.state = postcard::to_allocvec(state).ok();
             self.memory += self.state.as_ref().map_or(0, Vec::len);
         }
@@ -93,28 +94,28 @@ impl Segment {
     }
 }
 
-/// The cycles that the flight recorder had at one moment.
+/// The cycles of the flight recorder at one time.
 #[derive(Debug, Default)]
 pub struct Kept(Vec<Arc<Segment>>);
 
 impl Kept {
-    /// Number and system time (ns) of the newest cycle; nothing without one.
+    /// Returns number and system time, in ns, of the newest cycle; `None` without a cycle.
     pub fn newest(&self) -> Option<(u64, u64)> {
         let newest = self.0.iter().rev().find_map(|segment| segment.cycles.last())?;
         Some((newest.cycle, newest.time.stamp_ns))
     }
 
-    /// Gives the messages of each cycle, until `each` fails.
+    /// Passes the messages of each cycle to `each`, until it fails.
     ///
     /// # Errors
-    /// Those of `each`.
+    /// Returns the error of `each`.
     pub fn decode<E>(&self, decoder: &mut Decoder, mut each: impl FnMut(&Encoded) -> Result<(), E>) -> Result<(), E> {
         self.0.iter().try_for_each(|segment| segment.decode(decoder, &mut each))
     }
 }
 
 impl Flight {
-    /// Keeps `length_ns` at least, and up to a second more.
+    /// Creates a recorder that keeps at least `length_ns`, and up to one second more.
     pub fn new(length_ns: u64) -> Self {
         Self {
             length_ns,
@@ -127,15 +128,16 @@ impl Flight {
         }
     }
 
-    /// Takes a cycle, and its extras out of `taken`; `is_fault`: it has an error. Returns true when it is time to save.
+    /// Adds a cycle and moves its extras out of `taken`; `is_fault`: it has an error. Returns true when it is time to
+    /// save.
     pub fn push(&mut self, head: &Head, taken: &mut Taken, is_fault: bool) -> bool {
         self.newest_ns = head.time.log_ns;
         if head.can_begin() {
             self.segments.push_back(Arc::default());
         }
-        // Before the first cycle that a bag may begin with there is nothing to keep.
+        // Cycles before the first one with which a bag may begin are not kept.
         let Some(segment) = self.segments.back_mut() else { return false };
-        // A bag that is being saved has a segment of its own.
+        // A bag that is being saved keeps its own copy of a segment.
         let segment = Arc::make_mut(segment);
         self.bytes -= segment.memory();
         segment.push(head, taken);
@@ -149,7 +151,8 @@ impl Flight {
         self.due_ns.is_some_and(|due| head.time.log_ns >= due)
     }
 
-    /// Lets go of the segments that lie wholly before the last seconds, and of the oldest where they take too much memory.
+    /// Removes the segments that are completely before the last seconds, and the oldest ones if they use too much
+    /// memory.
     fn forget(&mut self) {
         let oldest = self.newest_ns.saturating_sub(self.length_ns);
         while let Some(next) = self.segments.get(1).and_then(|next| next.cycles.first()) {
@@ -169,17 +172,17 @@ impl Flight {
         }
     }
 
-    /// A fault waits to be saved.
+    /// Whether a fault is to be saved.
     pub fn is_due(&self) -> bool {
         self.due_ns.is_some()
     }
 
-    /// The cycles so far, for a bag.
+    /// Returns the cycles so far, for a bag.
     pub fn cycles(&self) -> Kept {
         Kept(self.segments.iter().map(Arc::clone).collect())
     }
 
-    /// The cycles so far, for the bag that is due.
+    /// Returns the cycles so far, for the bag that is due.
     pub fn freeze(&mut self) -> Kept {
         self.due_ns = None;
         self.saved_ns = Some(self.newest_ns);
@@ -195,7 +198,7 @@ mod tests {
 
     const SECOND: u64 = 1_000_000_000;
 
-    /// Takes a cycle of 100 ms; every tenth has a state.
+    /// Adds a cycle of 100 ms; every tenth has a state.
     fn push(flight: &mut Flight, cycle: u64, is_fault: bool) -> bool {
         let is_key = cycle.is_multiple_of(10);
         let state = is_key.then(|| Box::new(Machine::new(Cell::demo().machine).unwrap().state().clone()));
@@ -240,7 +243,7 @@ mod tests {
         (0..100).for_each(|number| assert!(!push(&mut flight, number, false)));
         let saved = (100..200).find(|&number| push(&mut flight, number, number == 105)).unwrap();
         assert_eq!(saved, 115);
-        // Who looks meanwhile takes nothing of it away.
+        // Reading the cycles in between changes nothing.
         assert!(flight.is_due());
         let (first, last) = kept(&flight);
         assert!(first <= 105 - 20 && last == 115, "{first}..{last}");

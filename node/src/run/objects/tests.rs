@@ -3,7 +3,7 @@ use crate::cell::Cell;
 use lineshaft_can::master::{CanService, MOST_WAITING};
 use std::path::Path;
 
-/// The desk of launch-configs/can/mixed.yaml, whose bus nobody serves: x is node 1, y node 2, z is simulated.
+/// Returns the access to launch-configs/can/mixed.yaml, whose bus is not served: x is node 1, y node 2, z is simulated.
 fn desk() -> (ObjectDesk, CanService) {
     desk_of("mixed.yaml")
 }
@@ -17,7 +17,7 @@ fn desk_of(name: &str) -> (ObjectDesk, CanService) {
     (ObjectDesk::new(Vec::new()).with_bus(&bus, service.objects(), sheets), service)
 }
 
-/// `axis backend node object type`, `-` for an empty text.
+/// Parses `axis backend node object type`; `-` is an empty text.
 fn request(words: &str, value: &str) -> SdoWriteRequest {
     let words: Vec<_> = words.split(' ').map(|word| if word == "-" { "" } else { word }).collect();
     let [axis, backend, node, object, kind] = words[..] else { panic!("{words:?}") };
@@ -106,7 +106,7 @@ fn what_is_wrong_with_a_request_is_said_before_a_device_is_asked() {
     for (said, expected) in refused {
         assert_eq!(said, expected);
     }
-    // None of them stands in the line of the bus.
+    // None of the refused requests was queued.
     for _ in 0..MOST_WAITING {
         assert!(desk.read(&read("- bus0 9 6064 i32")).is_ok());
     }
@@ -141,7 +141,8 @@ fn who_waits_for_too_long_is_told_so_and_a_bus_that_ends_answers() {
     assert_eq!(gone.as_deref(), Some("bus0: node 1 (x): the bus is closed"));
 }
 
-/// Outputs of a module are those of the cell, whatever its state; of other objects of it nobody else writes what the cell does not say.
+/// Outputs of a module belong to the cell in every state; its other objects may be written if the cell does not set
+/// them.
 #[test]
 fn outputs_of_a_module_are_not_for_the_service() {
     let (desk, _service) = desk_of("terminals.yaml");

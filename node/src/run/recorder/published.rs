@@ -1,10 +1,10 @@
-//! What the node publishes, on its way into the bag.
+//! Passes messages that the node publishes into the bag.
 //!
-//! Law      a message is written with the cycle that it came before, by the system time of both; a bag that begins later
-//!          begins with the latched messages so far; a bag ends with the messages after its last cycle
+//! Law      a message is written with the next cycle by system time; a bag that begins later starts with the latched
+//!          messages so far; a bag ends with the messages after its last cycle
 //!
-//! While there is no bag, only the messages of latched topics come here. No publisher waits for this. A message without room
-//! is left out and counted, and a line of the log says so.
+//! Without a bag, only messages of latched topics are received. No publisher waits. A message without room is dropped
+//! and counted, and logged.
 
 use crate::recording::Encoded;
 use crate::recording::bag::Retained;
@@ -13,39 +13,42 @@ use std::collections::VecDeque;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
-/// Messages that may wait for their cycle, while none runs for instance; the oldest ones are left out then.
+/// Maximum number of messages that wait for their cycle, for example while no cycle runs; the oldest ones are then
+/// dropped.
 const MOST_WAITING: usize = 4096;
-/// A message that is later than its cycle by more than this (ns) is of a system clock that was set: it waits no longer.
+/// Maximum time, in ns, by which a message may be later than its cycle; a larger difference is due to a step of the
+/// system clock, and the message waits no longer.
 const LATEST_NS: u64 = 1_000_000_000;
-/// Least time between two lines about messages that are missing.
+/// Minimum time between two log lines about missing messages.
 const SECOND: Duration = Duration::from_secs(1);
 
-/// The messages that a node publishes, for the recorder.
+/// Messages that a node publishes, for the recorder.
 pub struct Published {
     tap: Tap,
     copies: Receiver<TappedMessage>,
     retained: Retained,
     waiting: VecDeque<TappedMessage>,
-    /// Messages that had no room, here or in the bag.
+    /// Number of messages that were dropped, here or in the bag.
     left_out: u64,
-    /// Missing messages that were told.
+    /// Number of missing messages that were logged.
     told: u64,
     told_at: Option<Instant>,
 }
 
 impl Published {
-    /// For the topics that the tap has so far.
+    /// Creates a receiver for the current topics of the tap.
     pub fn new(tap: Tap, copies: Receiver<TappedMessage>) -> Self {
         let retained = Retained::new(&tap.topics());
         Self { tap, copies, retained, waiting: VecDeque::new(), left_out: 0, told: 0, told_at: None }
     }
 
-    /// Has all messages copied from now on.
+    /// Enables the copies of all messages.
     pub(super) fn open(&self) {
         self.tap.set_open(true);
     }
 
-    /// Takes what has come. Only while a bag `is_wanted`, which is written or about to begin, it waits for its cycle.
+    /// Receives pending messages. They wait for their cycle only if a bag `is_wanted`, that is, being written or about
+    /// to begin.
     pub(super) fn hear(&mut self, is_wanted: bool) {
         self.tap.set_open(is_wanted);
         if !is_wanted {
@@ -82,7 +85,7 @@ impl Published {
         self.retained.messages().for_each(|(topic, message)| cycle.add_published(topic, message));
     }
 
-    /// Adds the messages that came before this cycle.
+    /// Adds the messages before this cycle to it.
     pub(super) fn add_to(&mut self, cycle: &mut Encoded) {
         let now_ns = cycle.time.stamp_ns;
         self.take_waiting(
@@ -91,17 +94,17 @@ impl Published {
         );
     }
 
-    /// Counts the messages of a cycle that found no room in its bag.
+    /// Counts the messages of a cycle for which the bag had no room.
     pub(super) fn leave_out(&mut self, cycle: &Encoded) {
         self.left_out += cycle.published().count() as u64;
     }
 
-    /// Passes a cycle that is in no bag: the messages that came before it are in none either.
+    /// Skips a cycle that is in no bag; the messages before it are in none either.
     pub(super) fn skip(&mut self, now_ns: u64) {
         self.take_waiting(|message| is_due(message, now_ns), |_| {});
     }
 
-    /// Takes the messages after the last cycle of a bag.
+    /// Returns the messages after the last cycle of a bag.
     pub(super) fn take_rest(&mut self) -> Vec<TappedMessage> {
         self.hear(true);
         let mut rest = Vec::new();
@@ -109,7 +112,7 @@ impl Published {
         rest
     }
 
-    /// Takes messages from the oldest one on while one `is_due`; those of latched topics are retained.
+    /// Takes messages from the oldest one on while `is_due` is true; those of latched topics are retained.
     fn take_waiting(&mut self, is_due: impl Fn(&TappedMessage) -> bool, mut take: impl FnMut(&TappedMessage)) {
         while self.waiting.front().is_some_and(&is_due)
             && let Some(message) = self.waiting.pop_front()
@@ -120,7 +123,7 @@ impl Published {
     }
 }
 
-/// Whether a message came before a cycle at that system time (ns).
+/// Whether a message is before a cycle at that system time, in ns.
 fn is_due(message: &TappedMessage, now_ns: u64) -> bool {
     message.published_ns <= now_ns || message.published_ns - now_ns > LATEST_NS
 }
@@ -152,7 +155,7 @@ mod tests {
             published.add_to(&mut cycle);
             cycle.size()
         });
-        // The last one is of a clock that was set, and does not hold up what comes after it.
+        // The last one has the time before a step of the clock, and does not delay those after it.
         assert_eq!(sizes, [0, 4, 8]);
         assert!(published.waiting.is_empty());
         published.waiting.push_back(message(1));
@@ -186,8 +189,8 @@ mod tests {
         assert!(!tap.is_open());
     }
 
-    /// Of messages at 5, 20 and 30 ns and a bag that begins with the cycle at 10 ns, the first one is in the bag only as a
-    /// retained one, and each only once.
+    /// Messages at 5, 20 and 30 ns, and a bag that begins with the cycle at 10 ns: the first message is in the bag only
+    /// as a retained one, and each only once.
     #[test]
     fn messages_around_the_first_cycle_are_written_once() {
         let name = NodeName::new("/", "n").unwrap().expand("~/errors").unwrap();

@@ -1,4 +1,4 @@
-//! Requests of `~/record`.
+//! Handles requests of `~/record`.
 
 use super::super::flight::Kept;
 use super::super::spawn;
@@ -9,10 +9,11 @@ use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// What the longest time of a file of a bag may be, in words.
+/// Permitted durations of a file of a bag, as text.
 pub const BAG_DURATIONS: &str = "0 or 1 to 31536000 s";
 
-/// May a file of a bag last that long (s)? It ends before a key cycle, and those are a second apart; a year is the most.
+/// Whether a file of a bag may have that duration, in s. It ends before a key cycle, and those are one second apart;
+/// the maximum is one year.
 pub fn is_bag_duration(seconds: f64) -> bool {
     seconds == 0.0 || (1.0..=31_536_000.0).contains(&seconds)
 }
@@ -38,11 +39,11 @@ impl Recorder {
             },
             other => self.refused(format!("command is {other}; 0 STATUS, 1 START, 2 STOP, 3 SAVE are allowed")),
         };
-        // Whoever asked may have gone.
+        // The caller may have gone.
         let _ = answer.send(response);
     }
 
-    /// Ends what is recorded; the answer back where there is nothing to end.
+    /// Ends the recording; returns the answer if there is nothing to end.
     fn stop(&mut self, answer: Answer) -> Option<(Answer, RecordResponse)> {
         if let Some(writer) = self.take_writer() {
             self.ending.push(spawn("bag end", move || {
@@ -60,7 +61,7 @@ impl Recorder {
         Some((answer, self.done(message)))
     }
 
-    /// What the flight recorder holds, if it can be saved now.
+    /// Returns the content of the flight recorder, if it can be saved now.
     fn kept(&self) -> Result<Kept, &'static str> {
         match (&self.flight, &self.saving) {
             (None, _) => Err("the flight recorder is off"),
@@ -69,7 +70,7 @@ impl Recorder {
         }
     }
 
-    /// The bag that is being written, or was written last.
+    /// Returns the status of the current or last bag.
     fn status(&self) -> RecordResponse {
         let Some(writer) = &self.writer else { return self.last.clone() };
         RecordResponse {
@@ -99,7 +100,7 @@ impl Recorder {
         RecordResponse { success: false, message, ..self.status() }
     }
 
-    /// What to record, if it may begin.
+    /// Returns the options of the recording, if it may begin.
     fn options(&self, request: &RecordRequest) -> Result<BagOptions, String> {
         if let Some(writer) = &self.writer {
             return Err(format!("{} is being recorded already", writer.path));
@@ -116,9 +117,9 @@ impl Recorder {
     }
 }
 
-/// A folder of this moment's name that does not exist yet.
+/// Returns a path with the current time as name that does not exist yet.
 fn free_path() -> PathBuf {
-    // The cast ends in the year 2554; a clock before 1970 gives 1970.
+    // The cast is valid until the year 2554; a clock before 1970 gives 1970.
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |now| now.as_nanos() as u64);
     let name = format!("lineshaft_{}", date_and_time(now));
     let names = std::iter::once(name.clone()).chain((2..).map(|number| format!("{name}_{number}")));

@@ -1,4 +1,4 @@
-//! The recorder on a machine without a clock: what it loses, and what it says of it.
+//! Tests the recorder on a machine without a clock: lost cycles and reports.
 
 use super::*;
 use crate::cell::Cell;
@@ -17,14 +17,14 @@ use lineshaft_msgs::msg::AxisStates;
 use std::path::Path;
 use std::sync::mpsc::{Sender, channel};
 
-/// A machine that stands, its recorder, and all ways between them.
+/// A machine at standstill, its recorder, and all connections between them.
 struct Rig {
     machine: Machine,
     sender: FrameSender,
     recorder: Recorder,
     lanes: Lanes,
     ask: Sender<Asked>,
-    /// How far stamps are ahead of log times from a cycle on (ns).
+    /// Time by which stamps are ahead of log times from a cycle on, in ns.
     ahead: Vec<(u64, i64)>,
     _folder: tempfile::TempDir,
 }
@@ -72,19 +72,19 @@ impl Rig {
         }
     }
 
-    /// When a cycle was.
+    /// Returns the time of a cycle.
     fn time(&self, cycle: u64) -> CycleTime {
         let log_ns = 1_700_000_000_000_000_000 + cycle * 1_000_000;
         let ahead = self.ahead.iter().rev().find(|(from, _)| *from <= cycle).map_or(0, |(_, ahead)| *ahead);
         CycleTime { log_ns, stamp_ns: log_ns.strict_add_signed(ahead) }
     }
 
-    /// Lets the recorder take all that there is.
+    /// Makes the recorder receive all pending cycles.
     fn look(&mut self) {
         while self.recorder.look() {}
     }
 
-    /// What the recorder told the machine.
+    /// Returns the notes that the recorder sent to the machine.
     fn notes(&mut self) -> Vec<(Code, i64)> {
         self.lanes.take();
         let note = |command: lineshaft_core::command::Command| match command.action {
@@ -101,7 +101,7 @@ impl Rig {
         answered
     }
 
-    /// Looks until a bag that is being ended or saved is done.
+    /// Runs the recorder until a bag that is being finished or saved is done.
     fn wait(&mut self, mut answered: oneshot::Receiver<RecordResponse>) -> RecordResponse {
         loop {
             self.recorder.look();
@@ -197,7 +197,7 @@ fn bad_requests_are_refused_with_a_sentence_and_change_nothing() {
         assert!(response.recording);
     }
     let mut rig = Rig::new(false, None);
-    // A file begins at a key cycle, of which there is one a second.
+    // A file begins at a key cycle, of which there is one per second.
     for duration in [-1.0, 0.5, f64::NAN, f64::INFINITY, 4e7] {
         let response = rig.asks(bad(duration)).try_recv().unwrap();
         let sentence = format!("max_bag_duration is {duration} s; 0 or 1 to 31536000 s is allowed");
@@ -225,7 +225,7 @@ fn the_flight_recorder_saves_on_request_and_keeps_no_more_than_it_may() {
     assert_eq!(verdict(&paths[3]), Verdict::Same);
 }
 
-/// Log time, stamp and cycle of each message of axis_states.
+/// Returns log time, stamp and cycle of each message of axis_states.
 fn states(path: &Path) -> Vec<(u64, u64, u64)> {
     let (mut run, mut states) = (Run::open(path).unwrap(), Vec::new());
     while let Some(message) = run.next_message().unwrap() {
@@ -237,8 +237,8 @@ fn states(path: &Path) -> Vec<(u64, u64, u64)> {
     states
 }
 
-/// An hour back after 0.9 s and ten hours forward after 3.2 s, in bags of files of 2 s: log times go on by a cycle in each cycle, stamps step,
-/// and every bag and file replays.
+/// One hour back after 0.9 s and ten hours forward after 3.2 s, in bags with files of 2 s: log times grow by one cycle
+/// per cycle, stamps have steps, and every bag and file can be replayed.
 #[test]
 fn bags_keep_steady_log_times_where_the_system_clock_is_set() {
     const HOUR: i64 = 3_600_000_000_000;
@@ -266,11 +266,11 @@ fn bags_keep_steady_log_times_where_the_system_clock_is_set() {
         assert_eq!((log_ns, stamp_ns), (time.log_ns, time.stamp_ns), "{cycle}");
     }
     assert_eq!(verdict(&path), Verdict::Same);
-    // A comparison goes by log times: no gap, nothing that goes back.
+    // A comparison uses log times: there is no gap, and no time decreases.
     let open = || Run::open(&path).unwrap();
     let report = validate(&mut open(), &mut open(), &[], Align::Start).unwrap();
     assert!(report.passed(), "{report}");
-    // Each begins with the stamps that it has; without steps before it no file says so.
+    // Each file begins with its own stamps; without steps before it no file has the key.
     for (file, ahead) in [("bag_0.mcap", None), ("bag_1.mcap", Some(-HOUR)), ("bag_2.mcap", Some(9 * HOUR))] {
         let file = path.join(file);
         assert_eq!(verdict(&file), Verdict::Same, "{}", file.display());
@@ -286,7 +286,7 @@ fn bags_keep_steady_log_times_where_the_system_clock_is_set() {
     assert!(saved.file_name().unwrap().to_str().unwrap().starts_with("flight_20231115_071"), "{}", saved.display());
 }
 
-/// What a step does not explain is a difference: a stamp that is off by less, or one of two stamps in a cycle.
+/// Stamps that a step does not explain are a difference: a stamp with a smaller error, or one of two stamps in a cycle.
 #[test]
 fn other_stamps_than_those_of_the_cycle_are_a_difference() {
     let mut rig = Rig::new(true, None);

@@ -1,18 +1,18 @@
-//! Ramps that drive a signal: exact fractions, with an end or as a counter that wraps.
+//! Ramps that drive a signal: exact fractions, with an end or as a wrapping counter.
 
 use super::{ALL_WHOLE, EXACT, Number, Ruler, Type, Value};
 use lineshaft_core::unit::{Fraction, fraction_from_f64, fraction_to_f64};
 use num_traits::{CheckedDiv, CheckedSub, ToPrimitive};
 
-/// (start + n step) / denominator; the sums of a whole scenario fit.
+/// (start + n step) / denominator; no sum of the scenario overflows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ramp {
     pub(super) start: i128,
     pub(super) step: i128,
     pub(super) denominator: i128,
-    /// The first n at which the end is reached, and the end.
+    /// First n at which the end is reached, and the value at the end.
     pub(super) end: Option<(u64, Number)>,
-    /// Bits that the signal gets of it; all of them without.
+    /// Number of bits that the signal gets; `None` for all bits.
     pub(super) wrap: Option<u32>,
     pub(super) is_real: bool,
 }
@@ -33,9 +33,10 @@ impl Ramp {
         (self.start + self.step * i128::from(n)).div_euclid(self.denominator)
     }
 
-    /// Returns the range in which an f64 holds each value: +-2^53, times the largest power of 2 of which all values are multiples.
+    /// Returns the range in which an f64 represents each value exactly: +-2^53, times the largest power of 2 that
+    /// divides all values.
     pub(super) fn exact_range(&self) -> (i64, i64) {
-        // With 2^10 the 53 bits of an f64 reach as far as 64 bits do.
+        // With 2^10, the 53 bits of an f64 cover 64 bits.
         const MOST_ZEROS: u32 = 10;
         let zeros = if self.denominator == 1 {
             self.start.trailing_zeros().min(self.step.trailing_zeros()).min(MOST_ZEROS)
@@ -48,7 +49,7 @@ impl Ramp {
         }
     }
 
-    /// Returns the first n up to `last` at which the floor is beyond a range.
+    /// Returns the first n up to `last` at which the floor is outside of a range.
     pub(super) fn first_beyond(&self, last: u64, (low, high): (i64, i64)) -> Option<u64> {
         let is_inside = |n| (i128::from(low)..=i128::from(high)).contains(&self.floor(n));
         if !is_inside(0) {
@@ -57,7 +58,7 @@ impl Ramp {
         if is_inside(last) {
             return None;
         }
-        // A ramp that has left does not come back.
+        // A ramp that has left the range does not return.
         let (mut inside, mut beyond) = (0, last);
         while beyond - inside > 1 {
             let middle = inside + (beyond - inside) / 2;
@@ -71,12 +72,12 @@ impl Ramp {
     }
 }
 
-/// The low bits of a whole number as a signed one. Without `bits` the number fits, which was checked.
+/// Returns the lower bits of an integer as a signed number. Without `bits` the number is in range, which was checked.
 pub(super) fn wrapped(value: i128, bits: Option<u32>) -> i64 {
     let value = match bits {
         None => value,
         Some(bits) => {
-            // 2^128, by which the sum may wrap, is a multiple of the counter's range.
+            // If the sum wraps, it does so by 2^128, a multiple of the range of the counter.
             let half = 1_i128 << (bits - 1);
             value.wrapping_add(half).rem_euclid(2 * half) - half
         }
@@ -84,13 +85,13 @@ pub(super) fn wrapped(value: i128, bits: Option<u32>) -> i64 {
     value.clamp(i64::MIN.into(), i64::MAX.into()) as i64
 }
 
-/// The most bits of a counter whose values are all within a range.
+/// Returns the maximum number of bits of a counter whose values are all within a range.
 pub(super) fn most_bits((_, high): (i64, i64)) -> u32 {
-    // Below 0 every range here goes at least as far as above it.
+    // The negative part of every range here is at least as large as the positive one.
     (i128::from(high) + 1).ilog2() + 1
 }
 
-/// Bits of a counter that the signal can hold.
+/// Reads the number of bits of a counter that fits the signal.
 pub(super) fn wrap_bits(value: &Value<'_>, ruler: &Ruler) -> Option<u32> {
     if ruler.kind == Type::Real {
         value.refuse("wrap is for whole numbers; the signal is a real one", None);
@@ -106,7 +107,7 @@ pub(super) fn exact(number: Number) -> Option<Fraction> {
     }
 }
 
-/// The first n at which `from + n step` has come to `until` or beyond.
+/// Returns the first n at which `from + n step` has reached `until`.
 pub(super) fn cycles_between(from: Number, until: Number, step: &Fraction) -> Option<u64> {
     let way = exact(until)?.checked_sub(&exact(from)?)?;
     if way == Fraction::from(0) {

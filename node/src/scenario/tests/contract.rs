@@ -1,8 +1,8 @@
-//! The example of the contract.
+//! Tests the example in docs/contract.md.
 
 use super::*;
 
-/// The block of the contract that holds an example, by its number.
+/// Returns the code block with this number in docs/contract.md.
 fn block(number: usize) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/contract.md");
     let contract = std::fs::read_to_string(path).unwrap();
@@ -10,7 +10,7 @@ fn block(number: usize) -> String {
     block.split("```").next().unwrap().to_owned()
 }
 
-/// The cell of the contract.
+/// Returns the cell in docs/contract.md.
 fn example_cell() -> Cell {
     Cell::parse("cell.yaml", block(1)).unwrap_or_else(|problems| panic!("{problems}"))
 }

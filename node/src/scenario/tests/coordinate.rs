@@ -1,8 +1,8 @@
-//! Verb `set_position` of an axis that moves.
+//! Tests verb `set_position` of a moving axis.
 
 use super::*;
 
-/// x at 50 mm/s from cycle 200 on: in cycle 300 it is at 7500 inc.
+/// x moves at 50 mm/s from cycle 200 on: in cycle 300 it is at 7500 inc.
 fn running(rest: &str) -> String {
     format!(
         "scenario: s\ncycles: 1200\nsteps:\n\

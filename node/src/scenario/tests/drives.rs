@@ -1,4 +1,4 @@
-//! What replaces signals.
+//! Tests section `drive`.
 
 use super::*;
 
@@ -26,7 +26,7 @@ fn then_holds_repeats_or_releases() {
     assert_eq!(then(", then: hold"), "0101111");
     assert_eq!(then(", then: repeat"), "0101101");
     assert_eq!(then(", then: release"), "0101000");
-    // The last value for two more cycles; a time is cycles as everywhere.
+    // Holds the last value for two more cycles; a time is converted to cycles as elsewhere.
     assert_eq!(then(", then: {hold: 2}"), "0101110");
     assert_eq!(then(", then: {hold: 1 ms}"), "0101100");
     assert_eq!(then(", then: {hold: 99}"), "0101111");
@@ -40,7 +40,7 @@ fn a_later_start_takes_over_for_good_and_release_gives_the_signal_back_to_the_si
     let released =
         "drive: [{signal: start, values: [1], then: hold}, {signal: start, at: 3, values: [0, 1], then: release}]";
     assert_eq!(values("start", 8, released).concat(), "11101000");
-    // Whatever their order in the file, and also where the later one is a hold for some cycles.
+    // In any order in the file, and also if the later entry is a hold for some cycles.
     let three = "drive: [{signal: start, at: 4, values: [1], then: {hold: 2}}, {signal: start, at: 2, values: [0]}, \
                  {signal: start, values: [1], then: repeat}]";
     assert_eq!(values("start", 9, three).concat(), "110011100");
@@ -55,7 +55,7 @@ fn a_later_start_takes_over_for_good_and_release_gives_the_signal_back_to_the_si
 fn a_driven_memory_cell_wins_over_a_step_and_is_told_only_when_it_changes() {
     let text = "drive: [{signal: feed, values: [1, 1, 2]}]\nsteps: [{at: 4, do: {set_memory: {feed: 9}}}]";
     assert_eq!(values("feed", 6, text).join(" "), "1 1 2 2 2 2");
-    // 1, 2, then the step's 9 and its undoing.
+    // 1, 2, then the 9 of the step and the restored value.
     passes(&format!("scenario: s\ncycles: 6\n{text}\nexpect: [{{event: {{kind: accepted, source: feed}}, count: 4}}]"));
 }
 
@@ -65,7 +65,7 @@ fn a_ramp_is_an_exact_fraction_and_shows_its_floor() {
     assert_eq!(driven("feed", 8, "ramp: {from: 0, per_cycle: -1/3}").join(" "), "0 -1 -1 -1 -2 -2 -2 -3");
     assert_eq!(driven("feed", 5, "ramp: {from: 5, per_cycle: 2.5}").join(" "), "5 7 10 12 15");
     assert_eq!(driven("gain", 4, "ramp: {from: 0.5, per_cycle: 0.1}").join(" "), "0.5 0.6 0.7 0.8");
-    // After 30000 cycles of a third it is on the increment: nothing has drifted.
+    // After 30000 cycles of a third it is exactly on an increment: there is no drift.
     let last = driven("belt.count", 30_001, "ramp: {per_cycle: 1/3}").pop();
     assert_eq!(last.as_deref(), Some("10000"));
 }
@@ -89,7 +89,7 @@ fn ramp_with_wrap_counts_on_as_a_counter_of_that_many_bits() {
     assert_eq!(ramp("from: -32000, per_cycle: -500, wrap: 16"), "-32000 -32500 32536 32036 31536");
     assert_eq!(ramp("from: 32767, per_cycle: 1/3, wrap: 16"), "32767 32767 32767 -32768 -32768");
     assert_eq!(ramp("from: 120, per_cycle: 10, wrap: 8"), "120 -126 -116 -106 -96");
-    // The sum ends at 70000, which is 4464 of 16 bits; it begins at 65536 + 10.
+    // The sum ends at 70000, which is 4464 in 16 bits; it begins at 65536 + 10.
     assert_eq!(ramp("from: 0, per_cycle: 30000, until: 70000, wrap: 16"), "0 30000 -5536 4464 4464");
     assert_eq!(ramp("from: 65546, per_cycle: 1, wrap: 16"), "10 11 12 13 14");
     assert_eq!(driven("belt.count", 3, "ramp: {from: 7, per_cycle: 1, wrap: 4}"), ["7", "-8", "-7"]);
@@ -107,7 +107,7 @@ fn a_value_that_a_memory_cell_cannot_hold_is_refused() {
         bad("{signal: feed, sine: ^{mean: 32000, amplitude: -1000, period: 1 s}}"),
         format!("the sine runs from 31000 to 33000; {range}")
     );
-    // 32700 + 68 is the first value beyond 32767, floor(-32768 - 1/7) the first one below -32768.
+    // 32700 + 68 is the first value above 32767, floor(-32768 - 1/7) the first one below -32768.
     let hint = "`wrap: 16` makes the ramp a counter that wraps";
     assert_eq!(
         bad("^{signal: feed, ramp: {from: 32700, per_cycle: 1}}"),
@@ -117,7 +117,7 @@ fn a_value_that_a_memory_cell_cannot_hold_is_refused() {
         bad("^{signal: feed, at: 10, ramp: {from: -32768, per_cycle: -1/7}}"),
         format!("feed gets to -32769 in cycle 11 (0.011 s); {range}, {hint}")
     );
-    // It is within its range as long as it drives the cell.
+    // It is within its range while it drives the cell.
     scenario("scenario: s\ncycles: 68\ndrive: [{signal: feed, ramp: {from: 32700, per_cycle: 1}}]");
     scenario(
         "scenario: s\ncycles: 100\n\
@@ -132,7 +132,7 @@ fn a_value_that_a_memory_cell_cannot_hold_is_refused() {
     );
 }
 
-/// An f64 has 53 bits: beyond 2^53 it holds even numbers, beyond 2^54 multiples of 4.
+/// An f64 has 53 bits: beyond 2^53 it represents only even numbers, beyond 2^54 only multiples of 4.
 #[test]
 fn i64_cell_is_driven_by_what_an_f64_holds() {
     let cell = CELL.replace("\nencoders:", "\n  big: {type: i64, initial: 0}\nencoders:");
@@ -196,7 +196,7 @@ fn a_sine_meets_its_zeros_and_peaks_and_never_drifts() {
     assert_eq!(sine.join(" "), "100 135 150 135 100 65 50 65 100");
     let real = driven("level", 5, "sine: {mean: 1, amplitude: 2.5 V, period: 4}");
     assert_eq!(real.join(" "), "1.0 3.5 1.0 -1.5 1.0");
-    // Seven cycles in three periods: after 7000 of them it is at its mean to the last bit.
+    // Seven cycles in two periods: after 7000 cycles it is at its mean, exact to the last bit.
     let long = driven("gain", 7001, "sine: {amplitude: 1, period: 3.5 ms}");
     assert_eq!((long[0].as_str(), long[7].as_str(), long[7000].as_str()), ("0.0", "0.0", "0.0"));
 }

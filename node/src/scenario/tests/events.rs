@@ -1,8 +1,8 @@
-//! Expectations on events.
+//! Tests expectations on events.
 
 use super::*;
 
-/// x is enabled, then it is moved out of its limits and to 10 mm, and marks come in cycles 500, 510 and 520.
+/// x is enabled, then commanded beyond its limits and to 10 mm; marks occur in cycles 500, 510 and 520.
 const STEPS: &str = "steps:\n\
     - {at: 0, do: {enable: {axes: [x]}}}\n\
     - {name: go, at: 100, do: {move_axis: {axis: x, position: 10 mm}}}\n\
@@ -33,7 +33,7 @@ fn events_are_chosen_by_their_fields() {
     holds("{event: {severity: error}, max: 0}");
     holds("{event: {kind: state, source: x, text: now STANDSTILL}, min: 2, max: 2}");
     holds("{event: {kind: accepted, source: machine}, at: 0}");
-    // Text is compared without regard to capitals.
+    // Text is compared ignoring case.
     holds("{event: {kind: state, source: x, text: now standstill}, min: 2, max: 2}");
     holds("{event: {kind: refused, text: 'TARGET 900 MM EXCEEDS'}, count: 1}");
 }
@@ -73,7 +73,7 @@ fn events_before_a_step_count_from_it() {
              age: 350 us}}}}}}}}\n- {{name: {name}, {when}, do: {{halt: {{}}}}}}\nexpect: [{expectation}]"
         )
     };
-    // It fires in cycle 521, behind the last mark in 520.
+    // It fires in cycle 521, after the last mark in 520.
     let when = "when: {signal: line.state, is: STANDSTILL}, after: 20";
     passes(&since("go", when, "{event: {kind: latch}, since: go, at: -1, count: 1}"));
     passes(&since("go", when, "{event: {kind: latch}, since: go, from: -11, to: 5, count: 2}"));

@@ -1,4 +1,4 @@
-//! Expectations on signals: what holds, and what the report says when it does not.
+//! Tests expectations on signals, and the report of failed ones.
 
 use super::*;
 
@@ -51,7 +51,7 @@ fn values_are_exact_unless_within() {
 
 #[test]
 fn a_list_of_values_that_fails_shows_its_first_five_differences() {
-    // 0 to 6: the second value alone is right.
+    // 0 to 6: only the second value is right.
     assert_eq!(
         fails("{signal: feed, values: [1, 1, 3, 4, 5, 6, 7]}"),
         "feed is 0 in cycle 0 (0 s); 1 was expected, value 1 of 7; 6 of 7 values differ: 0 instead of 1 in cycle 0, 2 \
@@ -67,11 +67,11 @@ fn bits_of_a_word_are_compared_below_a_mask() {
     holds("{signal: feed, mask: 4, from: 4, to: 7, not: 0}");
     holds("{signal: feed, mask: 3, from: 2, values: [2, 3, 0, 1]}");
     holds("{all: [{signal: feed, mask: 8, is: 8}, {signal: feed, mask: 1, is: 0}], mode: eventually}");
-    // A negative number is its two's complement: -1 has all bits.
+    // A negative number is in two's complement: -1 has all bits.
     passes(
         "scenario: s\ncycles: 9\ndrive: [{signal: feed, values: [-1]}]\nexpect: [{signal: feed, mask: 0xFFFF, is: 0xFFFF}]",
     );
-    // Enable operation is the control word 0Fh (CiA 402).
+    // Control word 0Fh is enable operation (CiA 402).
     passes(
         "scenario: s\ncycles: 99\nsteps: [{at: 0, do: {enable: {axes: [x]}}}]\n\
          expect: [{signal: x.output.control, mask: 0x0F, at: end, is: 0x0F}]",
@@ -125,7 +125,7 @@ fn a_memory_cell_has_the_unit_of_the_position_beside_it() {
         bad("{signal: feed, plus: x.command.position, minus: ^x.command.velocity, is: 0}"),
         "feed plus x.command.position has inc and x.command.velocity has inc/s; a difference needs the same unit"
     );
-    // What is no number in memory has no unit that one could mean.
+    // Only a number in memory takes the unit of the other signal.
     assert_eq!(
         bad("{signal: flag, minus: ^x.command.position, is: 0}"),
         "flag has no unit and x.command.position has inc; a difference needs the same unit"
@@ -238,7 +238,7 @@ fn what_came_before_a_step_counts_from_it() {
     let good = |expectation: &str| passes(&format!("scenario: s\ncycles: 1000\n{}", text(expectation)));
     good("{signal: feed, since: go, at: -1, is: 100}");
     good("{signal: feed, since: go, at: -1 ms, is: 100}");
-    // The first cycle that is not before 1.5 ms earlier.
+    // The first cycle not earlier than 1.5 ms before the step.
     good("{signal: feed, since: go, at: -1.5 ms, is: 100}");
     good("{signal: feed, since: go, at: -0, is: 101}");
     good("{signal: feed, since: go, at: -101, is: 0}");
@@ -261,7 +261,7 @@ fn what_came_before_a_step_counts_from_it() {
         failure(&text("{signal: feed, since: go, at: -102, is: 0}")),
         "it reaches 102 cycles back, before cycle 0; the step fired in cycle 101 (0.101 s)"
     );
-    // Of a step whose cycle is known it is told at once.
+    // If the cycle of the step is known, the problem is reported when the scenario is read.
     let at = "{scenario: s, cycles: 99, steps: [{name: go, at: 7, do: {halt: {}}}], expect: [\n";
     let known = |expectation: &str| problems(&format!("{at}{expectation}]}}"));
     assert_eq!(
@@ -290,7 +290,7 @@ fn parameters_are_asked_as_they_are_set() {
     let fails = |expectation: &str| failure(&format!("{set}{expectation}"));
     holds("{parameter: x.max_velocity, at: 9, is: 100 mm/s}");
     holds("{parameter: x.max_velocity, at: 10, is: 80 mm/s}");
-    // A bare number is SI, as in set_parameters.
+    // A number without unit is in SI, as in set_parameters.
     holds("{parameter: x.max_velocity, from: 10, is: 0.08}");
     holds("{parameter: x.max_velocity, max: 0.1 m/s, min: 79 mm/s}");
     holds("{parameter: x.max_velocity, at: end, is: 81 mm/s, within: 1 mm/s}");
@@ -313,7 +313,7 @@ fn parameters_are_asked_as_they_are_set() {
         fails("{parameter: x.profile, at: 9, is: s_ramp}"),
         "x.profile is trapezoid in cycle 9 (0.009 s); s_ramp was expected"
     );
-    // What differs by less than nine digits would be told as two equal numbers.
+    // With nine digits, a smaller difference would be reported as two equal numbers.
     assert_eq!(
         fails("{parameter: x.max_velocity, at: 10, is: 80.0000000001 mm/s}"),
         "x.max_velocity is 80 mm/s in cycle 10 (0.01 s); 80.0000000001 mm/s was expected"
@@ -339,7 +339,7 @@ fn parameters_are_asked_as_they_are_set() {
         bad("{parameter: x.max_velocity, signal: ^feed, is: 1}"),
         "parameter and signal stand side by side; one of them is expected"
     );
-    // A step may wait for one.
+    // A step may wait for a parameter.
     passes(
         "scenario: s\ncycles: 99\nsteps:\n- {at: 10, do: {set_parameters: {x.max_velocity: 80 mm/s}}}\n\
          - {name: go, when: {parameter: x.max_velocity, max: 90 mm/s}, do: {halt: {}}}\n\
@@ -395,7 +395,7 @@ fn values_may_have_units_and_reports_show_both() {
     );
 }
 
-/// What is wrong with an expectation.
+/// Returns the problem of an expectation.
 fn bad(expectation: &str) -> String {
     problem("expect", expectation)
 }

@@ -1,4 +1,4 @@
-//! The scenarios that come with the program.
+//! Tests the scenarios that come with the program.
 
 use super::*;
 
@@ -10,7 +10,7 @@ fn passes_on(cell: &str, name: &str) {
     assert!(passes(cell, &format!("scenarios/{name}")) > 5);
 }
 
-/// Plays a scenario, also as it was recorded; how many commands it has.
+/// Plays a scenario, also as recorded commands; returns the number of commands.
 fn passes(cell: &str, scenario: &str) -> usize {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs");
     let cell = Cell::load(&folder.join(cell)).unwrap_or_else(|problems| panic!("{problems}"));

@@ -1,12 +1,12 @@
-//! Homing of the example cells.
+//! Tests homing of the example cells.
 
 use super::*;
 use std::path::PathBuf;
 
-/// Axes that the simulation cannot home: their drives do it by themselves, and no switch is simulated for them.
+/// Axes that the simulation cannot home: their drives home by themselves, and no switch is simulated for them.
 const IN_DRIVE: [&str; 2] = ["can/epos4.yaml x", "can/mixed.yaml x"];
 
-/// All cells of a folder and of its subfolders: files with a section `axes`.
+/// Returns all cells of a folder and of its subfolders: files with a section `axes`.
 fn cells(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -22,7 +22,7 @@ fn cells(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Homes the axis; the command position of each cycle from its zero on is within its software limits.
+/// Homes the axis; the command position in each cycle from zero on must be within its software limits.
 fn homes_within_limits(cell: &Cell, axis: &str, [min, max]: [Option<i64>; 2]) {
     let bound = |key: &str, limit: Option<i64>| limit.map_or(String::new(), |limit| format!(", {key}: {limit} inc"));
     let text = format!(

@@ -1,4 +1,4 @@
-//! Latches that a scenario injects, and what a driven count passes.
+//! Tests latches that a scenario injects, and latches passed by a driven count.
 
 use super::*;
 
@@ -12,7 +12,7 @@ fn latches(arguments: &str, expected: &str) {
     ));
 }
 
-/// The machine finds the age of a position, and the position of an age, on the straight line of the cycle.
+/// The machine interpolates the age of a position, and the position of an age, linearly within the cycle.
 #[test]
 fn an_encoder_latches_by_position_by_age_or_by_both() {
     // 30 of 40 inc before the end of the cycle.
@@ -48,7 +48,7 @@ fn an_input_has_no_position_to_latch() {
     );
 }
 
-/// What a scenario fails with in a cell with printed marks on the belt at 20, 60, 100 inc and an index of x each 100 inc.
+/// Returns the report in a cell with printed marks on the belt at 20, 60, 100 inc and an index of x every 100 inc.
 fn failures_with_marks(text: &str) -> String {
     let text_of_cell = CELL
         .replace(
@@ -61,7 +61,7 @@ fn failures_with_marks(text: &str) -> String {
     simulate(&cell, &scenario, &Options::default()).unwrap().to_string()
 }
 
-/// 8 inc in each cycle: 20 lies half-way between 16 (cycle 2) and 24 (cycle 3), and each fifth cycle has one more.
+/// 8 inc in each cycle: 20 is half-way between 16 (cycle 2) and 24 (cycle 3), and every fifth cycle has another mark.
 #[test]
 fn printed_marks_follow_an_encoder_that_is_driven() {
     let report = failures_with_marks(
@@ -73,7 +73,7 @@ fn printed_marks_follow_an_encoder_that_is_driven() {
     assert!(report.starts_with("scenario `s`: PASSED"), "{report}");
 }
 
-/// 30 inc in each cycle: the index at 100 comes between 90 and 120, the one at 200 between 180 and 210.
+/// 30 inc in each cycle: the index at 100 is between 90 and 120, the one at 200 between 180 and 210.
 #[test]
 fn index_pulses_follow_an_axis_whose_count_is_driven() {
     let report = failures_with_marks(

@@ -1,4 +1,4 @@
-//! Cycles and times.
+//! Tests cycles and times.
 
 use super::super::moment::{self, Moment};
 use super::*;

@@ -1,8 +1,8 @@
-//! Verb `follow_joint_trajectory` with a plan in a file.
+//! Tests verb `follow_joint_trajectory` with a plan in a file.
 
 use super::*;
 
-/// What `ros2 topic echo --once` prints of a trajectory of x and the turret, 4 mm and 0.01 rad in 400 ms.
+/// Output of `ros2 topic echo --once` of a trajectory of x and the turret, 4 mm and 0.01 rad in 400 ms.
 const ECHO: &str = "\
 header:
   stamp:
@@ -36,7 +36,7 @@ points:
 ---
 ";
 
-/// The same trajectory in JSON, inside of RobotTrajectory.
+/// The same trajectory in JSON, within a RobotTrajectory.
 const JSON: &str = r#"{"joint_trajectory": {"header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
 	"joint_names": ["x", "turret"],
 	"points": [{"positions": [0.0, 0.0], "velocities": [], "accelerations": [], "effort": [], "time_from_start": {"sec": 0, "nanosec": 0}},
@@ -49,14 +49,14 @@ const INLINE: &str = "joints: [x, turret], points: [{time: 0, positions: [0, 0]}
 struct Bench(tempfile::TempDir);
 
 impl Bench {
-    /// A folder with a plan.
+    /// Creates a folder with a plan.
     fn with(plan: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("plan.yaml"), plan).unwrap();
         Self(folder)
     }
 
-    /// A scenario in the folder whose step at line 4 has this verb.
+    /// Reads a scenario in the folder with this verb in the step at line 4.
     fn read(&self, verb: &str, rest: &str) -> Result<Scenario, String> {
         let text = format!(
             "scenario: s\ncycles: 1000\nsteps:\n- {{at: 100, do: {{follow_joint_trajectory: {verb}}}{rest}}}\n- {{at: 0, do: {{enable: {{axes: [x, turret]}}}}}}\n"
@@ -67,7 +67,7 @@ impl Bench {
         problems.map_err(|problems| problems.to_string().replace(&format!("{}/", self.0.path().display()), ""))
     }
 
-    /// The problems of the plan.
+    /// Returns the problems of the plan.
     fn problems(&self) -> String {
         self.read("{file: plan.yaml}", "").unwrap_err()
     }
@@ -208,7 +208,7 @@ fn plan_that_a_step_expects_to_be_refused_is_refused() {
     assert!(Bench::with(&double).read("{file: plan.yaml}", ", refused: the joint `x` twice").is_ok());
     let wrong = Bench::with(&double).read("{file: plan.yaml}", ", refused: the joint `y` twice").unwrap_err();
     assert!(wrong.starts_with("plan.yaml:7:3: joint_names has the joint `x` twice"), "{wrong}");
-    // What limits forbid is found in the cycle, as for points in the verb.
+    // A violation of limits is found in the cycle, as for points in the verb.
     let fast = ECHO.replacen("- 0.004", "- 0.5", 1);
     let scenario = Bench::with(&fast).read("{file: plan.yaml}", ", refused: max_velocity").unwrap();
     assert!(simulate(&cell(), &scenario, &Options::default()).unwrap().passed());

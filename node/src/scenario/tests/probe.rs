@@ -1,8 +1,8 @@
-//! Verb `probe_axis`.
+//! Tests verb `probe_axis`.
 
 use super::*;
 
-/// x searches to 100 mm from cycle 100 on: at 50 mm/s from cycle 200 on, where it is at 2.5 mm.
+/// x searches up to 100 mm from cycle 100 on: at 50 mm/s from cycle 200 on, where it is at 2.5 mm.
 const SEARCH: &str = "scenario: s\n\
     cycles: 1200\n\
     steps:\n\
@@ -43,7 +43,8 @@ fn without_a_mark_it_fails_and_by_id_it_can_be_cancelled() {
     );
 }
 
-/// A mark that lies under the sensor already: the axis does not drive on to 100 mm. With the parameter it searches for the next one.
+/// A mark is under the sensor already: the axis does not continue to 100 mm. With the parameter it searches for the
+/// next mark.
 #[test]
 fn an_active_input_refuses_the_probe_before_motion_unless_that_is_allowed() {
     let sentence = "x: probe input is already active: mark is 1, allowed 0 before a rising edge";

@@ -1,4 +1,4 @@
-//! Scenarios with many errors, and players that are not played to the end.
+//! Tests scenarios with many errors, and players that are not played to the end.
 
 use super::*;
 
@@ -88,14 +88,14 @@ fn what_needs_a_simulation_is_told_with_its_place() {
     );
 }
 
-/// Plays some cycles as a program would that runs its own.
+/// Plays some cycles like a program that runs the cycle itself.
 fn play(text: &str, cycles: u64) -> Report {
     let (cell, scenario) = (cell(), scenario(text));
     let mut machine = Machine::new(cell.machine.clone()).unwrap();
     let mut plant = cell.plant();
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(&scenario);
-    // The machine has run before the scenario starts, and others have given commands.
+    // The machine has run before the scenario starts, and other clients have sent commands.
     let mut sequence = 17;
     for _ in 0..100 {
         inputs.begin(0, 0);
@@ -159,7 +159,7 @@ fn without_a_plant_nothing_can_be_injected() {
     assert_eq!(player.finish().failures.len(), 1);
 }
 
-/// A cycle takes 64 commands; the others wait for the next ones, in their order.
+/// A cycle accepts 64 commands; the others wait for the next cycles, in their order.
 #[test]
 fn commands_that_a_cycle_has_no_room_for_wait_for_the_next_one() {
     let sets = "{set_memory: {feed: 5}}, ".repeat(130);
@@ -181,7 +181,7 @@ fn commands_that_a_cycle_has_no_room_for_wait_for_the_next_one() {
     assert!(report.passed(), "{report}");
 }
 
-/// What would wait for longer than the scenario, or behind more than 4096, is told.
+/// Commands that would wait beyond the end of the scenario, and commands beyond 4096 waiting ones, are reported.
 #[test]
 fn a_flood_of_commands_is_told() {
     let halts = |count: usize| "{halt: {}}, ".repeat(count);
@@ -198,7 +198,7 @@ fn a_flood_of_commands_is_told() {
 fn key_cell_is_a_file() {
     assert_eq!(problems("scenario: s\ncycles: 1\ncell: []\n"), "3:7: cell is a list; a text is expected\n");
     assert_eq!(problems("scenario: s\ncycles: 1\ncell: ' '\n"), "3:7: cell is empty; the file of a cell is expected\n");
-    // Which file it is was settled before the scenario is read: any other cell may run it.
+    // The file was selected before the scenario is read, so that any other cell may run it.
     assert_eq!(scenario("scenario: s\ncycles: 1\ncell: none.yaml\n").cycles(), 1);
 }
 

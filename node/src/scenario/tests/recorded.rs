@@ -1,4 +1,4 @@
-//! Commands as a recording keeps them do the same as the steps that gave them.
+//! Recorded commands must have the same effect as the steps that gave them.
 
 use super::*;
 use crate::recording::verb::{setpoints_to_json, to_json};
@@ -10,7 +10,7 @@ use lineshaft_core::event::{Event, Kind};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-/// What a run of a scenario took and did.
+/// Inputs and results of a run of a scenario.
 struct Played {
     inputs: Vec<Inputs>,
     commands: Vec<Vec<Command>>,
@@ -20,7 +20,7 @@ struct Played {
     report: Report,
 }
 
-/// Plays a scenario with all signals traced, on a simulated plant or on the inputs of another run.
+/// Plays a scenario with all signals traced, on a simulated plant or with the inputs of another run.
 fn play(cell: &Cell, scenario: &Scenario, recorded: Option<&[Inputs]>) -> Played {
     let everything = format!("{{scenario: all signals, cycles: {}}}", scenario.cycles());
     let everything = Scenario::parse("all.yaml", &everything, cell).unwrap();
@@ -55,13 +55,13 @@ fn play(cell: &Cell, scenario: &Scenario, recorded: Option<&[Inputs]>) -> Played
     Played { inputs: all_inputs, commands, streams, events, csv, report: player.finish() }
 }
 
-/// A scenario of nothing but the recorded commands, each in its cycle.
+/// Returns a scenario of only the recorded commands, each in its cycle.
 fn generated(played: &Played, cell: &Cell) -> String {
     let mut text = format!("scenario: generated\ncycles: {}\nsteps:\n", played.commands.len());
     let (mut carried, mut named) = (BTreeSet::new(), BTreeSet::new());
     for (cycle, command) in played.commands.iter().enumerate().flat_map(|(k, c)| c.iter().map(move |c| (k, c))) {
         let verb = match &command.action {
-            // No scenario has a verb for what never became a command: any such request will do.
+            // No verb of a scenario gives a request that never became a command; any refused request replaces it.
             Action::Refuse(_) => "{move_axis: {axis: nothing}}".to_owned(),
             _ => to_json(command, &cell.machine),
         };
@@ -86,7 +86,7 @@ fn generated(played: &Played, cell: &Cell) -> String {
             writeln!(text, "- {{at: {cycle}, do: {}}}", setpoints_to_json(set, &cell.machine)).unwrap();
         }
     }
-    // An id that no command had carried when it was cancelled: a step that never fires carries it.
+    // An ID that no command had when it was cancelled: a step that never fires gets it.
     for goal in named.difference(&carried) {
         let axis = &cell.machine.axes[0].name;
         let never = "optional: true, when: {signal: machine.overruns, min: 1}";
@@ -95,7 +95,7 @@ fn generated(played: &Played, cell: &Cell) -> String {
     text
 }
 
-/// Plays a scenario as written, then with each command as its JSON, and gives how many commands there were.
+/// Plays a scenario as written, then with each command as JSON; returns the number of commands.
 #[track_caller]
 pub(super) fn plays_the_same_as_json(cell: &Cell, scenario: &Scenario) -> usize {
     let original = play(cell, scenario, None);
@@ -118,7 +118,7 @@ pub(super) fn plays_the_same_as_json(cell: &Cell, scenario: &Scenario) -> usize 
     original.commands.iter().map(Vec::len).sum()
 }
 
-/// Every verb, driven memory cells of each type, an id given as a number, and values that no short decimal holds.
+/// Every verb, driven memory cells of each type, an ID given as a number, and values without a short decimal.
 const ALL_KINDS: &str = "
 scenario: all of them
 cycles: 3000

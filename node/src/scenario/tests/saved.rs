@@ -1,11 +1,11 @@
-//! What scenarios save.
+//! Tests values that scenarios store.
 
 use super::*;
 use crate::scenario::simulate_with;
 use crate::store::Store;
 use std::fs;
 
-/// Saves what is saved already, in cycle 10.
+/// Stores values that are stored already, in cycle 10.
 const AGAIN: &str = "steps:\n- {at: 10, do: {save_parameters: {}}}\n";
 
 #[test]
@@ -51,7 +51,7 @@ fn a_trace_into_a_pipe_that_nobody_reads_is_refused_at_once() {
     let read = std::thread::spawn({
         let opened = std::sync::Arc::clone(&opened);
         move || {
-            // Both ends: opening waits for nobody, and the writer finds a reader.
+            // With both ends, opening does not block, and the writer finds a reader.
             let both = fs::File::options().read(true).write(true).open(of_reader).unwrap();
             opened.wait();
             let mut text = [0; 64];

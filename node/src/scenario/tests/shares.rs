@@ -1,8 +1,8 @@
-//! Axes that are read in tenths of a unit.
+//! Tests axes in tenths of a unit.
 
 use super::*;
 
-/// x in tenths of a millimetre (100 inc), turret in tenths of a degree (10 inc).
+/// Returns a cell with x in tenths of a millimetre (100 inc) and the turret in tenths of a degree (10 inc).
 fn tenths() -> Cell {
     let text = CELL.replace("unit: mm", "unit: 0.1 mm").replace("unit: deg", "unit: 0.1 deg");
     Cell::parse("cell.yaml", text).unwrap_or_else(|problems| panic!("{problems}"))
@@ -14,7 +14,7 @@ fn report(text: &str) -> Report {
     simulate(&cell, &scenario, &Options::default()).unwrap()
 }
 
-/// 50 tenths of a millimetre are 5 mm, 5000 inc; 900 tenths of a degree 90 deg, 9000 inc.
+/// 50 tenths of a millimetre are 5 mm, 5000 inc; 900 tenths of a degree are 90 deg, 9000 inc.
 #[test]
 fn goals_and_words_in_the_axis_unit_follow_it() {
     let report = report(

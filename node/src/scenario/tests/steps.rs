@@ -1,8 +1,8 @@
-//! When steps fire.
+//! Tests when steps fire.
 
 use super::*;
 
-/// Cycles in which the memory cell `gain` changed, with its new value.
+/// Returns the cycles in which the memory cell `gain` changed, with its new value.
 fn changes(cycles: u64, rest: &str) -> String {
     let values = values("gain", cycles, rest);
     let before = std::iter::once("0.5").chain(values.iter().map(String::as_str));
@@ -29,7 +29,7 @@ fn a_when_step_is_judged_at_the_end_of_a_cycle_and_acts_in_the_next_one() {
     assert_eq!(changes(20, &step("")), "6:1.0");
     assert_eq!(changes(20, &step(", after: 3")), "9:1.0");
     assert_eq!(changes(20, &step(", after: 3.5 ms")), "10:1.0");
-    // What is true from the start acts in cycle 1.
+    // A condition that is true from the start acts in cycle 1.
     assert_eq!(changes(5, &format!("steps: [{{when: {{signal: feed, is: 7}}, {}}}]", set("1"))), "1:1.0");
 }
 
@@ -39,7 +39,7 @@ fn a_when_step_arms_when_the_step_before_it_has_fired() {
     let steps =
         format!("steps:\n- {{at: 10, {}}}\n- {{{when}, {}}}\n- {{{when}, after: 2, {}}}", set("1"), set("2"), set("3"));
     assert_eq!(changes(20, &steps), "10:1.0 11:2.0 14:3.0");
-    // The pulse at 5 comes before the step at 10: it does not count.
+    // The pulse at 5 is before the step at 10: it does not count.
     let pulse = "drive: [{signal: start, at: 5, values: [1, 0]}, {signal: start, at: 15, values: [1]}]\n";
     let steps =
         format!("{pulse}steps:\n- {{at: 10, {}}}\n- {{when: {{signal: start, is: 1}}, {}}}", set("1"), set("2"));
@@ -48,7 +48,7 @@ fn a_when_step_arms_when_the_step_before_it_has_fired() {
 
 #[test]
 fn a_command_is_seen_by_the_when_step_behind_it_in_its_own_cycle() {
-    // The move changes the state in its own cycle, so that its end is meant, not the rest before it.
+    // The move changes the state in its own cycle, so the condition refers to its end, not to the standstill before it.
     let text = "scenario: s\ncycles: 1000\nsteps:\n\
         - {at: 0, do: {enable: {axes: [x]}}}\n\
         - {name: go, when: {signal: x.state, is: STANDSTILL}, do: {move_axis: {axis: x, position: 10 mm}}}\n\

@@ -1,8 +1,9 @@
-//! Verbs `touch_probe` and `abort_trigger`.
+//! Tests verbs `touch_probe` and `abort_trigger`.
 
 use super::*;
 
-/// x goes to 100 mm from cycle 100 on: at 50 mm/s from cycle 200 on, where it is at 2.5 mm; in cycle 301 it was seen at 7500 inc.
+/// x moves to 100 mm from cycle 100 on: at 50 mm/s from cycle 200 on, where it is at 2.5 mm; in cycle 301 its position
+/// was read as 7500 inc.
 const WAY: &str = "- {at: 0, do: {enable: {axes: [x]}}}\n\
     - {name: go, at: 100, do: {move_axis: {axis: x, position: 100 mm}}}\n";
 
@@ -26,7 +27,7 @@ fn a_touch_probe_records_where_the_axis_was_and_the_goal_goes_on() {
     ));
 }
 
-/// A mark at each 10 mm of the first 60 mm, and a window from 20 to 40 mm: three of them lie in it.
+/// A mark at every 10 mm of the first 60 mm, and a window from 20 to 40 mm with three of them.
 #[test]
 fn a_continuous_one_records_within_its_window_until_it_is_aborted() {
     passes(&steps(

@@ -1,4 +1,4 @@
-//! Traces as CSV, byte for byte.
+//! Tests traces as CSV, byte for byte.
 
 use super::*;
 use crate::interrupt::{EndSignal, Interrupt};
@@ -46,7 +46,7 @@ fn every_nth_cycle_is_traced() {
     assert_eq!(cycles("2 ms"), "0 2 4 6");
 }
 
-/// A busy scenario: all sources of values, second-order drives, moves and gears.
+/// A scenario with all sources of values, second-order drives, moves and gears.
 const BUSY: &str = "
 scenario: busy
 cycles: 2500
@@ -97,7 +97,7 @@ fn a_trace_that_cannot_be_written_is_a_clear_error() {
     }
 }
 
-/// A request that came before the first cycle: none runs, and the file has its line of names.
+/// A signal before the first cycle: no cycle runs, and the file has its header.
 #[test]
 fn interrupted_simulation_ends_before_its_next_cycle_and_completes_the_trace() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,8 +1,8 @@
-//! Verb `follow_joint_trajectory`.
+//! Tests verb `follow_joint_trajectory`.
 
 use super::*;
 
-/// 10 mm in 400 ms and back by 4 mm in 400 ms, cubic, and 90 deg in 800 ms of a straight line.
+/// 10 mm in 400 ms and 4 mm back in 400 ms, cubic, and 90 deg in 800 ms on a straight line.
 #[test]
 fn joints_follow_their_points() {
     passes(
@@ -25,7 +25,7 @@ fn joints_follow_their_points() {
     );
 }
 
-/// In a cell with joint names both names of an axis are taken, and a recording has the object name.
+/// In a cell with joint names both names of an axis are accepted, and a recording has the object name.
 #[test]
 fn joints_have_joint_names_or_object_names() {
     let text =

@@ -1,8 +1,8 @@
-//! What the verbs do, and what is refused.
+//! Tests the effect and the refusals of verbs.
 
 use super::*;
 
-/// x enabled, and what follows as steps `go`, then the rest.
+/// Returns a scenario that enables x, then runs these steps as `go`, then the rest.
 fn enabled(steps: &str) -> String {
     format!(
         "scenario: s\ncycles: 1000\nsteps:\n\
@@ -20,7 +20,7 @@ fn axes_are_switched_on_and_off() {
     );
 }
 
-/// 10 mm at 50 mm/s and 500 mm/s^2: 2.5 mm up, 5 mm, 2.5 mm down in 300 ms.
+/// 10 mm at 50 mm/s and 500 mm/s^2: 2.5 mm of acceleration, 5 mm, 2.5 mm of deceleration in 300 ms.
 #[test]
 fn a_move_takes_its_fields_by_ros_name_and_its_defaults() {
     passes(&enabled(
@@ -41,7 +41,7 @@ fn a_move_takes_its_fields_by_ros_name_and_its_defaults() {
             at - 1
         )));
     };
-    // 20 mm/s at 200 mm/s^2: 100 ms and 1 mm up and down, 8 mm at speed in 400 ms.
+    // 20 mm/s at 200 mm/s^2: 100 ms and 1 mm each of acceleration and deceleration, 8 mm at constant speed in 400 ms.
     ends("position: 0.01, velocity: 0.02, acceleration: 0.2, deceleration: 0.2", "10 mm", 600);
     ends("units: axis_unit, position: 10, velocity: 20, acceleration: 200, deceleration: 200, mode: 1", "10 mm", 600);
     ends(
@@ -67,7 +67,7 @@ fn a_modulo_axis_turns_in_the_direction_that_is_asked() {
     }
 }
 
-/// At rest there is no sense of motion but that of the last one.
+/// At standstill, the direction of motion is that of the last motion.
 #[test]
 fn current_at_rest_is_the_way_of_the_last_motion() {
     for (first, place, then, end) in [("negative", 350, 20, -34_000), ("positive", 10, 0, 36_000)] {
@@ -154,7 +154,8 @@ fn a_phase_shifts_a_coupled_axis_and_its_leader() {
     assert_eq!(bad("{phase: {axis: x, side: ^both, shift: 1 mm}}"), "side is `both`; one of slave, master is allowed");
 }
 
-/// At 5 inc a cycle and half of 360 deg/s^2, 18 inc/s in each, the turret needs some 694 inc to rest; where it goes on it keeps its 5.
+/// At 5 inc per cycle and half of 360 deg/s^2, 18 inc/s per cycle, the turret needs about 694 inc to stop; with
+/// continued motion it keeps its 5.
 #[test]
 fn a_coupling_is_left_at_a_place() {
     for (arguments, code, expected) in [
@@ -211,7 +212,7 @@ fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_b
     ));
 }
 
-/// The number of a goal is the run's; who wrote the scenario knows its id.
+/// The run assigns the number of a goal; the author of the scenario has only its ID.
 #[test]
 fn a_cancel_that_comes_too_late_is_told_by_the_id() {
     let steps = enabled(
@@ -322,7 +323,7 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
         failure("steps: [{at: 10, do: {enable: {}}, refused: any}]"),
         "enable was accepted; a refusal with any sentence was expected; in cycle 10 (0.01 s)"
     );
-    // As a part of the sentence it is a text like others: "enable it first" does not have it.
+    // As a part of the message it is ordinary text: "enable it first" does not contain it.
     assert_eq!(
         failure(&step(", refused: {text: any}")),
         format!("{sentence}; a refusal with `any` was expected; in cycle 10 (0.01 s)")
@@ -358,7 +359,7 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
     assert_eq!(failure(&step(", every: 100, count: 2")), format!("{sentence}; in cycle 10 (0.01 s), and once more"));
 }
 
-/// Whether a number is too large for the row, for the cycle or for a whole number, the range that is told is one.
+/// The same range is reported whether a number exceeds the row, the cycle or the integer range.
 #[test]
 fn every_large_velocity_is_refused_with_one_range() {
     for (given, shown) in
@@ -403,7 +404,7 @@ fn verbs_that_are_not_built_are_refused_by_name() {
     );
 }
 
-/// 1000000 increments are a metre of the line, 36000 a turn of the turret.
+/// 1000000 increments are one metre of the line, 36000 one revolution of the turret.
 #[test]
 fn places_of_a_gear_may_have_units() {
     let acts = |master: &str, slave: &str, distance: &str| {
@@ -420,7 +421,7 @@ fn places_of_a_gear_may_have_units() {
     assert_ne!(acts("501 mm", "40 deg", "0.1 m"), expected);
 }
 
-/// What is wrong with a verb.
+/// Returns the problem of a verb.
 fn bad(verb: &str) -> String {
     problem("steps", &format!("{{at: 1, do: {verb}}}"))
 }
@@ -582,7 +583,7 @@ fn what_is_wrong_with_a_verb_is_told() {
     );
 }
 
-/// Registers are set, then the flags run; several axes of one step start in the same cycle.
+/// Registers are set, then the command flags are executed; several axes of one step start in the same cycle.
 #[test]
 fn saia_sets_registers_and_runs_commands() {
     let verb = |axis: &str, rest: &str| format!("{{saia: {{axis: {axis}, {rest}}}}}");
@@ -624,7 +625,7 @@ fn a_saia_verb_tells_what_it_does_not_know_and_what_is_known() {
 
 #[test]
 fn setpoints_move_an_axis_for_as_long_as_they_come_or_were_asked_for() {
-    // 20 mm/s after 40 ms at 500 mm/s^2. 100 ms after the last one of cycle 250 the axis stops.
+    // 20 mm/s after 40 ms at 500 mm/s^2. The axis stops 100 ms after the last setpoint, that of cycle 250.
     passes(&enabled(
         "every: 50, count: 5, do: {setpoints: {axes: {x: 20 mm/s, turret: {velocity: 10 deg/s, duration: 60 ms}}}}}\nexpect:\n\
          - {signal: x.reference, since: go, at: 0, is: STREAM}\n\
@@ -646,7 +647,7 @@ fn setpoints_move_an_axis_for_as_long_as_they_come_or_were_asked_for() {
     }
 }
 
-/// An output that is set shows at the input that reads it a cycle later, and there it is a limit switch.
+/// An output that is set appears one cycle later at the input that reads it, where it acts as a limit switch.
 ///
 /// Proves: MACS-LIM-07
 #[test]
@@ -676,7 +677,7 @@ fn an_input_that_reads_an_output_follows_set_output_and_nothing_else() {
     }
 }
 
-/// A refused field has a number of its own, which is that of some parameter of an axis.
+/// A refused field has its own number, which is also the number of some parameter of an axis.
 #[test]
 fn refusal_of_a_function_has_no_axis_parameter() {
     let cell = format!("{CELL}functions:\n  choose: {{slot: 0, type: ecopy, sink: feed}}\n");

@@ -1,4 +1,4 @@
-//! Verbs whose axis is given beside their arguments.
+//! Tests verbs whose axis is given separately from their arguments.
 
 use super::*;
 use crate::scenario::vocabulary_command;
@@ -63,7 +63,7 @@ fn parameters_are_named_without_the_axis_in_flow_or_block() {
     assert!(refused("x", "set_parameters", "").starts_with("arguments:1:1: set_parameters is empty"));
 }
 
-/// Success would say that something was done.
+/// Success would mean that something was executed.
 #[test]
 fn a_verb_that_asks_for_nothing_is_refused() {
     for (verb, given) in [

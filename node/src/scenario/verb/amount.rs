@@ -1,18 +1,18 @@
-//! Numbers of requests, with or without a unit. Whether the unit fits is judged by the request, as at every other door.
+//! Reads numbers of requests, with or without unit. The request checks the unit, as in all other interfaces.
 
 use crate::document::Value;
 use lineshaft_core::parameter::ParameterInput;
 use lineshaft_core::request::Amount;
 use lineshaft_core::unit::{Dimension, Quantity, Scale, Unit, UnitError, parse_decimal};
 
-/// From here on no number is an i64: 2^63.
+/// Limit of i64: 2^63.
 const I64_END: f64 = (1_u64 << 63) as f64;
 
-/// A position (order 0), velocity, acceleration or jerk; a bare number is in the units of the request.
+/// Reads a position (order 0), velocity, acceleration or jerk; a number without unit is in the units of the request.
 pub(super) fn amount(value: &Value<'_>, order: u8, scale: Option<&Scale>, in_increments: bool) -> Option<Amount> {
     let text = value.text()?;
     match parse_decimal(text) {
-        // By way of an f64 a large number of increments would not be what the file says.
+        // Conversion to f64 would change a large number of increments.
         Ok(number) if in_increments => Some(Amount::Quantity(Quantity::new(number, Unit::INCREMENT.with_order(order)))),
         Ok(_) => value.number(f64::NEG_INFINITY..=f64::INFINITY).map(Amount::Number),
         Err(_) => {
@@ -23,7 +23,7 @@ pub(super) fn amount(value: &Value<'_>, order: u8, scale: Option<&Scale>, in_inc
     }
 }
 
-/// A parameter's value: a number, a quantity or a name; `null` takes it back to being left out.
+/// Reads the value of a parameter: a number, a quantity or a name; `null` resets it to unset.
 pub(in crate::scenario) fn parameter_input(
     value: &Value<'_>,
     dimensions: Option<[Dimension; 2]>,
@@ -32,8 +32,8 @@ pub(in crate::scenario) fn parameter_input(
         return Some(ParameterInput::Unset);
     }
     let text = value.text()?;
-    // Where no unit is possible every f64 is a number: those too large for an integer, too small for a fraction, and -0.
-    // Where one is, no integer is asked for, and a large number is for the range of the parameter to refuse.
+    // Without a possible unit, every f64 is a valid number, including those too large for an integer, too small for a
+    // fraction, and -0. With a unit, no integer is expected, and the range of the parameter refuses a large number.
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
     let plain = number.filter(|number| dimensions.is_none() || number.abs() >= I64_END && value.is_integer());
     let is_real = plain.is_some_and(|number| number.abs() >= I64_END || (number == 0.0 && text.starts_with("-0.")));
@@ -50,7 +50,7 @@ pub(in crate::scenario) fn parameter_input(
     Some(ParameterInput::Text(text.to_owned()))
 }
 
-/// A quantity of any dimension; `expected` is what a sentence asks for.
+/// Reads a quantity of any dimension; `expected` is for the error message.
 fn quantity(value: &Value<'_>, text: &str, expected: &[Dimension]) -> Option<Quantity> {
     match Quantity::parse(text, expected) {
         Ok(quantity) | Err(UnitError::WrongDimension { given: quantity, .. }) => Some(quantity),

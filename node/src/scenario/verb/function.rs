@@ -12,7 +12,7 @@ impl Reader<'_> {
     pub(super) fn command_function(&self, value: &Value<'_>) -> Option<Deed> {
         let mut map = value.map("command_function")?;
         let function = map.required("function");
-        // What was recorded may be a set that was staged alone.
+        // A recorded command may be a parameter set that was only staged.
         let orders = Order::ALL.iter().filter(|(order, ..)| self.recorded || *order != Order::Stage);
         let orders: Vec<_> = orders.map(|(order, name, _)| (*name, *order)).collect();
         let order = map.required("command").and_then(|command| command.choice(&orders));
@@ -38,7 +38,7 @@ impl Reader<'_> {
         (deed, id.flatten())
     }
 
-    /// The name of a function; where the step expects a refusal, any name.
+    /// Reads the name of a function; any name if the step expects a refusal.
     fn known_function<'v>(&self, function: &'v Value<'_>) -> Option<&'v str> {
         let name = function.text()?;
         if self.refused.is_none() && self.names.config.find_function(name).is_err() {
@@ -62,7 +62,7 @@ impl Reader<'_> {
         let (name, points) = (name?, points?);
         let numbers = match form {
             Some(form) => crate::cell::listed(&points, form)?,
-            // A name that no table has is refused by itself.
+            // A name that no table has is refused separately.
             None => (Vec::new(), Vec::new()),
         };
         self.settle(value, self.names.config.resolve_load_table(name, &numbers.0, &numbers.1))
@@ -75,7 +75,7 @@ impl Reader<'_> {
         let state = map.required("state").map(|state| state.choice(&[("keep", true), ("reset", false)]));
         map.finish();
         let (program, keeps) = (program?, state??);
-        // A recording has the module itself.
+        // A recording contains the module itself.
         let (given, bytes) = match (file, text, self.names.folder) {
             (Some(file), None, Some(folder)) => {
                 let bytes = program::load(&folder.join(file.text()?));
@@ -100,7 +100,7 @@ impl Reader<'_> {
     }
 }
 
-/// Values by the names of their fields.
+/// Reads values by the names of their fields.
 fn fields(given: &Value<'_>) -> Option<Vec<(String, FieldValue)>> {
     let whole = |value: &Value<'_>| value.integer(i64::MIN..=i64::MAX);
     let field = |(key, value): &(Value<'_>, Value<'_>)| {

@@ -1,4 +1,4 @@
-//! Verb `gear_out`: the end of a coupling at a place (contract section 7).
+//! Verb `gear_out`: ends a coupling at a position (contract section 7).
 
 use super::{Deed, Reader, number, whole};
 use crate::document::Value;

@@ -54,7 +54,7 @@ impl Reader<'_> {
         self.settle(at, result)
     }
 
-    /// The scale of what has a position that can be set.
+    /// Returns the scale of an object whose position can be set.
     fn zero_scale(&self, name: &str) -> Option<Scale> {
         let config = self.names.config;
         let encoder = config.encoders.iter().find(|encoder| encoder.name == name).map(|encoder| encoder.scale);

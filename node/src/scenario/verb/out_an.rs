@@ -1,4 +1,4 @@
-//! Verb `out_an`: a value for the loops below the position loop (contract section 5).
+//! Verb `out_an`: commands a value to the loops below the position loop (contract section 5).
 
 use super::{Deed, Reader};
 use crate::document::Value;

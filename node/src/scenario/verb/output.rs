@@ -1,4 +1,4 @@
-//! Verb `set_output`: OUT, OUTB and OUTAN (MACS-IO-03), all outputs that it names in the same cycle.
+//! Verb `set_output`: OUT, OUTB and OUTAN (MACS-IO-03); all its outputs are set in the same cycle.
 
 use super::super::ruler::Ruler;
 use super::{Deed, Reader, did_you_mean, nearest};
@@ -10,13 +10,13 @@ impl Reader<'_> {
     pub(super) fn set_output(&self, value: &Value<'_>) -> Option<Deed> {
         let entries = value.entries()?;
         if entries.is_empty() {
-            // Of what is no mapping that is told already.
+            // A value that is no mapping has been reported already.
             if value.is_map() {
                 value.refuse("set_output is empty; `output: value` is expected", None);
             }
             return None;
         }
-        // All of them, so that every problem is noted.
+        // All entries are read, so that every problem is reported.
         let given: Vec<_> = entries.iter().map(|(key, value)| self.one_output(key, value)).collect();
         let given: Vec<_> = given.into_iter().collect::<Option<_>>()?;
         self.settle(value, self.names.config.resolve_set_output(&given))
@@ -33,7 +33,7 @@ impl Reader<'_> {
             return None;
         };
         let signal = self.names.signal(key)?;
-        // A number of V may have any digits; a quantity is exact.
+        // A number in V may have any digits; a quantity is exact.
         let is_number = value.peek().is_some_and(|text| text.parse::<f64>().is_ok());
         let value = match entry.kind {
             IoKind::AnalogOutput if is_number => value.number(f64::NEG_INFINITY..=f64::INFINITY)?,

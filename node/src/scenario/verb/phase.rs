@@ -1,4 +1,4 @@
-//! Verb `phase`: a shift of an axis against its leader (contract section 10).
+//! Verb `phase`: shifts an axis relative to its leader (contract section 10).
 
 use super::{Deed, Reader, number, optional_amount};
 use crate::document::Value;
@@ -14,7 +14,7 @@ impl Reader<'_> {
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let axis = map.required("axis");
         let side = number(&mut map, "side", &SIDES);
-        // Of what leads nothing is known here.
+        // The leader is unknown here.
         let scale = self.scale(axis.as_ref()).filter(|_| side == Some(SLAVE));
         let [shift, velocity, acceleration] = [("shift", 0), ("velocity", 1), ("acceleration", 2)]
             .map(|(key, order)| optional_amount(&mut map, key, order, scale.as_ref(), false));

@@ -1,13 +1,16 @@
-//! A planned trajectory in a file: trajectory_msgs/JointTrajectory as `ros2 topic echo` prints it, in YAML or JSON.
+//! Reads a planned trajectory from a file: trajectory_msgs/JointTrajectory as `ros2 topic echo` prints it, in YAML or
+//! JSON.
 //!
-//! Reads    the message, or moveit_msgs/RobotTrajectory or moveit_msgs/DisplayTrajectory around it; numbers are in m, rad and s
-//! Refuses  what the action refuses of a message in itself; lists that `ros2 topic echo` has cut off
-//! Source   message_to_yaml of rosidl_runtime_py; trajectory_msgs (Jazzy). The stamp of the header has no meaning here: the step says when
+//! Reads    the message, or a moveit_msgs/RobotTrajectory or moveit_msgs/DisplayTrajectory that contains it; numbers
+//!          are in m, rad and s
+//! Refuses  messages that the action refuses as invalid; lists that `ros2 topic echo` has truncated
+//! Source   message_to_yaml of rosidl_runtime_py; trajectory_msgs (Jazzy). The stamp of the header is ignored: the step
+//!          defines the time
 
 use crate::document::{Map, Value};
 use lineshaft_core::request::{Amount, PointRequest, RequestError};
 
-/// What stands at the end of a list that was cut off.
+/// Last item of a truncated list.
 const CUT_OFF: &str = "...";
 const SECOND_NS: i64 = 1_000_000_000;
 
@@ -19,7 +22,7 @@ pub(super) struct Plan<'d> {
 }
 
 impl<'d> Plan<'d> {
-    /// Reads the message. Notes a problem where it returns `None`.
+    /// Reads the message. Reports a problem if it returns `None`.
     pub(super) fn read(root: &Value<'d>) -> Option<Self> {
         let mut map = message(root.map("the trajectory")?)?;
         map.allow(&["header"]);
@@ -30,14 +33,14 @@ impl<'d> Plan<'d> {
         Some(Self { joints, points })
     }
 
-    /// Its points. Notes a problem where it returns `None`.
+    /// Reads the points. Reports a problem if it returns `None`.
     pub(super) fn points(&self) -> Option<Vec<PointRequest<Amount>>> {
-        // All of them, so that every problem is noted.
+        // All points are read, so that every problem is reported.
         let points: Vec<_> = self.points.iter().map(point).collect();
         points.into_iter().collect()
     }
 
-    /// An error by the fields of the message: they have other names than those of the verb.
+    /// Replaces the names of fields in an error by those of the message, which differ from those of the verb.
     pub(super) fn by_its_fields(error: RequestError) -> RequestError {
         match error {
             RequestError::BadTrajectory { name, value, allowed } => {
@@ -52,7 +55,8 @@ impl<'d> Plan<'d> {
         }
     }
 
-    /// Where a sentence belongs: to the point that it names by its number or as the last one, else to the joints.
+    /// Returns the location of an error message: the point that it names by number or as the last one, otherwise the
+    /// joints.
     pub(super) fn place_of(&self, sentence: &str) -> &Value<'d> {
         let number = |rest: &str| rest.split(']').next()?.parse::<usize>().ok();
         let named = sentence.split("points[").skip(1).find_map(number).and_then(|number| self.points.get(number));
@@ -61,7 +65,7 @@ impl<'d> Plan<'d> {
     }
 }
 
-/// The message, out of those of MoveIt around it.
+/// Returns the message contained in one of MoveIt.
 fn message(mut map: Map<'_>) -> Option<Map<'_>> {
     if let Some(trajectories) = map.optional("trajectory") {
         map.allow(&["model_id", "trajectory_start"]);
@@ -81,7 +85,7 @@ fn message(mut map: Map<'_>) -> Option<Map<'_>> {
     Some(map)
 }
 
-/// Refuses a trajectory of joints that no axis is.
+/// Refuses a multi-DOF trajectory with points, because no axis is such a joint.
 fn without_points(value: &Value<'_>) -> Option<()> {
     let mut map = value.map("multi_dof_joint_trajectory")?;
     map.allow(&["header", "joint_names"]);
@@ -115,14 +119,14 @@ fn point(value: &Value<'_>) -> Option<PointRequest<Amount>> {
     Some(PointRequest { time_ns: time?, positions: positions?, velocities: velocities?, accelerations: accelerations? })
 }
 
-/// `sec` and `nanosec` of a duration.
+/// Reads `sec` and `nanosec` of a duration.
 fn time_ns(value: &Value<'_>) -> Option<u64> {
     let mut map = value.map(value.label())?;
     let (sec, nanosec) = (map.required("sec"), map.optional("nanosec"));
     map.finish();
     let sec = sec?.integer(i32::MIN..=i32::MAX)?;
     let nanosec = nanosec.map_or(Some(0), |nanosec| nanosec.integer(0..=u32::MAX))?;
-    // |sec| < 2^31 and nanosec < 2^32: below 2.2e18 + 4.3e9, which fits.
+    // |sec| < 2^31 and nanosec < 2^32: below 2.2e18 + 4.3e9, which fits in i64.
     let ns = i64::from(sec) * SECOND_NS + i64::from(nanosec);
     let time = u64::try_from(ns);
     if time.is_err() {
@@ -137,7 +141,7 @@ fn numbers(value: &Value<'_>) -> Option<Vec<Amount>> {
     numbers.into_iter().map(|number| number.map(Amount::Number)).collect()
 }
 
-/// The items of a list that is whole.
+/// Returns the items of a list that is not truncated.
 fn list<'d>(value: &Value<'d>) -> Option<Vec<Value<'d>>> {
     let items = value.list()?;
     if items.last().and_then(Value::peek) == Some(CUT_OFF) {

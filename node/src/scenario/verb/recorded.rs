@@ -1,4 +1,4 @@
-//! A verb that stands alone, as a recording keeps a command: its ids are the sequence numbers of commands.
+//! Reads a single verb, the format in which a recording stores a command: its IDs are the sequence numbers of commands.
 
 use super::{Act, Deed, Ids, Reader};
 use crate::document::Value;
@@ -10,7 +10,8 @@ use lineshaft_core::request::RequestError;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::excerpt;
 
-/// What a parameter's name and a value ask for. Notes a problem where it returns `None`; `key` is where the name stands.
+/// Reads a parameter change from the name of a parameter and a value. Reports a problem if it returns `None`; `key` is
+/// the location of the name.
 pub(crate) fn parameter_change(
     name: &str,
     key: &Value<'_>,
@@ -34,7 +35,7 @@ pub(crate) fn parameter_change(
     noted.ok()
 }
 
-/// Reads the command of one verb. Notes a problem where it returns `None`.
+/// Reads the command of one verb. Reports a problem if it returns `None`.
 pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, directory: &Directory) -> Option<Action> {
     let (mut ids, mut acts) = (Ids::default(), Vec::new());
     Reader {
@@ -68,7 +69,7 @@ pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, direct
             value.refuse("setpoints are no command of the machine", None);
             None
         }
-        // Without an expectation a refused request is a problem, which stands already.
+        // Without an expectation a refused request is a problem, which has been reported.
         Deed::Refused(_) => None,
     }
 }

@@ -1,4 +1,4 @@
-//! Verb `saia` (contract section 9): registers are set, then the command flags run.
+//! Verb `saia` (contract section 9): registers are set, then the command flags are executed.
 
 use super::amount::parameter_input;
 use super::{Deed, Reader};
@@ -15,7 +15,7 @@ impl Reader<'_> {
         map.finish();
         let axis = axis?;
         let mut request = Request::default();
-        // Everything is looked at, so that all problems show at once.
+        // All arguments are read, so that all problems are reported.
         let found = self.note(&axis, self.names.config.find_axis(axis.text()?).map(|(index, _)| index));
         let mut refused = found.as_ref().err().cloned();
         let mut is_good = refused.as_ref().is_none_or(Option::is_some);
@@ -71,13 +71,14 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// What is wrong with a part of the request: a refusal that the step expects, or a problem.
+    /// Returns the error of a part of the request: a refusal that the step expects, or `None` after a problem was
+    /// reported.
     fn note<T>(&self, value: &Value<'_>, result: Result<T, RequestError>) -> Result<T, Option<Box<Deed>>> {
         result.map_err(|error| self.settle(value, Err(error)).map(Box::new))
     }
 }
 
-/// A number as the manual writes bits: `41BH`.
+/// Parses a number in the format of the manual: `41BH`.
 fn hexadecimal(text: &str) -> Option<i64> {
     let digits = text.strip_suffix(['H', 'h'])?;
     let is_number = digits.starts_with(|c: char| c.is_ascii_digit()) && digits.chars().all(|c| c.is_ascii_hexdigit());

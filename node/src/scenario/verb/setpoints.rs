@@ -1,5 +1,6 @@
-//! Verb `setpoints`: streamed setpoints of one cycle, as `{axes: {x: 10 mm/s}}`, each until the next one comes, or as
-//! `{axes: {x: {velocity: 10 mm/s, duration: 50 ms}}}`. A `duration` beside `axes` is for those without one of their own.
+//! Verb `setpoints`: streamed setpoints of one cycle. `{axes: {x: 10 mm/s}}` is valid until the next one,
+//! `{axes: {x: {velocity: 10 mm/s, duration: 50 ms}}}` for a time. A `duration` next to `axes` is the default of axes
+//! without their own.
 
 use super::{Deed, Ids, Reader, UNITS, number};
 use crate::document::Value;
@@ -11,7 +12,7 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::request::{SetpointRequest, Units};
 use lineshaft_core::signal::Directory;
 
-/// Reads the arguments of `setpoints` as a recording keeps them. Notes a problem where it returns `None`.
+/// Reads the arguments of `setpoints` in the format of a recording. Reports a problem if it returns `None`.
 pub(crate) fn recorded_setpoints(
     arguments: &Value<'_>,
     source: Source,
@@ -26,7 +27,7 @@ pub(crate) fn recorded_setpoints(
     };
     match reader.setpoints(arguments, source)? {
         Deed::Stream(setpoints) => Some(setpoints),
-        // Without an expectation a refused request is a problem, which stands already.
+        // Without an expectation a refused request is a problem, which has been reported.
         _ => None,
     }
 }

@@ -1,6 +1,6 @@
 //! Verb `synchronize`: a gear or a cam (contract sections 7, 10).
 //!
-//! Law      a place is a whole number of increments, or a position with its unit: of the axis, or of the leader
+//! Law      a position is an integer number of increments, or has a unit: of the axis, or of the leader
 //! Refuses  one part of a ratio without the other: 9 : 0 is no gear
 
 use super::{Deed, Reader, number, optional_amount};
@@ -13,7 +13,7 @@ use lineshaft_core::unit::{Dimension, Fraction, Scale};
 
 const MODES: [(&str, u8); 6] =
     [("velocity", 0), ("position", 1), ("marker", 2), ("cam", 3), ("cam_master_marker", 4), ("cam_slave_marker", 5)];
-/// The modes from here on are cams.
+/// Number of the first cam mode; higher ones are cam modes, too.
 const FIRST_CAM: u8 = 3;
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
@@ -85,7 +85,8 @@ impl Reader<'_> {
         (deed, id.flatten())
     }
 
-    /// Both parts of the ratio. Left out they are 0, which a cam needs. A gear with one of them lacks the other.
+    /// Reads both parts of the ratio. If both are absent they are 0, as a cam requires. A gear with only one of them
+    /// lacks the other.
     fn ratio(&self, map: &mut Map<'_>, mode: Option<u8>) -> [Option<i64>; 2] {
         let is_half = map.has("numerator") != map.has("denominator");
         let is_refused = is_half && !self.recorded && mode.is_some_and(|mode| mode < FIRST_CAM);
@@ -95,14 +96,14 @@ impl Reader<'_> {
         })
     }
 
-    /// The scale of a leader; none where nothing of that name leads, or where it counts in increments alone.
+    /// Returns the scale of a leader; `None` if nothing with that name can lead, or if it has increments only.
     fn leading_scale(&self, name: &str) -> Option<Scale> {
         let leader = self.names.config.find_leader(name).ok()?;
         self.names.config.known_scale_of(leader)
     }
 }
 
-/// A place in increments, or as a position with its unit.
+/// Reads a position in increments, or with a unit.
 fn increments(value: &Value<'_>, scale: Option<Scale>) -> Option<i64> {
     let scale = scale.filter(|_| !value.is_integer() && bare(value).is_none());
     let Some(scale) = scale else { return value.integer(i64::MIN..=i64::MAX) };
@@ -111,7 +112,7 @@ fn increments(value: &Value<'_>, scale: Option<Scale>) -> Option<i64> {
     scale.position(&quantity).map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
 }
 
-/// What belongs to mode cam; scales may be fractions such as `1/3`.
+/// Reads the arguments of mode cam; scales may be fractions such as `1/3`.
 fn cam(map: &mut Map<'_>, slave: Option<&Scale>) -> Option<CamRequest> {
     let table = map.optional("table").map_or(Some(String::new()), |table| table.text().map(str::to_owned));
     let start = number(map, "cam_start", &CamStart::ALL.map(|(_, number, name)| (name, number)));

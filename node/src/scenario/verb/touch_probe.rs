@@ -14,7 +14,7 @@ impl Reader<'_> {
         let [edge, units] = [("edge", &EDGES[..]), ("units", &UNITS)].map(|(key, names)| number(&mut map, key, names));
         let continuous = map.optional("continuous").map_or(Some(false), |value| value.boolean());
         let given = [map.optional("first_position"), map.optional("last_position")];
-        // Whoever gives a place of the window asks for one.
+        // A limit of the window implies that the window is used.
         let has_window = given.iter().any(Option::is_some);
         let window_only = map.optional("window_only").map_or(Some(has_window), |value| value.boolean());
         let [first_position, last_position] = given.map(|place| {

@@ -13,33 +13,33 @@ use lineshaft_core::unit::{Dimension, Scale, excerpt};
 use lineshaft_ros::surface::{Group, TrajectorySettings};
 use std::sync::Arc;
 
-/// A joint of the verb: its name as written, the object name, and the scale where it is an axis.
+/// A joint of the verb: its name as written, the object name, and the scale if it is an axis.
 struct Joint<'d> {
     name: &'d str,
     axis: String,
     scale: Option<Scale>,
 }
 
-/// What its numbers are read with.
+/// Data for reading its numbers.
 struct Numbers<'j, 'd> {
     names: &'j Names<'j>,
     joints: &'j [Joint<'d>],
     in_increments: bool,
 }
 
-/// What moves, and how; points are none where one of them is wrong, which is told.
+/// Joints, units and points; points are `None` if one of them is wrong, which is reported.
 struct Given<'d> {
     joints: Vec<Joint<'d>>,
     units: u8,
     points: Option<Vec<PointRequest<Amount>>>,
 }
 
-/// The other keys, none where one is wrong: their values are read once the joints are known. What is left out of the last three is that of
-/// the group.
+/// The other keys, `None` if one is wrong: their values are read once the joints are known. The defaults of the last
+/// three are those of the group.
 struct OtherKeys<'d> {
     start: Option<i64>,
     goal_time: Option<Option<u64>>,
-    /// Of the path, the goal and the start.
+    /// Tolerances of the path, the goal and the start.
     tolerances: [Option<Value<'d>>; 3],
     limits: Option<Option<TrajectoryLimits>>,
     wraps: Option<Option<bool>>,
@@ -72,7 +72,7 @@ impl Reader<'_> {
         (deed, id.flatten())
     }
 
-    /// A trajectory whose points stand in a file.
+    /// Reads a trajectory with points in a file.
     fn plan(&self, file: &Value<'_>, others: OtherKeys<'_>, may_lack_joints: bool) -> Option<Deed> {
         let Some(folder) = self.names.folder else {
             file.refuse("file is for scenarios; points are expected here", None);
@@ -95,7 +95,7 @@ impl Reader<'_> {
         deed.filter(|_| is_good)
     }
 
-    /// Why a joint of a plan is refused that no axis is, as the action says it.
+    /// Returns the error for a joint of a plan that is no axis, with the text of the action.
     fn unknown_joint(&self, joint: &Joint<'_>) -> RequestError {
         let joints = self.names.joints;
         let driven = (0..).zip(&self.names.config.axes).filter(|(_, axis)| axis.drive.is_some());
@@ -108,7 +108,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Refuses a plan with some of the joints of a group, as the action does.
+    /// Refuses a plan with only some of the joints of a group, as the action does.
     fn check_joints(&self, joints: &[Joint<'_>], place: &Value<'_>) {
         let config = self.names.config;
         let driven = (0..).zip(&config.axes).filter(|(_, axis)| axis.drive.is_some()).map(|(place, _)| place);
@@ -118,7 +118,7 @@ impl Reader<'_> {
         };
         let has =
             |axes: &[u16], joint: &Joint<'_>| axes.iter().any(|axis| config.name(Object::Axis(*axis)) == joint.axis);
-        // Of several groups the one with the fewest joints is meant. Joints of no group are refused elsewhere.
+        // Of several groups, the one with the fewest joints is meant. Joints without a group are refused elsewhere.
         let around = groups.iter().filter(|axes| joints.iter().all(|joint| has(axes, joint)));
         let Some(group) = around.min_by_key(|axes| axes.len()).filter(|axes| axes.len() > joints.len()) else { return };
         let joint_of =
@@ -128,7 +128,7 @@ impl Reader<'_> {
         place.refuse(format!("{sentence}; all are expected, or some with allow_partial_joints_goal: true"), None);
     }
 
-    /// Joints, units and points that stand in the verb.
+    /// Reads joints, units and points in the verb.
     fn given<'d>(&self, map: &mut Map<'d>) -> Option<Given<'d>> {
         let joints = map.required("joints").and_then(|joints| self.joints(&joints));
         let units = number(map, "units", &UNITS);
@@ -140,7 +140,8 @@ impl Reader<'_> {
         Some(Given { joints, units, points })
     }
 
-    /// The command. Errors of the request are changed by `shown` and reported at the place that their sentence has.
+    /// Creates the command. Errors of the request are changed by `shown` and reported at the location that `place`
+    /// returns for their message.
     fn trajectory<'v, 'd: 'v>(
         &self,
         given: Given<'_>,
@@ -154,7 +155,7 @@ impl Reader<'_> {
             Ok(units) => units,
             Err(error) => return self.settle(place(""), Err(error)),
         };
-        // First: tolerances of a joint would not find it, either.
+        // Checked first, because tolerances of an unknown joint would fail as well.
         if let Some(error) = joints.iter().find_map(|joint| self.names.config.find_axis(&joint.axis).err()) {
             return self.settle(place(&error.to_string()), Err(error));
         }
@@ -172,7 +173,7 @@ impl Reader<'_> {
             start: start_tolerance?,
             limits: others.limits?.unwrap_or(usual.limits),
             angle_wraparound: others.wraps?.unwrap_or(usual.angle_wraparound),
-            // 0 is without limit.
+            // 0 means no limit.
             max_duration_ns: others.max_duration?.or(usual.max_duration_ns()).filter(|ns| *ns > 0),
             may_end_in_motion: others.may_end_in_motion?,
         };
@@ -181,7 +182,7 @@ impl Reader<'_> {
         self.settle(at, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
     }
 
-    /// The settings of the group of these joints.
+    /// Returns the settings of the group of these joints.
     fn settings(&self, joints: &[Joint<'_>]) -> TrajectorySettings {
         let is_of = |group: &&Group| {
             let mut names = group.axes.iter().filter_map(|axis| self.names.config.axes.get(usize::from(*axis)));
@@ -244,7 +245,7 @@ impl Numbers<'_, '_> {
         amounts.into_iter().collect()
     }
 
-    /// By joint: a position, or `position`, `velocity` and `acceleration`.
+    /// Reads the tolerances by joint: a position, or `position`, `velocity` and `acceleration`.
     fn tolerances(&self, value: Option<&Value<'_>>) -> Option<Vec<ToleranceRequest<Amount>>> {
         let Some(value) = value else { return Some(Vec::new()) };
         let mut tolerances = vec![None; self.joints.len()];
@@ -285,7 +286,7 @@ impl Numbers<'_, '_> {
     }
 }
 
-/// Refuses keys that the file has.
+/// Refuses keys that are in the file.
 fn refuse_keys_of_file<'d>(file: &Value<'d>, map: &mut Map<'d>) -> Option<Given<'d>> {
     for key in ["joints", "units", "points"] {
         if let Some(value) = map.optional(key) {
@@ -296,14 +297,14 @@ fn refuse_keys_of_file<'d>(file: &Value<'d>, map: &mut Map<'d>) -> Option<Given<
     None
 }
 
-/// A time that may be left out.
+/// Reads an optional time.
 fn optional_time(map: &mut Map<'_>, key: &str) -> Option<Option<u64>> {
     let Some(value) = map.optional(key) else { return Some(None) };
     let time = nanoseconds(&value, &Allowed::NotNegative)?;
     u64::try_from(time).ok().map(Some)
 }
 
-/// A time in whole nanoseconds; a bare number is in seconds.
+/// Reads a time in integer nanoseconds; a number without unit is in seconds.
 fn nanoseconds(value: &Value<'_>, allowed: &Allowed) -> Option<i64> {
     match value.quantity(&[Dimension::Time], allowed)?.nanoseconds() {
         Ok(ns) => Some(ns),

@@ -1,4 +1,5 @@
-//! A verb of an old controller whose axis is given beside its arguments (`~/vocabulary`): read as in a scenario.
+//! Reads a verb of another controller whose axis is given separately from its arguments (`~/vocabulary`), as in a
+//! scenario.
 
 use super::{Deed, Ids, Reader};
 use crate::document::Document;
@@ -8,15 +9,15 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::excerpt;
 
-/// Longest arguments (bytes): far more than all registers and blocks of a module take.
+/// Maximum size of the arguments, in bytes; far more than all registers and blocks of a module need.
 const MAX_BYTES: usize = 1 << 16;
-/// Verbs that can be given so.
+/// Verbs that can be given in this form.
 const VERBS: [&str; 3] = ["saia", "wf", "set_parameters"];
 
-/// The command of a verb; `arguments` are YAML without the axis.
+/// Returns the command of a verb; `arguments` are YAML without the axis.
 ///
 /// # Errors
-/// What is wrong with it, in one sentence; with line and column, where it is in the arguments.
+/// Returns an error message of one sentence, with line and column if the error is in the arguments.
 pub(crate) fn vocabulary_command(
     axis: &str,
     verb: &str,
@@ -24,7 +25,7 @@ pub(crate) fn vocabulary_command(
     config: &MachineConfig,
     directory: &Directory,
 ) -> Result<Action, String> {
-    // The machine has parameters too, and nothing else of these.
+    // Of these verbs, the machine has only parameters.
     if (axis, verb) != ("machine", "set_parameters") {
         config.find_axis(axis).map_err(|error| error.to_string())?;
     }

@@ -1,18 +1,21 @@
-//! Verb `wf` (contract section 9): an axis in the words of the Siemens WF 725 / 726 positioning modules.
+//! Verb `wf` (contract section 9): commands an axis with the functions of the Siemens WF 725 / 726 positioning modules.
 //!
-//! Keys, all but `axis` may be left out, which leaves things as they are:
-//! - `mode`: mdi, single, automatic (single block; also automatic_single), continuous, jog, actual_value; changed at rest
-//! - `blocks`: up to 16 of `{position, velocity, absolute}`; replaces the program. `position`: a bare number is in the axis
-//!   unit. `velocity`: a bare number is the speed value, hundredths of max_velocity. `absolute`: true (G90) when left out
-//! - `block`: number of the block, from 1, that the next START begins with
+//! All keys except `axis` are optional; the state of an absent key does not change:
+//! - `mode`: mdi, single, automatic (single block; also automatic_single), continuous, jog, actual_value; changed at
+//!   standstill
+//! - `blocks`: up to 16 of `{position, velocity, absolute}`; replaces the program. `position`: a number without unit is
+//!   in the axis unit. `velocity`: a number without unit is the speed value, hundredths of max_velocity. `absolute`:
+//!   default true (G90)
+//! - `block`: number of the block, from 1, with which the next START begins
 //! - `start`: true is START
-//! - `jog`: plus, minus, both, none: the inputs JOG+ and JOG-, as they stay. They run the axis in mode jog; in the others they
-//!   choose the direction of approach of a rotary axis
-//! - `cam`: the deceleration cam of mode reference, where wf.md15 is interface; false from the beginning
-//! - `fixed_speed`: 1, 2, 3: which of wf.fixed_speed_1 to 3 jogs
-//! - `enable`: the controller enable request, true from the beginning; false stops
-//! - `reset`: true ends what runs and acknowledges the alarm; it stands alone
-//! - `value`: in mode actual_value, the position at which the axis stands from now on; a bare number is in the axis unit
+//! - `jog`: plus, minus, both, none: levels of the inputs JOG+ and JOG-. They move the axis in mode jog; in the other
+//!   modes they select the direction of approach of a rotary axis
+//! - `cam`: level of the deceleration cam of mode reference, if wf.md15 is interface; initially false
+//! - `fixed_speed`: 1, 2, 3: jog speed, one of wf.fixed_speed_1 to 3
+//! - `enable`: the controller enable request, initially true; false stops the axis
+//! - `reset`: true ends the motion and acknowledges the alarm; no other key is permitted with it
+//! - `value`: in mode actual_value, the new position of the axis at standstill; a number without unit is in the axis
+//!   unit
 
 use super::amount::amount;
 use super::{Deed, Reader};
@@ -37,7 +40,7 @@ const MODES: [(&str, Mode); 8] = [
 
 const JOGS: [(&str, Jog); 4] = [("none", Jog::None), ("plus", Jog::Plus), ("minus", Jog::Minus), ("both", Jog::Both)];
 
-/// What is wrong with a part of the verb: noted already, or to be told as the verb's refusal.
+/// Error of a part of the verb: reported already, or to be returned as refusal of the verb.
 enum Trouble {
     Noted,
     Told(RequestError),
@@ -75,7 +78,7 @@ impl Reader<'_> {
 }
 
 fn read(map: &mut Map<'_>, scale: Option<&Scale>) -> Result<Request, Trouble> {
-    // Every key is asked for before the first trouble ends the reading.
+    // All keys are read before the first error ends reading.
     let mode = map.optional("mode").map(|value| value.choice(&MODES));
     let blocks = map.optional("blocks").map(|value| blocks(&value, scale));
     let block = map.optional("block").map(|value| value.integer(0..=u8::MAX));
@@ -106,7 +109,7 @@ fn read(map: &mut Map<'_>, scale: Option<&Scale>) -> Result<Request, Trouble> {
     Ok(request)
 }
 
-/// A key that may be left out, but not be wrong.
+/// Returns an optional value; an error if it is wrong.
 fn noted<T>(value: Option<Option<T>>) -> Result<Option<T>, Trouble> {
     value.map(|value| value.ok_or(Trouble::Noted)).transpose()
 }
@@ -138,7 +141,7 @@ fn block(value: &Value<'_>, scale: Option<&Scale>) -> Result<Block, Trouble> {
 
 fn position(value: &Value<'_>, scale: Option<&Scale>) -> Result<Length, Trouble> {
     let amount = amount(value, 0, scale, false).ok_or(Trouble::Noted)?;
-    // Without an axis there is nothing to convert with; that is told already.
+    // Without an axis no conversion is possible; the missing axis has been reported.
     let length = amount.length(Units::AxisUnit, scale.ok_or(Trouble::Noted)?);
     Ok(length.map_err(|error| RequestError::BadValue { field: value.label().to_owned(), error: Box::new(error) })?)
 }

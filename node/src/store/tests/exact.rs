@@ -1,10 +1,10 @@
-//! What is read is bit for bit what was written.
+//! Tests that reading gives exactly the written values.
 
 use super::*;
 use lineshaft_core::parameter::{Measure, ROWS, Range, Row, Value};
 use proptest::prelude::*;
 
-/// Any value that a row may take, and some that it may not.
+/// Any value that a row accepts, and some that it does not.
 fn value(row: &'static Row) -> BoxedStrategy<Value> {
     let whole = match row.range {
         Range::Int(low, high) => (low..=high).prop_map(Value::Int).boxed(),
@@ -29,7 +29,7 @@ fn sets() -> impl Strategy<Value = Vec<(usize, usize, Value)>> {
     prop::collection::vec(change, 0..40)
 }
 
-/// Makes the changes that apply and agree, as a machine does.
+/// Makes the changes that apply and are consistent, like a machine.
 fn change(config: &MachineConfig, user: &mut [AxisParameters], changes: Vec<(usize, usize, Value)>) {
     for (axis, row, value) in changes {
         let row = &ROWS[row];
@@ -53,7 +53,7 @@ proptest! {
     #[test]
     fn whatever_was_set_is_read_as_it_was(before in sets(), after in sets()) {
         let mut config = config();
-        // Of the cell, too, anything may be given.
+        // The cell may have any values, too.
         let mut init: Vec<_> = config.axes.iter().map(|axis| axis.parameters).collect();
         change(&config.clone(), &mut init, before);
         for (axis, init) in config.axes.iter_mut().zip(&init) {
@@ -68,7 +68,7 @@ proptest! {
         let text = text::checked(text.into_bytes()).unwrap();
         let stored = read_store("p.yaml", &text, &config).map_err(|problems| TestCaseError::fail(problems.to_string()))?;
         let read: Vec<_> = std::iter::zip(stored.sets, &init).map(|(set, init)| set.unwrap_or(*init)).collect();
-        // -0 is 0 for `==`, and another bit.
+        // -0 equals 0 with `==`, but has another bit.
         let bits = |sets: &[AxisParameters]| postcard::to_allocvec(sets).unwrap();
         prop_assert_eq!(&read, &user);
         prop_assert_eq!(bits(&read), bits(&user), "{}", text);
@@ -76,7 +76,7 @@ proptest! {
     }
 }
 
-/// An edit of the cell counts for what was never saved, and a value that MACS gave as a time stays one.
+/// An edit of the cell applies to values that were never saved, and a value that MACS gave as a time is still a time.
 ///
 /// Proves: MACS-STO-02
 #[test]
@@ -96,12 +96,12 @@ fn what_was_not_saved_follows_the_cell() {
     let mut config = Cell::parse("cell.yaml", edited).unwrap().machine;
     bench.open().unwrap().load(&mut config).unwrap();
     let table = config.axes[1].saved.unwrap();
-    // 1200 rpm of 2000 counts: 40000 inc/s, in 250 ms.
+    // 1200 rpm with 2000 counts: 40000 inc/s, in 250 ms.
     assert_eq!((table.max_velocity, table.max_acceleration), (40_000.0, 160_000.0));
     assert_eq!(config.axes[0].saved, None);
 }
 
-/// A limit that is wider than NEGLIMIT can say, switched off by MACS: what is kept of it is what NEGLIMIT can say.
+/// A limit outside of the range of NEGLIMIT, switched off by MACS: the position that is stored is within that range.
 #[test]
 fn a_wide_limit_that_was_switched_off_can_be_saved() {
     let bench = Bench::new();

@@ -1,9 +1,9 @@
-//! Stores that do not fit the cell: each is refused with its place, and nothing changes.
+//! Tests stores that do not fit the cell: each is refused with its location, and nothing changes.
 
 use super::*;
 use lineshaft_core::parameter::{Row, Value};
 
-/// What is wrong with a store of these lines, each behind its place.
+/// Returns the problems of a store with these lines, each after its location.
 fn problems(axes: &str, parameters: &str) -> Vec<String> {
     problems_of(&format!("lineshaft_store: 1\ngeneration: 4\naxes:\n{axes}parameters:\n{parameters}"), &config())
 }
@@ -66,7 +66,7 @@ fn each_problem_has_its_place() {
     }
 }
 
-/// The cell was edited: what was saved does not agree with it any more.
+/// The cell was edited: it contradicts the saved values.
 #[test]
 fn a_limit_of_the_cell_that_contradicts_what_was_saved_is_named() {
     let text = format!("lineshaft_store: 1\ngeneration: 4\naxes:\n{X}parameters:\n  x.max_position: 400000 inc\n");
@@ -75,7 +75,7 @@ fn a_limit_of_the_cell_that_contradicts_what_was_saved_is_named() {
     assert_eq!(problems_of(&text, &config), ["p.yaml:6:19: x: max_position 400 mm must be above min_position 500 mm"]);
 }
 
-/// The cell turned the sense of rotation over: a limit that was saved would guard another place.
+/// The cell reversed the direction of rotation: a saved limit would apply to another position.
 #[test]
 fn positions_that_count_the_other_way_are_refused() {
     let turned = |posdrct: i64| {
@@ -102,7 +102,7 @@ fn positions_that_count_the_other_way_are_refused() {
     assert!(text.contains("\n  x: -1000000 inc/m\n"), "{text}");
     assert_eq!(sets(&text, &turned(-1)).unwrap(), Some(user));
     assert_eq!(problems_of(&text, &turned(11)).len(), 1);
-    // A sense of rotation that was saved itself stands, whatever the cell says.
+    // A saved direction of rotation is kept, whatever the cell has.
     let (text, user) = saved_by(&turned(1), -1);
     assert_eq!(sets(&text, &turned(1)).unwrap(), Some(user));
     assert_eq!(sets(&text, &turned(-11)).unwrap().unwrap().max_position, Some(2_000_000));
@@ -121,7 +121,7 @@ fn another_format_and_missing_keys_are_refused() {
     assert!(found.iter().any(|line| line.contains("unknown key `bogus`")), "{found:?}");
 }
 
-/// All problems at once, what can be done about them, and the cell as it was.
+/// All problems at once, the remedy, and the unchanged cell.
 #[test]
 fn what_does_not_fit_changes_nothing() {
     let bench = Bench::new();
@@ -131,7 +131,7 @@ fn what_does_not_fit_changes_nothing() {
     let error = bench.open().unwrap().load(&mut config).unwrap_err().to_string();
     let lines: Vec<_> = error.lines().collect();
     assert_eq!(lines.len(), 3, "{error}");
-    // Two lines of comments stand before.
+    // After two lines of comments.
     assert!(
         lines[0].contains("p.yaml:8:21: x: error_reaction is 9")
             && lines[1].contains("p.yaml:9:25: x: in_position_window")

@@ -1,4 +1,4 @@
-//! On a drive of velocities, whose figures are known.
+//! Tests findings of a drive with velocity interface, whose data are known.
 
 use super::*;
 use crate::tune::test_axes::{before, subject, velocity_record, wish};
@@ -35,7 +35,7 @@ fn gains_stand_by_the_keys_of_their_parameters() {
     assert!(found.changes().iter().all(|gain| gain.key != "timer"));
 }
 
-/// What the design says nothing of stays, and is shown.
+/// Values that the design does not determine are kept and shown.
 #[test]
 fn what_a_design_leaves_open_stays() {
     let mut before = before();
@@ -65,7 +65,7 @@ fn a_design_that_is_refused_leaves_the_side_before() {
     assert!(found.before.is_ok() && found.gains.is_empty());
 }
 
-/// A swing of 20 inc from elsewhere, which no part of the model explains.
+/// An oscillation of 20 inc that no part of the model explains.
 #[test]
 fn a_model_that_is_far_from_its_record_has_no_gains() {
     let mut record = velocity_record();

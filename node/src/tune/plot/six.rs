@@ -1,4 +1,5 @@
-//! docs/images/tune_plants.svg and its table: six plants of which each is hard in another way, a step before and after.
+//! Draws docs/images/tune_plants.svg and generates its table: six plants with different difficulties, a step before and
+//! after.
 
 use super::*;
 use crate::cell::Cell;
@@ -6,7 +7,8 @@ use crate::tune::{Bounds, Ended, Setting, Subject, try_simulated};
 use lineshaft_tune::Margins;
 use std::fmt::Write as _;
 
-/// 2e-4 kg m^2 and 2 Nm with a delay of 0.25 ms, kv above a velocity loop, as a new controller has both.
+/// 2e-4 kg m^2 and 2 Nm with a delay of 0.25 ms, kv in series with a velocity loop, both with the defaults of a new
+/// controller.
 fn cell(counts: u32, plant: &str, keys: &str) -> Cell {
     let text = format!(
         "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\naxes:\n  x:\n    type: rotary\n    unit: rev\n    \
@@ -27,9 +29,10 @@ fn found(cell: &Cell, inertia_ratio: Option<f64>) -> Findings {
     Findings::find(subject, &record, &setting.wish, &setting.before).expect("a model")
 }
 
-/// What the figure and the table call them, their encoder, what they are, the keys of their loops, the ratio that is told.
+/// Returns for each plant: name in figure and table, counts of the encoder, plant, keys of the loops, given inertia
+/// ratio.
 fn plants() -> [(&'static str, u32, &'static str, &'static str, Option<f64>); 6] {
-    // Hz: 10 ms, and 5 ms for the coarse encoder.
+    // In Hz: 10 ms, and 5 ms for the coarse encoder.
     let (slow, slower) = (
         "    velocity_loop: {estimator: filtered, bandwidth: 32}\n",
         "    velocity_loop: {estimator: filtered, bandwidth: 16}\n",

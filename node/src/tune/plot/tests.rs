@@ -1,4 +1,4 @@
-//! The picture, by what stands in it.
+//! Tests the content of the picture.
 
 use super::*;
 use crate::tune::test_axes::{before, cascade, effort_record, subject, velocity_record, wish};
@@ -13,7 +13,8 @@ fn of_velocities(wish: &Wish, loops: &Loops) -> String {
     svg(&Findings::find(subject(), &record, wish, loops).unwrap(), &record)
 }
 
-/// docs/images/tune_torque.svg is the report of such an axis. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib tune` draws it anew.
+/// docs/images/tune_torque.svg is the report of such an axis. `LINESHAFT_RENEW=1 cargo test -p lineshaft --lib tune`
+/// draws it again.
 #[test]
 fn the_figure_of_the_docs_is_drawn_by_the_program() {
     let (wish, loops) = cascade();
@@ -48,11 +49,11 @@ fn panels_have_labels_with_units_and_both_sides() {
     ] {
         assert!(svg.contains(text), "`{text}` is not in it");
     }
-    // The legend of the response and that of the step.
+    // The legends of the response and of the step.
     assert_eq!((svg.matches("\nbefore\n").count(), svg.matches("\nafter\n").count()), (2, 2));
 }
 
-/// What a pin says is what the table says: crossover and both margins, once in the panel and once beside it.
+/// A mark has the values of the table: crossover and both margins, once in the panel and once next to it.
 #[test]
 fn crossover_and_margins_are_marked() {
     let record = velocity_record();
@@ -64,7 +65,7 @@ fn crossover_and_margins_are_marked() {
     }
 }
 
-/// However many turns a phase has gone on, the margin is seen from -180 degrees.
+/// The phase of the margin is relative to -180 degrees, whatever the number of full turns is.
 #[test]
 fn phases_are_shown_around_the_margin() {
     let found = Findings::find(subject(), &velocity_record(), &wish(), &before()).unwrap();

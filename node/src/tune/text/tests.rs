@@ -1,10 +1,10 @@
-//! The report, as it reads.
+//! Tests the text of the report.
 
 use super::*;
 use crate::tune::test_axes::{before, cascade, effort_record, subject, wish};
 use lineshaft_tune::{Deviation, Identified, Model, PositionLaw, Resonance, Targets, Wish, design};
 
-/// A drive of 95493 inc/s that lags by 6 ms and a delay of 1.5 ms.
+/// Returns a drive of 95493 inc/s with a lag of 6 ms and a delay of 1.5 ms.
 fn of_velocities() -> Identified {
     let dynamics = Dynamics::Velocity { gain: 95_493.0, time_constant: 0.006, offset: -12.5 };
     let deviation = Deviation { gain: 31.4, time_constant: 2e-5, offset: 3.0, delay: 1e-5, ..Deviation::default() };
@@ -41,7 +41,7 @@ loops:
     assert!(text.starts_with(expected), "{text}");
 }
 
-/// The report of docs/loops.md is that of the axis whose plot stands below it.
+/// The report in docs/loops.md is that of the axis whose plot is below it.
 #[test]
 fn the_report_of_the_docs_is_written_by_the_program() {
     let (wish, loops) = cascade();
@@ -124,7 +124,7 @@ fn a_figure_that_is_hardly_known_is_told_where_it_matters() {
         found(Identified { deviation, ..good }).warnings(),
         ["The time constant is known to 15 % only; a longer excitation, or one with more way, tells it better."]
     );
-    // As large as the offset itself, but less than a loop tells; a tenth of a cycle of delay likewise.
+    // As large as the offset itself, but less than the resolution of a loop; the same for a tenth of a cycle of delay.
     let deviation = Deviation { offset: 12.0, time_constant: 0.9e-4, ..good.deviation };
     assert_eq!(found(Identified { deviation, ..good }).warnings(), [""; 0]);
     let deviation = Deviation { gain: 10_000.0, ..good.deviation };

@@ -1,4 +1,4 @@
-//! Axes of cells, tried and tuned as `lineshaft tune` does it, and moved with the gains that were found.
+//! Tests axes of cells that are tuned as in `lineshaft tune`, and moved with the gains found.
 
 use super::super::{Bounds, Ended, Findings, Setting, Subject, Trial, Unfit, settings, try_simulated};
 use crate::cell::Cell;
@@ -12,7 +12,7 @@ use lineshaft_core::sim::Plant;
 use lineshaft_tune::{Abort, Dynamics, Record, Refusal};
 use std::path::Path;
 
-/// 2e-4 kg m^2 and 2 Nm; full speed 45 rev/s; 8192 inc in a turn, or another number.
+/// Returns a cell: 2e-4 kg m^2 and 2 Nm; full speed 45 rev/s; 8192 inc per revolution, or another number.
 fn torque(drive: &str, counts: u32, sim: &str, keys: &str) -> String {
     format!(
         "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\naxes:\n  x:\n    type: rotary\n    unit: rev\n    \
@@ -50,7 +50,8 @@ fn found(text: &str, bounds: Bounds) -> Findings {
     Findings::find(subject(&cell), &record, &setting.wish, &setting.before).expect("a model")
 }
 
-/// Three turns with the gains in the cell; the largest following error on the way, and what is left at the end (inc), are bounded.
+/// Moves three revolutions with the gains in the cell; checks the maximum following error, and the remaining error at
+/// the end (in inc).
 fn moves(text: &str, findings: &Findings, most: i64, left: i64) {
     let gains = settings("x", &findings.gains).expect("gains of a cell");
     let Edited { cell, .. } = edited(Path::new("cell.yaml"), text, &gains).expect("a cell with these gains");
@@ -65,11 +66,12 @@ fn moves(text: &str, findings: &Findings, most: i64, left: i64) {
     assert!(report.passed(), "{report}");
 }
 
-/// Inertia, friction, a load that pulls, an elastic shaft, one with backlash, a coarse encoder: the model is that of the plant, the loops are
-/// stable with 60 deg and 6 dB, and they move the axis. 2 Nm on 2e-4 kg m^2 with (1 + ratio) times as much, in 8192 inc/turn.
+/// Inertia, friction, a constant load, an elastic shaft, one with backlash, a coarse encoder: the model is that of the
+/// plant, the loops are stable with 60 deg and 6 dB, and they move the axis. 2 Nm on 2e-4 kg m^2 with (1 + ratio) times
+/// as much, in 8192 inc/rev.
 #[test]
 fn gains_of_a_trial_move_the_axis() {
-    // The last number: the part of a turn that the axis may be behind on its way.
+    // The last number is the fraction of a revolution permitted as following error.
     let plants = [
         ("1:1", 8192, "      inertia_ratio: 1\n      coulomb_friction: 0.06 Nm\n", 2.0, 4),
         ("1:5", 8192, "      inertia_ratio: 5\n      coulomb_friction: 0.06 Nm\n", 6.0, 4),
@@ -91,14 +93,14 @@ fn gains_of_a_trial_move_the_axis() {
     }
 }
 
-/// A degree of play before twice the inertia, 23 inc: without the ratio the sentence says what is missing; with it there are gains, and they
-/// move the axis.
+/// One degree of backlash before twice the inertia, 23 inc: without the ratio a message asks for it; with it there are
+/// gains, and they move the axis.
 #[test]
 fn play_asks_for_the_ratio_of_inertias() {
     let sim = "      inertia_ratio: 2\n      load_coulomb_friction: 0.02 Nm\n      stiffness: 130 Nm/rad\n      \
                coupling_damping: 0.01 Nm*s/rad\n      backlash: 1 deg\n";
     let text = torque("interface: torque", 8192, sim, EFFORT);
-    // A short way: what play leaves counts in parts of it.
+    // In a short travel, the backlash is a larger fraction.
     let short = Bounds { velocity: Some(8.0 * 8192.0), effort: Some(0.6), ..Bounds::default() };
     let without = found(&text, short);
     assert!(without.gains.is_empty(), "{}", without.text());
@@ -116,7 +118,7 @@ fn play_asks_for_the_ratio_of_inertias() {
     assert!(after.is_stable() && after.margins.phase >= 60.0 && after.margins.gain >= 6.0);
     let inner = after.velocity_margins.expect("a velocity loop");
     assert!(inner.phase >= 60.0 && inner.gain >= 6.0);
-    // The worse ones: those of the motor alone are not those in contact.
+    // The worse ones: those of the motor alone differ from those in contact.
     assert!(inner.gain < after.velocity.as_ref().expect("a velocity loop").margins.gain);
     assert!(
         with.warnings()
@@ -126,7 +128,7 @@ fn play_asks_for_the_ratio_of_inertias() {
     moves(&text, &with, 3 * 8192, 60);
 }
 
-/// A drive that takes velocities.
+/// A drive with interface velocity.
 #[test]
 fn a_drive_of_velocities_is_tuned() {
     for drive in ["interface: velocity", "interface: velocity, regulator: pid"] {
@@ -141,7 +143,7 @@ fn a_drive_of_velocities_is_tuned() {
     }
 }
 
-/// The excitation stays within its bounds, and the axis ends off.
+/// The excitation stays within its bounds, and the axis is off at the end.
 #[test]
 fn a_trial_keeps_its_bounds() {
     let text = torque(PID, 8192, "      inertia_ratio: 3\n      coulomb_friction: 0.06 Nm\n", EFFORT);
@@ -162,7 +164,7 @@ fn a_trial_keeps_its_bounds() {
     assert!(record.commands.iter().all(|command| command.abs() <= 0.5));
 }
 
-/// No room, or less than usual.
+/// No room, or less than the default.
 #[test]
 fn software_limits_make_the_travel_shorter() {
     let limits = |low: &str, high: &str| format!("{EFFORT}    min_position: {low}\n    max_position: {high}\n");
@@ -179,7 +181,7 @@ fn software_limits_make_the_travel_shorter() {
     assert!(matches!(ended, Ended::NoRoom(_)), "{ended:?}");
 }
 
-/// What cannot be identified: an axis that is stuck, one that moves against its effort, one without effort.
+/// Plants that cannot be identified: a blocked axis, one that moves against its effort, one without effort.
 #[test]
 fn an_axis_that_is_stuck_reversed_or_open_is_refused() {
     let text = torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", EFFORT);
@@ -189,13 +191,13 @@ fn an_axis_that_is_stuck_reversed_or_open_is_refused() {
     let (_, ended, _) =
         tried(&text.replace("model: motor\n", "model: motor\n      inverted: true\n"), Bounds::default(), |_| {});
     assert!(matches!(ended, Ended::Aborted(Abort::Against { .. })), "{ended:?}");
-    // A phase is open: a thousandth of the torque is left.
+    // A phase is open: a thousandth of the torque remains.
     let weak = text.replace("max_torque: 2 Nm", "max_torque: 2e-3 Nm");
     let (_, ended, _) = tried(&weak, Bounds::default(), |_| {});
     assert!(said(ended), "{ended:?}");
 }
 
-/// An error of the axis ends it, and is what is told.
+/// An error of the axis ends it, and is reported.
 #[test]
 fn an_error_of_the_axis_ends_a_trial() {
     let text = torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", EFFORT);
@@ -274,7 +276,7 @@ fn axes_that_cannot_be_tuned_are_refused_by_name() {
     }
 }
 
-/// A record that tells too little is refused by its own sentence.
+/// A record with too little information is refused with its own message.
 #[test]
 fn a_record_without_motion_has_no_model() {
     let text = torque(PID, 8192, "      coulomb_friction: 0.06 Nm\n", EFFORT);
@@ -286,8 +288,8 @@ fn a_record_without_motion_has_no_model() {
     assert!(matches!(refusal, Refusal::Stuck { .. }), "{refusal}");
 }
 
-/// 30 % of 45 rev/s take 13.5^2 / (2 * 5) = 18.225 rev to stop at 5 rev/s^2, which is 0.4 of the travel: 45.5625 rev, and a shorter one is refused. Half the room
-/// is half of everything.
+/// 30 % of 45 rev/s need 13.5^2 / (2 * 5) = 18.225 rev to stop at 5 rev/s^2, which is 0.4 of the travel: 45.5625 rev,
+/// and a shorter one is refused. Half of the room halves everything.
 #[test]
 fn the_travel_leaves_a_way_to_stop() {
     let slow = |keys: &str| {
@@ -306,7 +308,8 @@ fn the_travel_leaves_a_way_to_stop() {
     assert!((shorter.command - permitted.command / 2.0).abs() < 1e-12);
 }
 
-/// Ten cycles a second are missed, one or three in a row: the record has them, and the model is the same. More than ten end the trial.
+/// Ten cycles per second are missed, one or three in a row: the record contains them, and the model is the same. More
+/// than ten end the trial.
 #[test]
 fn missed_cycles_are_in_the_record() {
     let text = torque(PID, 8192, "", EFFORT);
@@ -321,7 +324,7 @@ fn missed_cycles_are_in_the_record() {
         while trial.ended().is_none() {
             let missed = if machine.next_cycle() % 200 == 199 { row } else { 0 };
             for _ in 0..missed {
-                // The plant goes on with what it was asked for last.
+                // The plant continues with its last command.
                 inputs.begin(machine.next_cycle(), 0);
                 plant.read(&mut inputs);
                 plant.write(&outputs);

@@ -87,7 +87,7 @@ fn identities_are_decimal_or_hexadecimal() {
     }
 }
 
-/// Each command says what it does, with an example and its exit codes.
+/// Each help text describes the command, with an example and its exit codes.
 #[test]
 fn every_help_has_an_example() {
     let line = Line::command();

@@ -1,4 +1,4 @@
-//! A device, its drive and its PDOs as objects (docs/json.md).
+//! Describes a device, its drive and its PDOs as JSON objects (docs/json.md).
 
 use lineshaft_can::NodeId;
 use lineshaft_can::commission::words::{drive_state, nmt_state};

@@ -2,7 +2,8 @@ use super::*;
 use crate::cell::Cell;
 use crate::scenario::{Options, Scenario, simulate};
 
-/// One expectation that holds, one that fails, one whose step never fires; a command that is refused, one that is refused as expected.
+/// One expectation that passes, one that fails, one whose step never happens; a command that is refused, one that is
+/// refused as expected.
 const SCENARIO: &str = "\
 scenario: some of each
 cycles: 20
@@ -44,7 +45,7 @@ fn object_of_a_scenario_has_its_expectations_and_failures() {
     let message = expectations[1]["message"].as_str().unwrap();
     assert!(message.starts_with("x.command.position is 0 ") && message.ends_with(" was expected"), "{message}");
     assert_eq!(expectations[0]["message"], Json::Null);
-    // The second move is refused without being expected so; the first one is listed apart.
+    // The second move is refused unexpectedly; the first one is listed separately.
     let lines = |field: &str| {
         object[field].as_array().unwrap().iter().map(|row| row["line"].as_u64().unwrap()).collect::<Vec<_>>()
     };

@@ -8,19 +8,19 @@ use lineshaft_core::object::Leader;
 use lineshaft_core::unit::Scale;
 use std::path::{Path, PathBuf};
 
-/// A cell and its file.
+/// A cell and its path.
 pub(super) struct Machine {
     path: PathBuf,
     config: MachineConfig,
 }
 
-/// What leads.
+/// The leader.
 pub(super) struct Master {
-    /// Its name, as it was given.
+    /// Name, as given.
     pub(super) name: String,
-    /// Increments to units; none where it counts in increments alone.
+    /// Scale from increments to units; `None` if it has increments only.
     pub(super) scale: Option<Scale>,
-    /// Largest velocity (inc/s), which an axis has.
+    /// Maximum velocity in inc/s, if it is an axis.
     pub(super) max_velocity: Option<f64>,
 }
 
@@ -28,29 +28,29 @@ impl Machine {
     /// Reads the cell.
     ///
     /// # Errors
-    /// All that is wrong with it.
+    /// Returns all errors of the cell.
     pub(super) fn load(path: &Path) -> Result<Self, Failure> {
         let cell = Cell::load(path).map_err(|problems| Failure::Problems(problems.to_string()))?;
         Ok(Self { path: path.to_owned(), config: cell.machine })
     }
 
-    /// The file, as it was given.
+    /// Returns the path of the file, as given.
     pub(super) fn file(&self) -> String {
         self.path.display().to_string()
     }
 
-    /// The axis that follows.
+    /// Returns the following axis.
     ///
     /// # Errors
-    /// There is none of that name.
+    /// Returns an error if there is no axis with that name.
     pub(super) fn axis(&self, name: &str) -> Result<&AxisConfig, Failure> {
         self.config.find_axis(name).map(|(_, axis)| axis).map_err(|error| self.failure(error))
     }
 
-    /// What leads.
+    /// Returns the leader.
     ///
     /// # Errors
-    /// Nothing of that name can.
+    /// Returns an error if nothing with that name can lead.
     pub(super) fn leader(&self, name: &str) -> Result<Master, Failure> {
         let leader = self.config.find_leader(name).map_err(|error| self.failure(error))?;
         let max_velocity = match leader {
@@ -62,8 +62,8 @@ impl Machine {
         Ok(Master { name: name.to_owned(), scale: self.config.known_scale_of(leader), max_velocity })
     }
 
-    /// Which tables of the cell have the points of a description, or that none has: its CSV file may be older. None for a cell without
-    /// tables.
+    /// Returns a message with the tables of the cell that have the points of a description, or that none has, because
+    /// its CSV file may be older. `None` for a cell without tables.
     pub(super) fn tables_with(&self, description: &Description, file: &Path) -> Option<String> {
         let Ok(made) = description.table() else { return None };
         let cell = self.file();

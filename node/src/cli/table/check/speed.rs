@@ -1,18 +1,18 @@
 //! Option `--master-speed`.
 //!
 //! Law      a number without a unit is in inc/s. A unit of length or angle needs the scale of the leader
-//! Refuses  a speed that is not above 0, a unit that does not fit the leader
+//! Refuses  a speed that is not greater than 0, a unit that does not fit the leader
 
 use super::Master;
 use lineshaft_core::unit::{Dimension, Quantity, Unit, excerpt, parse_decimal};
 
-/// Largest speed (inc/s).
+/// Maximum speed, in inc/s.
 const MOST: f64 = 1e12;
 
-/// The speed of the master (inc/s): as given, else the largest one of the leader, if that is known.
+/// Returns the speed of the master, in inc/s: as given, otherwise the maximum of the leader, if known.
 ///
 /// # Errors
-/// The text is no speed, or its unit needs a leader.
+/// Returns an error if the text is no speed, or if its unit needs a leader.
 pub(super) fn master_speed(text: Option<&str>, leader: Option<&Master>) -> Result<Option<f64>, String> {
     let Some(text) = text else { return Ok(leader.and_then(|leader| leader.max_velocity)) };
     let speed = read(text, leader).map_err(|sentence| format!("--master-speed: {sentence}"))?;
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
     use lineshaft_core::unit::{Fraction, Scale};
 
-    /// 1000 inc are a millimetre.
+    /// 1000 inc are one millimetre.
     fn web() -> Master {
         let one = |unit| Quantity::new(Fraction::from(1), unit);
         let scale =

@@ -1,4 +1,4 @@
-//! The disk fills up, at any byte.
+//! Tests bags on a disk that becomes full at any byte.
 
 use super::full_disk::{Small, Space};
 use super::*;
@@ -6,11 +6,11 @@ use std::process::Command;
 
 const SECOND: usize = 1000;
 
-/// Writes as long as it goes, then finishes. The errors, in order.
+/// Writes until the first error, then finishes. Returns the errors, in order.
 fn write_on(space: &Space, options: &BagOptions, cycles: &[Encoded]) -> Vec<BagError> {
     let disk = space.clone();
     let open: Open = Box::new(move |_, path| {
-        // A file of that name shows what is taken away again.
+        // A file on the real disk shows which files are deleted again.
         fs::write(path, "")?;
         Ok(Box::new(Small::new(&disk)))
     });
@@ -25,7 +25,7 @@ fn write_on(space: &Space, options: &BagOptions, cycles: &[Encoded]) -> Vec<BagE
     errors
 }
 
-/// One error that counts; what was flushed before it is whole; metadata.yaml is whole too, and tells of it.
+/// The first error is reported; data flushed before it is complete; metadata.yaml is complete too and lists that data.
 #[test]
 fn a_disk_that_is_full_at_any_byte_leaves_whole_files() {
     let folder = tempfile::tempdir().unwrap();
@@ -78,10 +78,10 @@ fn a_disk_that_is_full_at_any_byte_leaves_whole_files() {
     );
 }
 
-/// Set for the process that runs below a limit of the system.
+/// Set for the process that runs with a limit of the operating system.
 const CHILD: &str = "LINESHAFT_TEST_FULL_DISK";
 
-/// The same with files of the system, which lets none grow beyond a limit: RLIMIT_FSIZE.
+/// The same test with real files and the file size limit of the operating system (RLIMIT_FSIZE).
 #[test]
 fn a_limit_of_the_system_leaves_whole_files() {
     if let Some(path) = std::env::var_os(CHILD) {
@@ -89,7 +89,7 @@ fn a_limit_of_the_system_leaves_whole_files() {
     }
     let folder = tempfile::tempdir().unwrap();
     let program = std::env::current_exe().unwrap();
-    // In units of 512 bytes. At 2 not even metadata.yaml fits.
+    // In units of 512 bytes. A limit of 2 is too small even for metadata.yaml.
     for (blocks, has_metadata) in [(2, false), (60, true), (200, true)] {
         let path = folder.path().join(blocks.to_string());
         let (_, module) = module_path!().split_once("::").unwrap();

@@ -1,10 +1,10 @@
-//! A disk that fills up.
+//! A simulated disk that becomes full.
 
 use super::super::Medium;
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Room for so many bytes, shared by all files of a bag.
+/// Free space in bytes, shared by all files of a bag.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Space(Arc<Mutex<State>>);
 
@@ -12,7 +12,7 @@ pub(in super::super) struct Space(Arc<Mutex<State>>);
 struct State {
     left: usize,
     files: Vec<Vec<u8>>,
-    /// Calls after the disk was full first, but for cuts.
+    /// Number of calls after the disk was first full, except truncations.
     writes_after: usize,
     is_full: bool,
 }
@@ -26,7 +26,7 @@ impl Space {
         act(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The only file.
+    /// Returns the bytes of the only file.
     pub(in super::super) fn bytes(&self) -> Vec<u8> {
         self.with(|state| state.files.iter().flatten().copied().collect())
     }
@@ -40,7 +40,7 @@ impl Space {
     }
 }
 
-/// A file in such a space: it takes a part of what is written, as disks do, and then nothing.
+/// A file on such a disk: it accepts a part of a write, as disks do, and then nothing more.
 pub(in super::super) struct Small {
     space: Space,
     number: usize,

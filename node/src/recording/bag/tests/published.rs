@@ -1,4 +1,4 @@
-//! Topics that the node publishes, in addition to those of the cycles.
+//! Tests topics that the node publishes in addition to those of the cycles.
 
 use super::super::super::replay::replay;
 use super::super::super::run::Run;
@@ -25,18 +25,18 @@ fn text(data: &str) -> Vec<u8> {
     encode_with_header(&Text { data: data.to_owned() })
 }
 
-/// The cycles of [`run`]; the first one has the description, the 500th an error and a line of the log.
+/// Returns the cycles of [`run`]; the first one has the description, the 500th an error and a log line.
 fn cycles() -> Vec<Encoded> {
     let mut cycles = run().encoded.clone();
     cycles[0].add_published(0, &text("<robot/>"));
     cycles[500].add_published(1, &encode_with_header(&Event { text: "x: an error".to_owned(), ..Event::default() }));
     cycles[500].add_published(2, &text("a line"));
-    // A topic that was opened after the bag.
+    // A topic that was opened after the bag was created.
     cycles[500].add_published(3, &text("lost"));
     cycles
 }
 
-/// Topic and log time of the messages that are in no cycle.
+/// Returns topic and log time of the messages that belong to no cycle.
 fn published(path: &Path) -> Vec<(String, u64)> {
     let mut found = Vec::new();
     let mut bag = Run::open(path).unwrap();
@@ -65,7 +65,7 @@ fn published_topics_are_in_the_bag_and_latched_ones_begin_each_file() {
         published(&summary.files[0]),
         [of("/robot_description", 0), of("/lineshaft/errors", 500), of("/rosout", 500)]
     );
-    // The file goes on in cycle 2000. Lines of the log have a lifespan: they are not said again.
+    // The new file begins in cycle 2000. Log lines have a lifespan, so they are not repeated.
     assert_eq!(published(&summary.files[1]), [of("/robot_description", 2000), of("/lineshaft/errors", 2000)]);
     let metadata = fs::read_to_string(path.join(FILE_NAME)).unwrap();
     let description = metadata.split("topic_metadata").find(|part| part.contains("/robot_description")).unwrap();
@@ -76,7 +76,7 @@ fn published_topics_are_in_the_bag_and_latched_ones_begin_each_file() {
     );
 }
 
-/// ~/errors has the type of ~/events, and repeats them.
+/// ~/errors has the type of ~/events and repeats its messages.
 #[test]
 fn published_topics_change_neither_replay_nor_events_of_a_plot() {
     let folder = tempfile::tempdir().unwrap();
@@ -117,7 +117,7 @@ fn messages_after_the_last_cycle_are_written_with_its_log_time() {
     assert_eq!(report.cycles, 700);
 }
 
-/// A node that is unconfigured runs no cycle, and reports why.
+/// An unconfigured node runs no cycle but reports the reason.
 #[test]
 fn bag_without_a_cycle_has_the_messages_by_their_system_time() {
     let folder = tempfile::tempdir().unwrap();

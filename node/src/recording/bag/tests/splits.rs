@@ -1,4 +1,4 @@
-//! Bags of several files.
+//! Tests bags of several files.
 
 use super::*;
 

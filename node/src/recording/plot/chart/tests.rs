@@ -1,4 +1,4 @@
-//! Content of a chart, by its SVG.
+//! Tests the content of a chart by its SVG.
 
 use super::super::pen::Line;
 use super::super::tests::texts;
@@ -94,7 +94,7 @@ fn each_curve_of_a_panel_has_its_own_colour_and_dash() {
     for (place, look) in looks.iter().enumerate() {
         let same = |other: &Line| (other.0, other.2) == (look.0, look.2);
         assert!(!looks[..place].iter().any(same), "{place}");
-        // The first one is seen through the gaps of the others.
+        // The first curve is visible through the gaps of the others.
         assert!(place == 0 || look.2.is_some_and(|(_, gap)| gap >= 3.0) && look.1 < looks[0].1, "{place}");
     }
     for (place, look) in looks[1..7].iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What stands in a figure.
+//! Tests the content of figures.
 
 use super::{figure, mark, sampled, series, states, svg, texts};
 use crate::recording::plot::{Figure, Target, draw, write};
@@ -72,7 +72,7 @@ fn every_axis_has_a_unit_and_prefixes_are_the_usual_ones() {
     assert!(!svg.contains("rad/s"), "rad/s and rev/s are in one figure");
 }
 
-/// Number, and left, upper, right and lower edge (px) of the polyline or text.
+/// Returns the attribute `name` of a tag as a number.
 fn numbers(tag: &str, name: &str) -> f64 {
     let text = tag.split(&format!("{name}=\"")).nth(1).and_then(|rest| rest.split('"').next());
     text.and_then(|text| text.parse().ok()).unwrap_or_default()
@@ -228,7 +228,7 @@ fn signals_of_one_name_are_told_apart_by_their_topics() {
 fn many_expected_events_make_no_fence() {
     let signals = run();
     let marks: Vec<Mark> = (0..300).map(|n| mark(f64::from(n) * 6e-3, 0, "done", "done")).collect();
-    // The places along the time of upright lines of events.
+    // Horizontal positions of the vertical lines of events.
     let tall = |svg: &str| {
         let upright = svg.split("<polyline").filter(|line| line.contains(r##"stroke="#787878""##));
         let places = upright.filter_map(|line| {
@@ -304,7 +304,8 @@ fn a_png_has_the_size_that_was_asked_for() {
     assert_eq!((reader.info().width, reader.info().height), (900, 700));
 }
 
-/// 10 min at 1 kHz of noise and of fast bits, the worst there is: four points for each column of pixels, whatever the length of the run.
+/// 10 min of noise and of fast bits at 1 kHz is the worst case: four points per pixel column, whatever the length of
+/// the run.
 #[test]
 fn figures_of_long_runs_stay_small() {
     let noise = |time: f64| (time * 12_345.678).sin();
@@ -330,7 +331,7 @@ fn a_file_is_replaced_in_one_step_and_a_failure_leaves_nothing() {
     assert!(fs::read_to_string(&path).unwrap().starts_with("<svg "));
     assert!(write(&figure(&[], &[]), &path).is_err());
     assert!(fs::read_to_string(&path).unwrap().starts_with("<svg "), "the old file stays");
-    // A folder in the place of the file.
+    // A folder in place of the file.
     let taken = folder.path().join("taken.png");
     fs::create_dir(&taken).unwrap();
     let problem = write(&figure(&signals, &[]), &taken).unwrap_err().to_string();

@@ -1,4 +1,4 @@
-//! Whatever a file may hold: there is a figure, or a sentence.
+//! Tests that any content of a file gives a figure or an error message.
 
 use super::{figure, mark, series};
 use crate::recording::plot::{Figure, HEIGHTS, Target, WIDTHS, draw};
@@ -61,7 +61,7 @@ proptest! {
             Ok(bytes) => {
                 let text = String::from_utf8(bytes).unwrap();
                 prop_assert!(text.starts_with("<svg ") && text.ends_with("</svg>\n"));
-                // What does not fit in an i32 or is no number would stand at one of its ends.
+                // NaN or a value beyond i32 would be drawn at one of the ends of i32.
                 prop_assert!(!text.contains("2147483647") && !text.contains("-2147483648"));
                 prop_assert!(!text.contains('\0'));
                 if size.0 % 8 == 0 {
@@ -73,7 +73,7 @@ proptest! {
     }
 }
 
-/// The edges by name.
+/// Tests the edge cases.
 #[test]
 fn single_points_constants_and_far_values_are_drawn() {
     for points in [

@@ -1,4 +1,4 @@
-//! Files that were cut off.
+//! Tests files that were cut off.
 
 use super::super::{Reason, Run};
 use super::{Read, disk, every_form, read, read_all, small};
@@ -8,7 +8,8 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use proptest::prelude::*;
 use std::fs::OpenOptions;
 
-/// The last byte of each record of a whole file, and how many messages stand before it; told by the crate `mcap`.
+/// Returns the end offset of each record of a complete file, and the number of messages before it, read with the crate
+/// `mcap`.
 fn ends(bytes: &[u8]) -> Vec<(u64, usize)> {
     let mut reader = LinearReader::new_with_options(LinearReaderOptions::default().with_emit_chunks(true));
     let (mut given, mut at, mut messages, mut ends) = (0, 8, 0, Vec::new());
@@ -39,7 +40,7 @@ fn ends(bytes: &[u8]) -> Vec<(u64, usize)> {
     ends
 }
 
-/// What is read of the first `length` bytes of a file whose whole records end at `ends`.
+/// Checks the messages read from the first `length` bytes of a file whose complete records end at `ends`.
 #[track_caller]
 fn check_cut(length: u64, run: Run, ends: &[(u64, usize)], all: &[Read], data_end: u64) {
     let whole = ends.iter().rev().find(|(end, _)| *end <= length.min(data_end));
@@ -49,7 +50,7 @@ fn check_cut(length: u64, run: Run, ends: &[(u64, usize)], all: &[Read], data_en
     assert!(error.is_none(), "cut at {length}: {error:?}");
     assert_eq!(messages, all[..count], "cut at {length}");
     let cut = cut.unwrap_or_else(|| panic!("cut at {length}: not noticed"));
-    // Without any record, the format's mark may have been read.
+    // Without any record, the magic bytes may have been read.
     let read = if end == 0 { cut.read_bytes.min(8) } else { end };
     assert_eq!((cut.read_bytes, cut.file_bytes), (read, length), "{cut}");
     assert_eq!(cut.reason == Reason::Index, length >= data_end, "{cut}");
@@ -71,13 +72,13 @@ fn a_small_file_is_read_to_its_last_whole_record_wherever_it_is_cut() {
     }
 }
 
-/// The byte behind the record of the data's end.
+/// Returns the offset after the record that ends the data.
 fn data_end(bytes: &[u8]) -> u64 {
     let footer = mcap::read::footer(bytes).unwrap();
     footer.summary_start
 }
 
-/// A file of many chunks whose content does not compress.
+/// Returns a file of many chunks with incompressible content.
 fn large() -> Vec<u8> {
     let mut bag = TestBag::with(options().chunk_size(Some(4096)));
     let mut state = 1_u64;

@@ -1,4 +1,4 @@
-//! Files in which bytes were changed.
+//! Tests files with changed bytes.
 
 use super::super::{Damage, Run, RunError};
 use super::{disk, every_form, read, small};
@@ -6,13 +6,14 @@ use proptest::prelude::*;
 use std::fs::OpenOptions;
 use std::os::unix::fs::FileExt;
 
-/// Whatever byte of a finished file is changed: an error, or a cut, or the messages that were written. Only what stands in
-/// no chunk may be read wrong, or a chunk be taken for another record, and then the checksum of all data says so in the end.
+/// Changing any byte of a finished file gives an error, a cut, or the original messages. The exceptions are records
+/// outside of chunks, and a chunk that is read as another record; the checksum of all data then reports an error at the
+/// end.
 #[test]
 fn a_changed_byte_is_noticed_or_changes_no_message() {
     for (options, is_chunked) in every_form().into_iter().zip([true, true, false]) {
         let bytes = small(options);
-        // The record of the data's end is of 13 bytes; the checksum covers what stands before it.
+        // The record that ends the data has 13 bytes; the checksum covers the bytes before it.
         let covered = mcap::read::footer(&bytes).unwrap().summary_start - 13;
         let disk = disk(&bytes);
         let all = read(&disk.path).0;
@@ -41,7 +42,7 @@ fn a_changed_byte_is_noticed_or_changes_no_message() {
     }
 }
 
-/// What stands behind the data is no message, and still not what was written.
+/// Damage after the data affects no message but is still reported.
 #[test]
 fn a_damaged_index_and_bytes_behind_the_end_are_told() {
     let bytes = small(crate::recording::test_bags::options());
@@ -75,7 +76,7 @@ fn a_chunk_with_a_wrong_checksum_is_refused_with_its_place() {
     changed[place] ^= 0x20;
     let disk = disk(&changed);
     let (messages, error) = read(&disk.path);
-    // The first chunk has four messages, the second one the changed one.
+    // The first chunk has four messages, the second one has the changed message.
     assert_eq!(messages.len(), 4);
     let Some(RunError::Damaged { at, damage, .. }) = error else { panic!("{error:?}") };
     assert!(changed[at as usize] == mcap::records::op::CHUNK && (at as usize) < place);

@@ -1,4 +1,4 @@
-//! Which files a run is made of, and what is none.
+//! Tests which files belong to a run.
 
 use super::super::Run;
 use super::{read, refused, text};
@@ -151,9 +151,9 @@ fn a_folder_of_several_runs_is_refused() {
     let foreign = of(None, &[4]);
     assert!(opened(&[("a.mcap", one.clone()), ("b.mcap", foreign.clone())]).is_err());
     assert_eq!(opened(&[("a.mcap", foreign), ("b.mcap", of(None, &[5]))]), Ok(2));
-    // A file that a killed recorder had only begun tells nothing.
+    // A file without messages, from a recorder that was killed at the start, does not count.
     assert_eq!(opened(&[("a.mcap", one.clone()), ("b.mcap", of(None, &[]))]), Ok(2));
-    // What a description lists was put together by somebody.
+    // The files of a description were grouped on purpose.
     let listed = description("    - a.mcap\n    - c.mcap\n", "").into_bytes();
     assert_eq!(opened(&[("metadata.yaml", listed), ("a.mcap", one), ("c.mcap", other)]), Ok(2));
 }

@@ -1,4 +1,4 @@
-//! Files that claim what is not there.
+//! Tests files with wrong lengths and sizes.
 
 use super::super::Run;
 use super::{disk, read, refused, text};
@@ -7,12 +7,12 @@ use mcap::records::op;
 use proptest::prelude::*;
 use std::io::Write;
 
-/// A record with any claim of its length.
+/// Returns a record with any value as its length.
 fn record(kind: u8, claimed: u64, body: &[u8]) -> Vec<u8> {
     [&[kind][..], &claimed.to_le_bytes(), body].concat()
 }
 
-/// A file that looks finished.
+/// Returns a file that looks finished.
 fn file(records: &[Vec<u8>]) -> Vec<u8> {
     let header = record(op::HEADER, 8, &[0; 8]);
     let end = [record(op::DATA_END, 4, &[0; 4]), mcap::MAGIC.to_vec()].concat();
@@ -105,7 +105,7 @@ proptest! {
     }
 }
 
-/// As recorders of ROS 2 write it where they are asked to.
+/// ROS 2 recorders write LZ4 if it is selected.
 #[test]
 fn chunks_in_lz4_are_read() {
     let text = |text: &str| [&(text.len() as u32).to_le_bytes()[..], text.as_bytes()].concat();

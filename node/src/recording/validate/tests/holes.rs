@@ -1,8 +1,9 @@
-//! Samples that are missing, at the ends and in between, and bags that were cut off.
+//! Tests missing samples, at the ends and in between, and bags that were cut off.
 
 use super::*;
 
-/// joint_states of a joint at constant velocity, 100 Hz for 8 s, of which the times (s) in `lacks` have no sample.
+/// Returns joint_states of a joint at constant velocity, 100 Hz for 8 s, without samples in the time ranges `lacks` (in
+/// s).
 fn steady(lacks: &[std::ops::Range<f64>]) -> TestBag {
     let mut bag = TestBag::new();
     for sample in 0..=800_u64 {
@@ -47,7 +48,7 @@ fn a_gap_is_a_failure_unless_time_allows_it_or_it_is_expected() {
     assert!(report(steady(&[]), run(), &[tolerance]).passed());
     let two = report(steady(&[1.205..2.195, 4.005..4.195]), steady(&[]), &[tolerance]);
     assert_eq!(failures(&two, X), ["no sample for 1 s from 1.2 s on, the longest of 2 gaps"]);
-    // A sample lost here and there is none.
+    // A few samples lost in different places are no gap.
     assert!(report(steady(&[1.205..1.235, 3.005..3.015]), steady(&[]), &[tolerance]).passed());
 }
 
@@ -90,7 +91,7 @@ fn a_bag_that_was_cut_off_is_told() {
         let open = |name: &str| Run::open(&path(name)).unwrap();
         validate(&mut open("run.mcap"), &mut open("expected.mcap"), &[], Align::Start).unwrap()
     };
-    // Within the last chunk, and between two of them.
+    // Within the last chunk, and between two chunks.
     for (length, said) in [
         (chunks[9].chunk_start_offset + 20, "run.mcap: the file ends within a chunk; "),
         (chunks[9].chunk_start_offset, "run.mcap: the file ends without a record of its end; "),

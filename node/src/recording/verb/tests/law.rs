@@ -1,4 +1,4 @@
-//! What any door makes reads back bit for bit.
+//! Every action that an interface creates can be written and read back bit by bit.
 
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
@@ -16,7 +16,8 @@ static DESK: LazyLock<Desk> = LazyLock::new(Desk::new);
 
 const AXES: [&str; 5] = ["x", "turret", "odd", "fine", "coarse"];
 
-/// The law. Debug tells every bit of an f64 but those of NaN, which is equal to nothing.
+/// Writes an action and reads it back. Debug shows every bit of an f64 except those of NaN, which is not equal to
+/// itself.
 fn comes_back(action: &Action) -> Result<(), TestCaseError> {
     let json = DESK.write(action);
     match DESK.read(&json) {
@@ -31,7 +32,7 @@ fn comes_back(action: &Action) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Numbers that clients send, and all others.
+/// Numbers that clients send, and any others.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -1e6..1e6_f64,
@@ -57,7 +58,7 @@ fn quantity(order: u8) -> impl Strategy<Value = Option<Quantity>> {
     })
 }
 
-/// A value of a request, and 0 as often as not: the field is left out.
+/// A value of a request, often 0, for which the field is left out.
 fn amount(order: u8) -> impl Strategy<Value = Amount> {
     prop_oneof![
         3 => Just(Amount::default()),
@@ -125,7 +126,7 @@ fn camming_request() -> impl Strategy<Value = SynchronizeRequest> {
     })
 }
 
-/// Gears at a pair of places, of which mode velocity has one, and at a latch.
+/// Gears at a pair of positions, of which mode velocity has one, and at a latch.
 fn waiting_request() -> impl Strategy<Value = SynchronizeRequest> {
     let event = prop::sample::select(vec!["mark", "belt", "x"]).prop_map(str::to_owned);
     let distance = prop_oneof![Just(0), 1_i64..100_000, any::<i64>()];
@@ -186,7 +187,7 @@ fn set_position_request() -> impl Strategy<Value = SetPositionRequest> {
     (name, amount(0), units()).prop_map(|(axis, position, units)| SetPositionRequest { axis, position, units })
 }
 
-/// A trajectory of some axes; its points carry velocities and accelerations, or not.
+/// A trajectory of some axes, with or without velocities and accelerations.
 fn trajectory_request() -> impl Strategy<Value = TrajectoryRequest<Amount>> {
     let handy = || {
         prop_oneof![
@@ -273,7 +274,7 @@ fn input() -> impl Strategy<Value = ParameterInput> {
     ]
 }
 
-/// A length that is rounded as it should be.
+/// A length that is rounded correctly.
 fn length() -> impl Strategy<Value = Length> {
     let whole = (1_i64 << 62) - 1;
     let nearest = prop_oneof![-3..=3_i64, -whole..=whole, Just(whole), Just(-whole)];
@@ -284,7 +285,7 @@ fn length() -> impl Strategy<Value = Length> {
         prop::sample::select(vec![half, -half, half - 1, 1 - half, half - 2, 2 - half, 1, -1]),
     ];
     (nearest, rest).prop_map(move |(nearest, rest)| {
-        // A half is rounded away from 0, so that what is left of it points towards 0.
+        // A half is rounded away from 0, so that the remainder points towards 0.
         let away = (rest == half && nearest >= 0) || (rest == -half && nearest <= 0);
         Length { nearest, rest: Position::from_raw(if away { 0 } else { rest }) }
     })
@@ -307,7 +308,7 @@ fn plain() -> impl Strategy<Value = Action> {
         }),
         finite.prop_map(|value| Action::set_memory(2, value)),
         any::<i16>().prop_map(|value| Action::set_memory(0, f64::from(value))),
-        // The largest f64 below 2^63, to which i64::MAX would round.
+        // The largest f64 below 2^63; i64::MAX would be rounded to 2^63.
         whole.prop_map(|value| Action::set_memory(1, (value as f64).min(9_223_372_036_854_774_784.0))),
         any::<bool>().prop_map(|bit| Action::set_memory(3, f64::from(u8::from(bit)))),
     ];
@@ -361,7 +362,7 @@ fn saia() -> impl Strategy<Value = Option<Action>> {
     })
 }
 
-/// How many of the requests that a strategy makes become commands, in parts of one.
+/// Returns the fraction of the requests of a strategy that become commands.
 fn share<T: std::fmt::Debug>(strategy: impl Strategy<Value = T>, is_good: impl Fn(T) -> bool) -> f64 {
     use proptest::strategy::ValueTree;
     let mut runner = proptest::test_runner::TestRunner::deterministic();
@@ -387,7 +388,7 @@ fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     assert!(moves > 0.2 && couplings > 0.2 && waiting > 0.2 && changes > 0.05 && verbs > 0.2);
 }
 
-/// A verb as a person may write it, with arguments that may be wrong.
+/// A verb as a user may write it, with arguments that may be wrong.
 fn verb() -> impl Strategy<Value = String> {
     let number = prop_oneof![
         "-?[0-9]{1,6}",
@@ -529,7 +530,7 @@ proptest! {
         let mut changes: Vec<Change> = Vec::new();
         for (axis, row, input) in requests {
             let change = DESK.config.resolve_parameter(&format!("{axis}.{}", row.key), &input);
-            // Each parameter once.
+            // Each parameter at most once.
             changes.extend(change.ok().filter(|new| changes.iter().all(|old| (old.axis, old.row) != (new.axis, new.row))));
         }
         if !changes.is_empty() {
@@ -594,7 +595,7 @@ proptest! {
 }
 
 proptest! {
-    /// Of setpoints as of commands: what a door makes reads back bit for bit.
+    /// Setpoints that an interface creates can be written and read back bit by bit, like commands.
     #[test]
     fn setpoints_come_back(
         given in prop::collection::vec((0..5_usize, number(), prop::option::of(any::<u64>())), 1..5),

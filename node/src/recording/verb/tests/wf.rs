@@ -1,4 +1,4 @@
-//! Verb `wf`: word for word, what is refused, and the law over all of its keys.
+//! Tests verb `wf`: exact texts, refusals, and the round trip of all of its keys.
 
 use super::*;
 use lineshaft_core::vocabulary::wf::{Block, Blocks, Jog, Mode, Request, Speed};
@@ -15,7 +15,7 @@ fn millimetres(value: i64) -> Position {
     Position::whole(value * 1000)
 }
 
-/// Keys that are left out stay out.
+/// Keys that are not given are not written.
 #[test]
 fn a_verb_is_written_in_increments_and_read_in_the_units_of_the_axis() {
     let block = |position, speed, absolute| Block { position, speed, absolute };
