@@ -1,6 +1,6 @@
 //! Tests independent CANopen drives in a cell of the program: taken over, moved, homed, geared.
 
-use crate::support::can::{Bus, CanDrives, Way};
+use crate::support::can::{Bus, CanDrives, BusConnection};
 use crate::support::can_cell::{CanCell, CanRun, axis};
 use crate::support::domain::Domain;
 use crate::support::machine::alone;
@@ -103,9 +103,9 @@ expect:
 ",
         moves.join(", ")
     ));
-    run.until_told(6, "ready after");
+    run.wait_for_log(6, "ready after");
     let real = format!("WARN REAL DRIVES on bus0 ({}): a, b, c, d, e, f (nodes 1, 2, 3, 4, 5, 6)", drives.address());
-    assert_eq!(run.told(&real), 1, "{}", run.program.log());
+    assert_eq!(run.count_in_log(&real), 1, "{}", run.program.log());
     let before = NODES.map(|node| drives.shown(node));
     thread::sleep(Duration::from_secs(1));
     for (before, node) in before.iter().zip(NODES) {
@@ -145,7 +145,7 @@ expect:
   - {signal: portal.output.control, at: end, is: 0}
 ",
     );
-    run.until_told(2, "ready after");
+    run.wait_for_log(2, "ready after");
     let stand = |drives: &mut CanDrives| [4, 5].map(|node| drives.shown(node).position);
     let there = before.map(|position| position + WAY);
     for _ in 0..300 {
@@ -452,7 +452,7 @@ expect: # floor(-3 * 30001 / 7) is -12858; from there 5500 back
 }
 
 /// Makes one move over this transport.
-fn a_move_over(way: Way) {
+fn a_move_over(way: BusConnection) {
     let mut drives = CanDrives::boot_on(way, "1-2");
     let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 2, "", ""));
     let scenario = "scenario: a move
@@ -470,12 +470,12 @@ expect:
 
 #[test]
 fn a_drive_moves_behind_an_adapter_on_a_terminal() {
-    a_move_over(Way::SlcanPty);
+    a_move_over(BusConnection::SlcanPty);
 }
 
 #[test]
 fn a_drive_moves_by_datagrams() {
     if namespace::is_inside("can_drives::a_drive_moves_by_datagrams", &[setup::can_python]) {
-        a_move_over(Way::Udp);
+        a_move_over(BusConnection::Udp);
     }
 }

@@ -155,17 +155,17 @@ steps:
         let errors = &mut errors[usize::from(*axis == "z")];
         *errors += 1;
         drives.tell(begin);
-        let took = run.until_told(*errors, &format!("ERROR {axis}: "));
+        let took = run.wait_for_log(*errors, &format!("ERROR {axis}: "));
         assert!((ms(time.0)..ms(time.1) + SLACK).contains(&took), "{begin}: the error after {took:?}");
         if let Some(end) = end {
             // It is absent for longer than any supervision time.
             thread::sleep(ms(700));
-            assert_eq!(run.told("ready after"), readies, "{begin}: nobody is configured meanwhile");
+            assert_eq!(run.count_in_log("ready after"), readies, "{begin}: nobody is configured meanwhile");
             drives.tell(end);
         }
         if *is_lost {
             readies += 1;
-            run.until_told(readies, "ready after");
+            run.wait_for_log(readies, "ready after");
         }
         let back = run.until(&mut drives, *node, "it is back", |shown| !shown.is_enabled());
         thread::sleep(ms(250));
@@ -215,14 +215,14 @@ expect:
         run.until(&mut drives, node, "it moves", |shown| shown.velocity.abs() == 10_000);
     }
     cable.cut();
-    run.until_told(1, "ERROR x: ");
-    run.until_told(1, "ERROR y: ");
+    run.wait_for_log(1, "ERROR x: ");
+    run.wait_for_log(1, "ERROR y: ");
     // Heartbeats of 100 ms of the master are missing: after 300 ms the drives stop by themselves.
     let stopped = [1, 2]
         .map(|node| run.until(&mut drives, node, "it stops", |shown| shown.fault == 0x8130 && shown.state == "FAULT"));
     thread::sleep(ms(1500));
-    cable.mend();
-    run.until_told(4, "ready after");
+    cable.restore();
+    run.wait_for_log(4, "ready after");
     let log = run.passes();
     for (node, stopped) in [1, 2].into_iter().zip(stopped) {
         let shown = drives.shown(node);
@@ -312,7 +312,7 @@ expect:
     run.until(&mut drives, 1, "it has moved", |shown| shown.position == 5000);
     thread::sleep(ms(4000));
     for node in ["WARN backend bus0: node 2 (y)", "WARN backend bus0: node 3 (z)"] {
-        assert_eq!(run.told(node), 1, "{node}: {}", run.program.log());
+        assert_eq!(run.count_in_log(node), 1, "{node}: {}", run.program.log());
     }
     for command in ["dead 2 0", "sdo_mute 3 0"] {
         drives.tell(command);
@@ -382,10 +382,10 @@ expect:
         drives.tell(command);
     }
     let refused = "homing is not set up: 6099h:01: the device refuses: ";
-    run.until_told(1, &format!("node 2 (y): {refused}"));
-    run.until_told(1, "node 1 (x): homing is not set up: 6098h:00: the device has not answered for 500 ms");
+    run.wait_for_log(1, &format!("node 2 (y): {refused}"));
+    run.wait_for_log(1, "node 1 (x): homing is not set up: 6098h:00: the device has not answered for 500 ms");
     for node in [1, 2] {
-        run.until_told(1, &format!("ERROR {}: ", if node == 1 { "x" } else { "y" }));
+        run.wait_for_log(1, &format!("ERROR {}: ", if node == 1 { "x" } else { "y" }));
         assert_eq!(drives.shown(node).machine, 0.0, "nothing moves");
     }
     for command in ["sdo_mute 1 0", "sdo_abort 2 0x6099 1 0"] {

@@ -48,7 +48,7 @@ impl Node {
 fn objects_are_read_and_written_beside_the_cycles() {
     let mut drives = CanDrives::boot("1-3");
     let mut node = Node::start(&drives.address().to_string(), &[]);
-    node.run.until_told(2, READY);
+    node.run.wait_for_log(2, READY);
     node.cyclone.run("axes /lineshaft enable");
     let goal = node.cyclone.run("move /lineshaft --axis y --mode velocity --velocity 0.01");
     let goal = goal["goal"].as_str().expect("a goal").to_owned();
@@ -67,7 +67,7 @@ fn objects_are_read_and_written_beside_the_cycles() {
     let text = "x".repeat(889);
     node.write(&format!("--axis x --object 2001 --value {text}"));
     assert_eq!(node.read("--axis x --object 2001")[0], text.as_str());
-    node.run.program.until_log("bus0: node 1 (x): 6085h:00 Quick stop deceleration was written");
+    node.run.program.wait_for_log("bus0: node 1 (x): 6085h:00 Quick stop deceleration was written");
 
     let seen = node.cyclone.run("axis-states /lineshaft");
     assert_eq!(seen["axes"]["y"]["state"], "CONTINUOUS_MOTION", "{seen:?}");
@@ -81,7 +81,7 @@ fn objects_are_read_and_written_beside_the_cycles() {
 fn what_must_not_be_is_refused_in_a_sentence_and_changes_nothing() {
     let mut drives = CanDrives::boot("1-2");
     let mut node = Node::start(&drives.address().to_string(), &[]);
-    node.run.until_told(2, READY);
+    node.run.wait_for_log(2, READY);
     let target = "write /lineshaft --axis x --object Target position --value 77";
     node.cyclone.run(&format!("sdo-{target}"));
     node.cyclone.run("axes /lineshaft enable");
@@ -124,7 +124,7 @@ fn what_must_not_be_is_refused_in_a_sentence_and_changes_nothing() {
 
     // The cable is pulled: each request gets an answer.
     drives.kill();
-    node.run.until_told(1, "the way to the bus is lost");
+    node.run.wait_for_log(1, "the way to the bus is lost");
     let lost = node.cyclone.fails("sdo-read /lineshaft --axis x --object 6064");
     assert!(lost.starts_with("bus0: node 1 (x): the way to the bus is lost: "), "{lost}");
     node.run.program.interrupt();

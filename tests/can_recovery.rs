@@ -73,24 +73,24 @@ steps:
     for (at, [begin, end, sentence]) in SERVERS.iter().enumerate() {
         run.until(&mut drives, 1, "it moves", |shown| shown.velocity == 10_000);
         drives.tell(begin);
-        let (sentence, before) = (format!("WARN backend bus0: node 1 (x): {sentence}"), run.told("ready after"));
-        let told = run.told(&sentence);
+        let (sentence, before) = (format!("WARN backend bus0: node 1 (x): {sentence}"), run.count_in_log("ready after"));
+        let told = run.count_in_log(&sentence);
         drives.tell("power 1");
-        run.until_told(told + 1, &sentence);
+        run.wait_for_log(told + 1, &sentence);
         let back = drives.shown(1);
         // Two more attempts.
         thread::sleep(ms(3500));
-        assert_eq!(run.told(&sentence), told + 1, "{begin}: {}", run.program.log());
-        assert_eq!(run.told("ready after"), before, "{begin}");
+        assert_eq!(run.count_in_log(&sentence), told + 1, "{begin}: {}", run.program.log());
+        assert_eq!(run.count_in_log("ready after"), before, "{begin}");
         drives.tell(end);
-        run.until_told(before + 1, "ready after");
+        run.wait_for_log(before + 1, "ready after");
         thread::sleep(ms(100));
         let still = drives.shown(1);
         assert_eq!((still.machine, still.is_off()), (back.machine, true), "{begin}: {still:?}");
-        assert_eq!(run.told("ERROR x: "), at + 1, "{begin}: {}", run.program.log());
+        assert_eq!(run.count_in_log("ERROR x: "), at + 1, "{begin}: {}", run.program.log());
     }
-    assert_eq!((run.told("WARN eds `"), run.told("[6041] ParameterValue=x: ")), (1, 1), "{}", run.program.log());
-    assert_eq!(run.told("backend bus0: node 1 (x): left out of its DCF, as setpoints: 60FFh:00"), 1);
+    assert_eq!((run.count_in_log("WARN eds `"), run.count_in_log("[6041] ParameterValue=x: ")), (1, 1), "{}", run.program.log());
+    assert_eq!(run.count_in_log("backend bus0: node 1 (x): left out of its DCF, as setpoints: 60FFh:00"), 1);
     run.passes();
     assert_eq!(drives.shown(2).position, 180_000);
     assert_eq!(drives.tell("get 1 0x60FF 0")["value"], 0);
@@ -138,12 +138,12 @@ steps:
     for (at, [command, told, _]) in COMMANDS.iter().enumerate() {
         run.until(&mut drives, 1, "it moves", |shown| shown.velocity == 10_000);
         thread::sleep(ms(250));
-        let before = run.told(told);
+        let before = run.count_in_log(told);
         drives.tell(&format!("frame 0 {command}"));
-        run.until_told(at + 1, "ERROR x: ");
-        run.until_told(before + 1, told);
+        run.wait_for_log(at + 1, "ERROR x: ");
+        run.wait_for_log(before + 1, told);
         // Two at the start.
-        run.until_told(at + 3, "ready after");
+        run.wait_for_log(at + 3, "ready after");
         let back = drives.shown(1);
         thread::sleep(ms(250));
         let still = drives.shown(1);
@@ -204,7 +204,7 @@ expect:
   - {all: [{signal: x.state, is: STANDSTILL}, {signal: y.state, is: STANDSTILL}], at: end}
 ",
     );
-    run.until_told(2, "ready after");
+    run.wait_for_log(2, "ready after");
     for (node, before) in [1, 2].into_iter().zip(&stopped) {
         let shown = drives.shown(node);
         assert_eq!((shown.machine, shown.is_enabled()), (before.machine, false), "{shown:?}");

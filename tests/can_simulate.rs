@@ -49,7 +49,7 @@ fn simulated_drives_are_found_enabled_moved_and_homed() {
     let address = bus();
     let cell = cell(&address);
     let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml")], &Domain::take());
-    drives.until_log("node 1 (x), node 2 (y) simulated");
+    drives.wait_for_log("node 1 (x), node 2 (y) simulated");
     let scan = ["can", "scan", "--bus", &address, "--from", "1", "--to", "3"];
     for command in
         [&scan[..], &["can", "info", "2", "--bus", &address], &["can", "sdo", "read", "1", "6041", "--bus", &address]]
@@ -69,7 +69,7 @@ fn a_node_that_is_on_the_bus_already_is_not_simulated_again() {
     let cell = cell(&bus());
     let path = cell.path("cell.yaml");
     let mut drives = Program::start(&["can", "simulate", &path], &Domain::take());
-    drives.until_log("simulated");
+    drives.wait_for_log("simulated");
     let (code, said) = run(&["can", "simulate", &path]);
     assert_eq!(code, Some(1), "{said}");
     assert!(said.contains("is on the bus already"), "{said}");
@@ -88,7 +88,7 @@ fn simulated_drives_move_in_pp_ip_and_pv() {
     ];
     let cell = CanCell::new(&bus(), "4 ms", &axes.concat());
     let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml")], &Domain::take());
-    drives.until_log("simulated");
+    drives.wait_for_log("simulated");
     let all = |state: &str| {
         let each = ["p", "i", "v"].map(|axis| format!("{{signal: {axis}.{state}}}"));
         format!("{{all: [{}]}}", each.join(", "))
@@ -126,7 +126,7 @@ fn simulated_drive_catches_the_index_pulse() {
     let axes = axis("x", 1, ", probe_1: index", &format!(", homing: {{index_distance: 20 mm}}, {sim}"));
     let cell = CanCell::new(&bus(), "10 ms", &axes);
     let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml")], &Domain::take());
-    drives.until_log("simulated");
+    drives.wait_for_log("simulated");
     let scenario = "scenario: index\nfor: 5 s\nsteps:\n  \
         - {when: {signal: x.drive_state, is: SWITCH_ON_DISABLED}, do: {enable: {}}}\n  \
         - {when: {signal: x.state, is: STANDSTILL}, do: {probe_axis: {axis: x, event: x, edge: index, position: 5 mm, \
@@ -150,7 +150,7 @@ fn simulated_drives_are_reached_by_an_slcan_pseudo_terminal() {
     let axes = axis("x", 1, "", "") + &axis("y", 2, "", ", homing: {method: 35, in_drive: true}");
     let cell = CanCell::new(&address, "10 ms", &patient(&axes));
     let mut drives = Program::start(&["can", "simulate", &cell.path("cell.yaml"), "--pty", path], &Domain::take());
-    drives.until_log(&format!("{address}: node 1 (x), node 2 (y) simulated"));
+    drives.wait_for_log(&format!("{address}: node 1 (x), node 2 (y) simulated"));
     let (code, said) = run(&["can", "scan", "--bus", &address, "--bitrate", "1000000", "--from", "1", "--to", "3"]);
     assert_eq!(code, Some(0), "{said}");
     cell.run(SCENARIO).passes();

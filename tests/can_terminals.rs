@@ -1,6 +1,6 @@
 //! Tests inputs, outputs and encoders at independent CANopen modules, in a cell of the program.
 
-use crate::support::can::{CanDrives, Way};
+use crate::support::can::{CanDrives, BusConnection};
 use crate::support::can_cell::{CanCell, CanRun, PATIENCE, axis};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -37,7 +37,7 @@ encoders:
 /// off.
 #[test]
 fn terminals_on_can_are_those_of_the_machine() {
-    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
+    let mut devices = CanDrives::boot_with(BusConnection::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
     devices.tell("set 12 0x6004 0 0xFFFFFFFE");
     let cell = CanCell::with_sections(&devices.address().to_string(), "10 ms", SECTIONS, &axis("x", 1, "", ""));
     let run = cell.run(
@@ -54,7 +54,7 @@ expect:
   - {signal: belt.count, at: 10, is: -2}
 ",
     );
-    run.until_told(3, "ready after");
+    run.wait_for_log(3, "ready after");
     devices.tell("set 10 0x6000 2 2");
     let module = |devices: &mut CanDrives| (object(devices, 10, 0x6200, 1), object(devices, 10, 0x6411, 2));
     until(&run, &mut devices, |devices| module(devices) == (8, -8192));
@@ -71,7 +71,7 @@ expect:
 /// module is configured again when it is back, and its outputs are then those of the cycle.
 #[test]
 fn a_module_that_goes_and_comes_back_has_its_outputs_again() {
-    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10"]);
+    let mut devices = CanDrives::boot_with(BusConnection::SlcanTcp, "1", &["--modules", "10"]);
     let sections = "io:
   start: {type: di, backend: bus0, node: 10, address: 0}
   lamp: {type: do, backend: bus0, node: 10, address: 7}
@@ -95,14 +95,14 @@ expect:
   - {signal: x.actual.position, at: end, is: 5 mm}
 ",
     );
-    run.until_told(2, "ready after");
+    run.wait_for_log(2, "ready after");
     devices.tell("set 10 0x6000 1 1");
     until(&run, &mut devices, |devices| object(devices, 10, 0x6200, 1) == 0x80);
     devices.tell("dead 10 1");
-    run.until_told(1, "machine: node 10: it is silent: no sign of life");
+    run.wait_for_log(1, "machine: node 10: it is silent: no sign of life");
     thread::sleep(Duration::from_secs(1));
     devices.tell("dead 10 0");
-    run.until_told(3, "ready after");
+    run.wait_for_log(3, "ready after");
     devices.tell("set 10 0x6000 1 1");
     until(&run, &mut devices, |devices| object(devices, 10, 0x6200, 1) == 0x80);
     run.passes();
@@ -112,7 +112,7 @@ expect:
 /// reported.
 #[test]
 fn an_output_that_refuses_leaves_no_other_one_on() {
-    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10"]);
+    let mut devices = CanDrives::boot_with(BusConnection::SlcanTcp, "1", &["--modules", "10"]);
     let sections = "io:
   lamp: {type: do, backend: bus0, node: 10, address: 7}
   speed: {type: ao, backend: bus0, node: 10, address: 1}
@@ -127,7 +127,7 @@ expect:
   - {event: {kind: error}, count: 0}
 ",
     );
-    run.until_told(2, "ready after");
+    run.wait_for_log(2, "ready after");
     until(&run, &mut devices, |devices| object(devices, 10, 0x6411, 2) == 16384);
     devices.tell("sdo_abort 10 0x6200 1 0x06090030");
     run.passes();
@@ -151,7 +151,7 @@ const OF_AMPLIFIER: &str = "  x: {type: linear, scale: {increments: 1000, per: 1
 /// its target. At the end both reference and enable are off.
 #[test]
 fn an_amplifier_at_a_module_moves_an_axis() {
-    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
+    let mut devices = CanDrives::boot_with(BusConnection::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
     devices.tell("amplifier 12 10 100000");
     let cell = CanCell::with_sections(&devices.address().to_string(), "10 ms", AMPLIFIER, OF_AMPLIFIER);
     let run = cell.run(
@@ -167,7 +167,7 @@ expect:
   - {signal: x.actual.position, at: end, is: 30 mm, within: 0.5 mm}
 ",
     );
-    run.until_told(2, "ready after");
+    run.wait_for_log(2, "ready after");
     assert_eq!((object(&mut devices, 10, 0x6200, 1), object(&mut devices, 12, 0x6004, 0)), (0, 0));
     devices.tell("set 10 0x6000 1 1");
     until(&run, &mut devices, |devices| object(devices, 10, 0x6200, 1) == 1);
@@ -180,7 +180,7 @@ expect:
 /// is off, whatever the contact reports.
 #[test]
 fn an_amplifier_whose_module_was_away_stays_off() {
-    let mut devices = CanDrives::boot_with(Way::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
+    let mut devices = CanDrives::boot_with(BusConnection::SlcanTcp, "1", &["--modules", "10", "--encoders", "12"]);
     devices.tell("amplifier 12 10 100000");
     let cell = CanCell::with_sections(&devices.address().to_string(), "10 ms", AMPLIFIER, OF_AMPLIFIER);
     let run = cell.run(
@@ -195,15 +195,15 @@ expect:
   - {signal: enable, at: end, is: 0}
 ",
     );
-    run.until_told(2, "ready after");
+    run.wait_for_log(2, "ready after");
     devices.tell("set 10 0x6000 1 1");
     until(&run, &mut devices, |devices| object(devices, 12, 0x6004, 0) > 2_000);
     devices.tell("dead 10 1");
-    run.until_told(1, "x: drive fault 1000h");
+    run.wait_for_log(1, "x: drive fault 1000h");
     thread::sleep(Duration::from_secs(1));
     let place = object(&mut devices, 12, 0x6004, 0);
     devices.tell("dead 10 0");
-    run.until_told(3, "ready after");
+    run.wait_for_log(3, "ready after");
     devices.tell("set 10 0x6000 1 1");
     for _ in 0..100 {
         thread::sleep(Duration::from_millis(10));

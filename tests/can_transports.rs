@@ -1,6 +1,6 @@
 //! Tests each transport to a bus of independent CANopen drives: reached, disconnected, absent.
 
-use crate::support::can::{Bus, CanDrives, Way};
+use crate::support::can::{Bus, CanDrives, BusConnection};
 use crate::support::{namespace, setup};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::{Options, Transport, TransportError, open};
@@ -14,7 +14,7 @@ const ECHO: Object = Object { index: 0x2001, sub: 0 };
 const OPTIONS: Options = Options { bit_rate: 500_000, baud: None };
 
 /// Objects of one frame and of many, and a reset that the drive reports.
-fn drives_are_reached(way: Way) {
+fn drives_are_reached(way: BusConnection) {
     let drives = CanDrives::boot_on(way, "1-2");
     let mut bus = Bus::open(&drives, 2);
     assert_eq!(bus.read(NAME, false), Ok(b"cia402-sim".to_vec()));
@@ -43,7 +43,7 @@ fn loss(way: &mut dyn Transport) -> TransportError {
 }
 
 /// A transport that is disconnected while the bus is open is lost permanently.
-fn pulled_adapters_are_lost(way: Way) -> CanDrives {
+fn pulled_adapters_are_lost(way: BusConnection) -> CanDrives {
     let mut drives = CanDrives::boot_on(way, "1");
     let mut bus = Bus::open(&drives, 1);
     assert_eq!(bus.read(NAME, false), Ok(b"cia402-sim".to_vec()));
@@ -59,31 +59,31 @@ fn pulled_adapters_are_lost(way: Way) -> CanDrives {
 
 #[test]
 fn drives_are_reached_over_slcan_behind_tcp() {
-    drives_are_reached(Way::SlcanTcp);
+    drives_are_reached(BusConnection::SlcanTcp);
 }
 
 #[test]
 fn drives_are_reached_over_slcan_on_a_terminal() {
-    drives_are_reached(Way::SlcanPty);
+    drives_are_reached(BusConnection::SlcanPty);
 }
 
 #[test]
 fn drives_are_reached_by_datagrams() {
     if namespace::is_inside("can_transports::drives_are_reached_by_datagrams", &[setup::can_python]) {
-        drives_are_reached(Way::Udp);
+        drives_are_reached(BusConnection::Udp);
     }
 }
 
 #[test]
 #[ignore = "needs a CAN interface vcan0: tests/socketcan.sh"]
 fn drives_are_reached_on_vcan() {
-    drives_are_reached(Way::SocketCan("vcan0"));
+    drives_are_reached(BusConnection::SocketCan("vcan0"));
 }
 
 /// It is also absent when it is opened again.
 #[test]
 fn an_adapter_behind_tcp_is_pulled() {
-    let drives = pulled_adapters_are_lost(Way::SlcanTcp);
+    let drives = pulled_adapters_are_lost(BusConnection::SlcanTcp);
     let error = open(drives.address(), OPTIONS).err().expect("nobody is there").to_string();
     let refused = "cannot be opened: the adapter cannot be reached: Connection refused (os error 111)";
     assert_eq!(error, format!("{} {refused}", drives.address()));
@@ -92,14 +92,14 @@ fn an_adapter_behind_tcp_is_pulled() {
 /// Another terminal may get the same name immediately, so this one is not opened again.
 #[test]
 fn an_adapter_on_a_terminal_is_pulled() {
-    pulled_adapters_are_lost(Way::SlcanPty);
+    pulled_adapters_are_lost(BusConnection::SlcanPty);
 }
 
 /// One program uses the adapter; a second one, even as root, gets an error, and can open it after the first has closed
 /// it.
 #[test]
 fn two_programs_do_not_share_an_adapter() {
-    let drives = CanDrives::boot_on(Way::SlcanPty, "1");
+    let drives = CanDrives::boot_on(BusConnection::SlcanPty, "1");
     let first = Bus::open(&drives, 1);
     let error = open(drives.address(), OPTIONS).err().expect("it is taken").to_string();
     assert!(
@@ -114,7 +114,7 @@ fn two_programs_do_not_share_an_adapter() {
 /// The channel of an adapter is open already, on a bus under load: it is closed first, and opened with the bit rate.
 #[test]
 fn an_adapter_that_somebody_has_left_open_is_taken_over() {
-    let drives = CanDrives::boot_on(Way::SlcanPty, "1");
+    let drives = CanDrives::boot_on(BusConnection::SlcanPty, "1");
     let mut first = Bus::open(&drives, 1);
     assert_eq!(first.write(Object { index: 0x1017, sub: 0 }, &1_u16.to_le_bytes(), false), Ok(()));
     drop(first);

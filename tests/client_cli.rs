@@ -255,7 +255,7 @@ fn without_a_node_the_command_says_where_it_looked() {
 #[test]
 fn only_node_of_another_name_is_read_and_none_is_chosen_for_a_motion() {
     let demo = Demo::start_with(&["--ros-args", "-r", "__ns:=/a"]);
-    demo.program.until_log("ROS 2 node /a/lineshaft");
+    demo.program.wait_for_log("ROS 2 node /a/lineshaft");
     let value: Value = serde_json::from_str(&demo.good(&["state", "--json"])).expect("JSON");
     assert_eq!(value["node"], "/a/lineshaft");
     let (code, _, error) = client(&demo.domain, &["enable", "--all", "--timeout", "10 s"]);
@@ -263,7 +263,7 @@ fn only_node_of_another_name_is_read_and_none_is_chosen_for_a_motion() {
     assert!(error.contains("; other Lineshaft nodes are /a/lineshaft: choose one by --node; "), "{error}");
     assert_eq!(demo.good(&["enable", "x", "--node", "a/lineshaft"]), "1 axis enabled\n");
     let other = Program::start(&["run", "--ros-args", "-r", "__ns:=/b"], &demo.domain);
-    other.until_log("ROS 2 node /b/lineshaft");
+    other.wait_for_log("ROS 2 node /b/lineshaft");
     // Both are discovered by then.
     let found = demo.good(&["state", "--json", "--node", "/b/lineshaft"]);
     assert!(found.contains("\"/b/lineshaft\""), "{found}");

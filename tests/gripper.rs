@@ -35,7 +35,7 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
     assert!(!reads.to_string().contains("arm/gripper_cmd"), "{reads}");
     // Without power. The result has no field for the reason.
     assert_eq!(cyclone.run("gripper /lineshaft --group hand --position 0.02")["status"], "ABORTED");
-    program.until_log(
+    program.wait_for_log(
         "/lineshaft/hand/gripper_cmd: goal aborted: axis finger (joint left_finger): the axis is not enabled",
     );
     cyclone.run("axes /lineshaft enable");
@@ -64,7 +64,7 @@ fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
         ("--position nan", "NaN"),
     ] {
         assert_eq!(cyclone.fails(&format!("gripper /lineshaft --group hand {goal}")), "the goal was rejected");
-        program.until_log(sentence);
+        program.wait_for_log(sentence);
     }
     assert_eq!(cyclone.run("axis-states /lineshaft")["axes"]["finger"]["command_increments"], 30_000);
 }

@@ -72,7 +72,7 @@ impl Node {
     }
 
     #[track_caller]
-    fn stands_at(&mut self, axis: &str, increments: i64) -> Value {
+    fn wait_until_at(&mut self, axis: &str, increments: i64) -> Value {
         let seen = self.axis(axis);
         assert_eq!((&seen["state"], &seen["command_increments"]), (&json!("STANDSTILL"), &json!(increments)), "{seen}");
         seen
@@ -105,7 +105,7 @@ fn where_the_axis_stands_becomes_zero_and_the_result_tells_the_shift() {
     assert_eq!(node.axis("x")["homed"], false);
     let seen = node.cyclone.run("home-axis /lineshaft --axis x");
     assert_eq!(seen["result"], json!({"code": 0, "message": "", "shift_increments": 12_345}));
-    let x = node.stands_at("x", 0);
+    let x = node.wait_until_at("x", 0);
     assert_eq!((&x["homed"], &x["position_increments"]), (&json!(true), &json!(0)), "{x}");
     let homed = node.events("homed");
     assert!(homed.len() == 1 && homed[0].starts_with("x: "), "{homed:?}");
@@ -114,11 +114,11 @@ fn where_the_axis_stands_becomes_zero_and_the_result_tells_the_shift() {
     node.moves("x", -700);
     let seen = node.cyclone.run("home-axis /lineshaft --axis x --scheme cia402 --method 37");
     assert_eq!(seen["result"]["shift_increments"], -700);
-    node.stands_at("x", 0);
+    node.wait_until_at("x", 0);
     node.moves("y", 5);
     let seen = node.cyclone.run("home-axis /lineshaft --axis y --scheme cia402 --method 35");
     assert_eq!(seen["result"]["shift_increments"], 5);
-    assert_eq!(node.stands_at("y", 0)["homed"], true);
+    assert_eq!(node.wait_until_at("y", 0)["homed"], true);
     assert_eq!(node.axis("z")["homed"], false, "one axis homes, not all");
 }
 
@@ -173,7 +173,7 @@ fn what_is_wrong_in_itself_is_rejected_and_what_the_state_forbids_is_aborted() {
         assert_eq!(seen["result"]["shift_increments"], 0);
     }
     for axis in ["x", "y"] {
-        assert_eq!(node.stands_at(axis, 0)["homed"], false);
+        assert_eq!(node.wait_until_at(axis, 0)["homed"], false);
     }
 }
 
@@ -185,7 +185,7 @@ fn home_answers_while_the_axes_still_home() {
     let seen = node.cyclone.run("home /lineshaft x s");
     assert_eq!(seen["message"], "x, s have started homing");
     assert_eq!(node.axis("s")["state"], "HOMING");
-    assert_eq!(node.stands_at("x", 0)["homed"], true);
+    assert_eq!(node.wait_until_at("x", 0)["homed"], true);
     node.cyclone.run("axes /lineshaft halt s");
     assert_eq!(node.axis("s")["homed"], false);
 
@@ -225,7 +225,7 @@ fn a_position_is_set_and_nothing_moves() {
     ] {
         let seen = node.cyclone.run(&format!("set-position /lineshaft --axis x --position {position} --units {units}"));
         assert_eq!(seen["message"], "");
-        let x = node.stands_at("x", increments);
+        let x = node.wait_until_at("x", increments);
         assert_eq!(
             (&x["position_increments"], &x["following_error_increments"]),
             (&json!(increments), &json!(0)),
@@ -234,7 +234,7 @@ fn a_position_is_set_and_nothing_moves() {
     }
     // Goals are in the new coordinates.
     node.moves("x", 40);
-    node.stands_at("x", 40);
+    node.wait_until_at("x", 40);
 
     for (request, part) in [
         ("--axis q", "no axis is called `q`"),
@@ -248,7 +248,7 @@ fn a_position_is_set_and_nothing_moves() {
     node.cyclone.run("home-axis /lineshaft --axis s --leave");
     let error = node.cyclone.fails("set-position /lineshaft --axis s --position 0");
     assert!(error.starts_with("s"), "it moves: {error}");
-    node.stands_at("x", 40);
+    node.wait_until_at("x", 40);
 }
 
 #[test]
@@ -317,7 +317,7 @@ fn a_lost_index_aborts_homing_and_stands_in_the_history_of_errors() {
     node.cyclone.run("axes /lineshaft reset_errors t");
     let kinds: Vec<_> = node.history().iter().map(|one| one["kind"].clone()).collect();
     assert_eq!(kinds, ["error", "reset"]);
-    node.stands_at("x", 0);
+    node.wait_until_at("x", 0);
 }
 
 /// HOME_FORCE: without a zero no goal moves the axis; homing does, and then permits goals.
@@ -331,11 +331,11 @@ fn an_axis_that_must_home_refuses_goals_until_it_has() {
     assert_eq!(seen["result"]["code"], HOMING_REQUIRED, "{seen:?}");
     let message = seen["result"]["message"].as_str().expect("a text");
     assert!(message.contains("homing is required and has not been done; home the axis first"), "{message}");
-    node.stands_at("x", 0);
+    node.wait_until_at("x", 0);
     node.moves("y", 5);
     node.cyclone.run("home-axis /lineshaft --axis x");
     node.moves("x", 100);
-    node.stands_at("x", 100);
+    node.wait_until_at("x", 100);
 }
 
 #[test]

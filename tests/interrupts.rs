@@ -192,7 +192,7 @@ fn run_stops_its_axes_for_every_signal_that_ends_it() {
         let mut command = wrapped(USUAL);
         command.args(["run", &cell, "--scenario", &scenario, "--record", &bag, "--store", "none"]);
         let mut program = Program::start_by(command, &domain);
-        program.until_log("Ctrl-C ends it");
+        program.wait_for_log("Ctrl-C ends it");
         // x is enabled by then: a bag is flushed every second.
         bench.until_size("a.mcap", 20_000);
         program.signal(signal);

@@ -58,7 +58,7 @@ impl Bench {
     }
 
     /// Returns exit code, standard output and standard error.
-    fn says(&self, line: &str) -> (i32, String, String) {
+    fn run_to_end(&self, line: &str) -> (i32, String, String) {
         let Output { status, stdout, stderr } = self.run(line);
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
         (status.code().unwrap_or(-1), text(stdout), text(stderr))
@@ -69,39 +69,39 @@ impl Bench {
 #[test]
 fn a_program_is_checked_and_tried_at_the_prompt() {
     let bench = Bench::new();
-    let (code, out, _) = bench.says("program check fb10.wasm");
+    let (code, out, _) = bench.run_to_end("program check fb10.wasm");
     assert_eq!(code, 0);
     assert!(out.contains("memory: 1 x 64 KiB") && out.contains("952 bytes, 8 of them its own"), "{out}");
     bench.write("in.csv", b"inputs,source\n1,100\n1,110\n1,90\n");
-    let (code, out, _) = bench.says("program run fb10.wasm in.csv");
+    let (code, out, _) = bench.run_to_end("program run fb10.wasm in.csv");
     let sinks: Vec<_> = out.lines().skip(1).filter_map(|line| line.split(',').nth(2)).collect();
     assert_eq!((code, sinks), (0, vec!["0", "150000", "-300000"]));
-    let (code, out, err) = bench.says("program run fb10.wasm in.csv --fuel 5");
+    let (code, out, err) = bench.run_to_end("program run fb10.wasm in.csv --fuel 5");
     assert_eq!((code, &*out, &*err), (1, "line,command,sink,outputs,fuel\n", "in.csv:2: it used up its fuel\n"));
     bench.write("bad.csv", b"inputs,source\n1,x\n");
-    let (code, _, err) = bench.says("program run fb10.wasm bad.csv");
+    let (code, _, err) = bench.run_to_end("program run fb10.wasm bad.csv");
     let least = "-9223372036854775808 to 9223372036854775807";
     assert_eq!((code, err), (2, format!("bad.csv:2:3: `x` is no whole number from {least}\n")));
-    let (code, _, err) = bench.says("program check cell.yaml");
+    let (code, _, err) = bench.run_to_end("program check cell.yaml");
     assert_eq!(
         (code, &*err),
         (2, "error: cell.yaml: it is no WebAssembly: its first four bytes are others than \\0asm\n")
     );
-    let (code, out, _) = bench.says("program new speed");
+    let (code, out, _) = bench.run_to_end("program new speed");
     assert_eq!((code, out.lines().count()), (0, 5));
-    let (code, _, err) = bench.says("program new speed");
+    let (code, _, err) = bench.run_to_end("program new speed");
     assert_eq!((code, &*err), (2, "error: speed: it exists already; nothing was written\n"));
 }
 
 #[test]
 fn what_is_wrong_with_a_program_is_told_where_the_cell_names_it() {
     let bench = Bench::new();
-    assert_eq!(bench.says("check cell.yaml").0, 0);
+    assert_eq!(bench.run_to_end("check cell.yaml").0, 0);
     bench.write("copy.wasm", b"\0asm\x01\0\0\0");
-    let (code, _, err) = bench.says("check cell.yaml");
+    let (code, _, err) = bench.run_to_end("check cell.yaml");
     assert_eq!((code, &*err), (2, "cell.yaml:8:16: `copy.wasm`: it exports no function `cycle`\n"));
     std::fs::remove_file(bench.path("copy.wasm")).expect("it is there");
-    let (code, _, err) = bench.says("check cell.yaml");
+    let (code, _, err) = bench.run_to_end("check cell.yaml");
     assert_eq!(code, 2);
     assert!(err.starts_with("cell.yaml:8:16: cannot read `copy.wasm`: No such file"), "{err}");
 }
@@ -141,7 +141,7 @@ functions:
     bench.write("run.yaml", RUN.as_bytes());
     std::fs::copy(root("launch-configs/functions/programs/ab216.wasm"), bench.path("ab216.wasm")).expect("a module");
     let runs = ["a.mcap", "b.mcap"].map(|name| {
-        let (code, out, err) = bench.says(&format!("sim cell.yaml --scenario run.yaml --record {name}"));
+        let (code, out, err) = bench.run_to_end(&format!("sim cell.yaml --scenario run.yaml --record {name}"));
         assert_eq!(code, 0, "{out}{err}");
         std::fs::read(bench.path(name)).expect("a bag")
     });
@@ -150,9 +150,9 @@ functions:
     for name in ["copy.wasm", "fb10.wasm", "fir.wasm", "ab216.wasm"] {
         std::fs::remove_file(bench.path(name)).expect("it is there");
     }
-    let (code, out, err) = bench.says("replay a.mcap");
+    let (code, out, err) = bench.run_to_end("replay a.mcap");
     assert_eq!(code, 0, "the modules are in the bag: {out}{err}");
-    let (_, out, _) = bench.says("bag info a.mcap");
+    let (_, out, _) = bench.run_to_end("bag info a.mcap");
     assert!(out.contains("program_sha256.fir: "), "{out}");
 }
 

@@ -274,7 +274,7 @@ fn sigterm_stops_all_axes_before_the_program_ends() {
     demo.program.terminate();
     let status = demo.program.wait_exit(EXIT);
     assert_eq!(status.code(), Some(0), "{}", demo.program.log());
-    demo.program.until_log("halting all axes");
+    demo.program.wait_for_log("halting all axes");
     assert!(!demo.program.log().contains("not all axes"), "{}", demo.program.log());
 }
 

@@ -44,7 +44,7 @@ fn axis(peer: &mut Peer, name: &str) -> Value {
 }
 
 /// Starts a node whose turret turns at 0.5 rad/s, and a client.
-fn turning(domain: &Domain) -> (Program, Peer) {
+fn start_turning(domain: &Domain) -> (Program, Peer) {
     let program = Program::start(&["run"], domain);
     let mut peer = Peer::cyclone(domain);
     peer.run("axes /lineshaft enable turret");
@@ -57,7 +57,7 @@ fn turning(domain: &Domain) -> (Program, Peer) {
 #[test]
 fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
     let domain = Domain::take();
-    let (program, mut peer) = turning(&domain);
+    let (program, mut peer) = start_turning(&domain);
     let side = program.ros_side();
     kill_process(side, Signal::STOP).expect("a child of the program");
     let told = wait_for(&program, "all axes halt", seconds(5.0));
@@ -87,7 +87,7 @@ fn goals_outlive_the_ros_side_where_the_cell_says_so() {
     assert_eq!(error, None, "{seen:?}; {}", program.log());
     let mut late = Peer::cyclone(&domain);
     assert_eq!(axis(&mut late, "turret")["command_increments"], target);
-    program.until_log("the axes go on (on_loss: none)");
+    program.wait_for_log("the axes go on (on_loss: none)");
 }
 
 /// Ctrl-Z and fg, strace, a debugger: ROS continues, and requests from the time of the freeze are not executed
@@ -130,7 +130,7 @@ fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
 #[ignore = "long: .ci/nightly runs it"]
 fn a_program_that_was_frozen_for_long_has_not_lost_its_ros_side() {
     let domain = Domain::take();
-    let (program, _peer) = turning(&domain);
+    let (program, _peer) = start_turning(&domain);
     program.freeze();
     thread::sleep(seconds(13.0));
     program.thaw();
@@ -216,7 +216,7 @@ fn a_best_effort_reader_next_to_a_reliable_one_keeps_no_sample() {
 #[test]
 fn a_ros_side_that_has_grown_hands_over_unnoticed() {
     let domain = Domain::take();
-    let (program, mut peer) = turning(&domain);
+    let (program, mut peer) = start_turning(&domain);
     let (side, fresh) = (program.ros_side(), program.figures().memory);
     let mut clients = [(Peer::cyclone(&domain), "x"), (Peer::fastdds(&domain), "y")];
     for (client, axis) in &mut clients {

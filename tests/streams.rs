@@ -46,7 +46,7 @@ impl Demo {
 
     /// Waits until an axis is at rest; returns its position.
     #[track_caller]
-    fn stands(&mut self, axis: &str) -> i64 {
+    fn wait_for_standstill(&mut self, axis: &str) -> i64 {
         for _ in 0..100 {
             let seen = self.axis(axis);
             if seen["state"] == "STANDSTILL" {
@@ -90,7 +90,7 @@ fn a_jog_moves_while_it_comes_and_its_silence_is_a_controlled_stop_with_a_warnin
     let mut hand = Peer::cyclone(&demo.domain);
     let start = demo.position("x");
     hand.run("stream /lineshaft jog --axis x=0.05 --seconds 1");
-    let end = demo.stands("x");
+    let end = demo.wait_for_standstill("x");
     // 50 mm in 1 s, and 5 mm more until the timeout; with two computers under load many messages may be late.
     assert!(end > start, "{start} to {end}");
     // Once, or more often if the publisher itself was delayed.
@@ -99,7 +99,7 @@ fn a_jog_moves_while_it_comes_and_its_silence_is_a_controlled_stop_with_a_warnin
     assert!(warnings.iter().all(|text| text == "x: streamed setpoints stopped coming"), "{warnings:?}");
     // The jog lasts as long as its message requests, and ends without a warning.
     hand.run("stream /lineshaft jog --axis x=-0.05 --duration 0.05");
-    assert!(demo.stands("x") < end);
+    assert!(demo.wait_for_standstill("x") < end);
     assert_eq!(demo.events("warning"), [""; 0]);
     demo.end();
 }
@@ -111,8 +111,8 @@ fn a_publisher_that_is_killed_stops_its_axis_and_no_other() {
     // Both are started and matched, so that they begin together on a busy machine, too.
     machine.run("stream /lineshaft setpoints --axis y=0.01");
     hand.run("stream /lineshaft jog --axis x=0.02");
-    demo.stands("x");
-    demo.stands("y");
+    demo.wait_for_standstill("x");
+    demo.wait_for_standstill("y");
     demo.events("warning");
     machine.tell("stream /lineshaft setpoints --axis y=0.01 --seconds 8 --rate 100");
     hand.tell("stream /lineshaft jog --axis x=0.02 --seconds 60 --rate 100");
@@ -123,13 +123,13 @@ fn a_publisher_that_is_killed_stops_its_axis_and_no_other() {
         .any(|both| both);
     assert!(both, "both move at once");
     drop(hand);
-    demo.stands("x");
+    demo.wait_for_standstill("x");
     let before = demo.position("y");
     thread::sleep(Duration::from_millis(300));
     let after = demo.position("y");
     assert!(after > before || !moves(&mut demo, "y"), "y goes on: {before} to {after}");
     assert_eq!(machine.answer().1, None);
-    demo.stands("y");
+    demo.wait_for_standstill("y");
     let warnings = demo.events("warning");
     assert!(warnings.contains(&"x: streamed setpoints stopped coming".to_owned()), "{warnings:?}");
     demo.end();
@@ -165,7 +165,7 @@ fn what_is_refused_moves_nothing_and_says_why() {
     }
     // A present time stamp is accepted.
     hand.run("stream /lineshaft setpoints --axis x=0.02 --age 0 --seconds 0.2");
-    assert!(demo.stands("x") > start);
+    assert!(demo.wait_for_standstill("x") > start);
     demo.end();
 }
 
@@ -215,15 +215,15 @@ fn a_jog_into_a_software_limit_keeps_the_power_and_leads_away() {
     told(&mut demo);
     for _ in 0..2 {
         jog_until(&mut demo, &mut hand, is_at_limit);
-        assert_eq!(demo.stands("x"), LIMIT);
+        assert_eq!(demo.wait_for_standstill("x"), LIMIT);
         let axis = demo.axis("x");
         assert_eq!((axis["enabled"].as_bool(), axis["error_code"].as_i64()), (Some(true), Some(0)), "{axis}");
         assert_eq!(told(&mut demo), ["x: stopped at min_position -50 mm"]);
         // 50 more messages towards the limit, after a gap.
         jog_until(&mut demo, &mut hand, is_at_limit);
-        assert_eq!((demo.stands("x"), told(&mut demo)), (LIMIT, Vec::new()));
+        assert_eq!((demo.wait_for_standstill("x"), told(&mut demo)), (LIMIT, Vec::new()));
         hand.run("stream /lineshaft jog --axis x=0.1 --seconds 0.3");
-        assert!(demo.stands("x") > LIMIT + 100_000);
+        assert!(demo.wait_for_standstill("x") > LIMIT + 100_000);
     }
     demo.listener.run("params /lineshaft set x.jog_at_limit=error");
     jog_until(&mut demo, &mut hand, |x| x["state"] == "ERROR_STOP");

@@ -28,7 +28,7 @@ impl Bench {
         program.arg("--flight-folder").arg(folder.path().join("flight")).envs(fake(&file));
         let program = Program::start_by(program, &domain);
         // A participant of Fast DDS that starts together with the program may receive no topic of it.
-        program.until_log("the node is active");
+        program.wait_for_log("the node is active");
         let mut client = client(&domain, fake(&file));
         client.run("axis-states /lineshaft");
         Self { client, program, domain, folder }

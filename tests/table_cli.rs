@@ -56,7 +56,7 @@ impl Bench {
     }
 
     /// Runs a command that must succeed; returns its output.
-    fn good(&self, line: &str) -> String {
+    fn succeed(&self, line: &str) -> String {
         let output = self.run(line);
         let said = text(&output.stderr);
         assert_eq!((output.status.code(), said.as_str()), (Some(0), ""), "{line}");
@@ -64,7 +64,7 @@ impl Bench {
     }
 
     /// Runs a command that must end with code 2; returns its message.
-    fn bad(&self, line: &str) -> String {
+    fn fail(&self, line: &str) -> String {
         let output = self.run(line);
         assert_eq!(output.status.code(), Some(2), "{line}: {}{}", text(&output.stdout), text(&output.stderr));
         text(&output.stderr)
@@ -83,7 +83,7 @@ fn values(text: &str) -> Vec<i64> {
 #[test]
 fn a_description_becomes_a_table_that_a_cell_takes() {
     let bench = Bench::new();
-    assert_eq!(bench.good("make knife.yaml -o knife.csv"), "knife.csv\n");
+    assert_eq!(bench.succeed("make knife.yaml -o knife.csv"), "knife.csv\n");
     let csv = bench.read("knife.csv");
     let head = "# form y, 1001 points, cyclic; period 20000 inc of the master, way 0 inc\n# to 5000: travel 0, dwell\n# to 12000: \
                 travel 8000, modified_sine\n# to 20000: travel -8000, polynomial_5\n";
@@ -100,7 +100,7 @@ fn a_description_becomes_a_table_that_a_cell_takes() {
         Command::new(env!("CARGO_BIN_EXE_lineshaft")).args(["check", "cell.yaml"]).current_dir(&bench.0).output();
     assert!(check.expect("the program starts").status.success());
     let again = bench.read("knife.csv");
-    bench.good("make knife.yaml -o knife.csv");
+    bench.succeed("make knife.yaml -o knife.csv");
     assert_eq!(bench.read("knife.csv"), again, "the same bytes each time");
 }
 
@@ -123,7 +123,7 @@ fn bad_descriptions_and_files_are_told_with_line_and_column_and_write_nothing() 
         ),
     ] {
         bench.write("bad.yaml", &knife.replacen(from, to, 1));
-        let said = bench.bad("make bad.yaml -o bad.csv");
+        let said = bench.fail("make bad.yaml -o bad.csv");
         assert!(said.starts_with(sentence), "{said}");
         assert!(!bench.0.path().join("bad.csv").exists());
     }
@@ -140,13 +140,13 @@ fn bad_descriptions_and_files_are_told_with_line_and_column_and_write_nothing() 
         ("3,0\n5,0\n", "xy", "error: bad.csv: the curve begins at 3; 0 is needed\n"),
     ] {
         bench.write("bad.csv", csv);
-        assert_eq!(bench.bad(&format!("check bad.csv --form {form}")), sentence);
+        assert_eq!(bench.fail(&format!("check bad.csv --form {form}")), sentence);
     }
-    assert_eq!(bench.bad("make knife.yaml -o knife.txt"), "error: knife.txt ends with neither .csv nor .yaml\n");
-    assert!(bench.bad("make none.yaml -o a.csv").starts_with("none.yaml:1:1: cannot read the file: "));
-    assert!(bench.bad("check none.csv --master 5").starts_with("error: none.csv: "));
+    assert_eq!(bench.fail("make knife.yaml -o knife.txt"), "error: knife.txt ends with neither .csv nor .yaml\n");
+    assert!(bench.fail("make none.yaml -o a.csv").starts_with("none.yaml:1:1: cannot read the file: "));
+    assert!(bench.fail("check none.csv --master 5").starts_with("error: none.csv: "));
     assert_eq!(
-        bench.bad("check knife.yaml --master 5"),
+        bench.fail("check knife.yaml --master 5"),
         "error: --master is for a CSV file; a description says it itself\n"
     );
 }
@@ -154,7 +154,7 @@ fn bad_descriptions_and_files_are_told_with_line_and_column_and_write_nothing() 
 #[test]
 fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
     let bench = Bench::new();
-    let said = bench.good("check knife.yaml");
+    let said = bench.succeed("check knife.yaml");
     let mut lines = said.lines();
     let first = "knife.yaml: 3 segments, 1001 points of form y, cyclic; period 20000 inc of the master, way 0 inc";
     assert_eq!(lines.next(), Some(first));
@@ -180,7 +180,7 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
     // half of the limit, so it is decisive.
     let fastest = (200_000.0 / of(4.0 * pi * pi, 2)).sqrt();
     assert!(40_000.0 / of(4.0 * pi, 1) > fastest && (1e8 / of(16.0 * pi.powi(3), 3)).cbrt() > fastest);
-    let slow = bench.good("check knife.yaml --cell cell.yaml --axis knife --master-speed 10000");
+    let slow = bench.succeed("check knife.yaml --cell cell.yaml --axis knife --master-speed 10000");
     for word in ["max_velocity", "max_acceleration", "max_deceleration", "max_jerk"] {
         let line = slow.lines().find(|line| line.trim_start().starts_with(word)).expect(word);
         assert!(line.contains(": ok, "), "{line}");
@@ -198,10 +198,10 @@ fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
         text(&fast.stdout)
     );
     // Without a speed there is no verdict; the fastest speed is still shown.
-    let alone = bench.good("check knife.yaml --cell cell.yaml --axis knife");
+    let alone = bench.succeed("check knife.yaml --cell cell.yaml --axis knife");
     assert!(alone.contains(&wanted) && !alone.contains("ok"), "{alone}");
     assert_eq!(
-        bench.bad("check knife.yaml --cell cell.yaml --axis knive"),
+        bench.fail("check knife.yaml --cell cell.yaml --axis knive"),
         "error: cell.yaml: no axis is called `knive`; there are knife\n"
     );
 }
@@ -254,14 +254,14 @@ fn speed_of_a_master_has_units_and_without_one_is_max_velocity_of_the_leader() {
 #[test]
 fn a_table_of_the_cell_that_was_not_made_again_is_reported() {
     let bench = Bench::new();
-    bench.good("make knife.yaml -o knife.csv");
+    bench.succeed("make knife.yaml -o knife.csv");
     bench.write("cell.yaml", &format!("{CELL}tables:\n  cut: {{form: y, csv: knife.csv}}\n"));
     let check = "check knife.yaml --cell cell.yaml --axis knife";
-    let said = bench.good(check);
+    let said = bench.succeed(check);
     assert!(said.contains("  these are the points of table cut of cell.yaml\n"), "{said}");
     // The description changes, the CSV file does not.
     bench.write("knife.yaml", &bench.read("knife.yaml").replace("8000", "8001"));
-    let said = bench.good(check);
+    let said = bench.succeed(check);
     let line = "  no table of cell.yaml has these points; `lineshaft table make knife.yaml -o FILE.csv` writes them into its CSV file\n";
     assert!(said.contains(line), "{said}");
 }
@@ -284,7 +284,7 @@ fn points_are_checked_by_differences_which_is_said() {
     let bench = Bench::new();
     // Slopes 1, 0, -1, 0 over 100 inc each: 0.01 inc/inc^2 at each corner.
     bench.write("corners.csv", "0\n100\n100\n0\n0\n");
-    let said = bench.good("check corners.csv --master 400 --cell cell.yaml --axis knife");
+    let said = bench.succeed("check corners.csv --master 400 --cell cell.yaml --axis knife");
     assert!(said.contains("largest velocity      1 inc/inc                at 0\n"), "{said}");
     assert!(said.contains("largest acceleration  0.01 inc/inc^2           at 0\n"), "{said}");
     assert!(said.contains("acceleration and jerk are divided differences of the points\n"), "{said}");
@@ -292,10 +292,10 @@ fn points_are_checked_by_differences_which_is_said() {
     // 200000 inc/s^2 by 0.01: 4472.1 inc/s; 1e8 inc/s^3 by 2e-4: 7937.
     assert!(said.contains("fastest master speed: 4472.14 inc/s, then max_deceleration binds at "), "{said}");
     bench.write("steep.csv", "0\n40000\n0\n");
-    let steep = bench.good("check steep.csv --master 400");
+    let steep = bench.succeed("check steep.csv --master 400");
     assert!(steep.ends_with("  function interpolators do not take it: point 2 is 32768 inc or more from the one before it; less is needed, by more points\n"), "{steep}");
     let missing = "error: corners.csv: a table of form y has no places; --master with its period (inc) is needed\n";
-    assert_eq!(bench.bad("check corners.csv"), missing);
+    assert_eq!(bench.fail("check corners.csv"), missing);
 }
 
 /// Twelve points of 1000000 sin x: the derivatives of the spline are within 2 % of 1000000 (2 pi / 12000)^2 and ^3;
@@ -307,7 +307,7 @@ fn a_spline_is_checked_by_its_own_derivatives() {
         (0..=12).map(|i| format!("{}", (1e6 * (f64::from(i) * std::f64::consts::TAU / 12.0).sin()).round())).collect();
     bench.write("sine.csv", &points.join("\n"));
     for (name, least) in [("cubic", 0.9), ("quintic", 0.99)] {
-        let said = bench.good(&format!("check sine.csv --master 12000 --interpolation {name}"));
+        let said = bench.succeed(&format!("check sine.csv --master 12000 --interpolation {name}"));
         assert!(said.contains("of the spline through the points, as an axis on that cam follows it"), "{said}");
         let turn = std::f64::consts::TAU / 12_000.0;
         for (word, wanted) in [("velocity", 1e6 * turn), ("acceleration", 1e6 * turn.powi(2))] {
@@ -316,73 +316,73 @@ fn a_spline_is_checked_by_its_own_derivatives() {
             assert!((least..2.0 - least).contains(&(value / wanted)), "{name} {word}: {value} {wanted}");
         }
     }
-    let said = bench.bad("check sine.csv --master 12000 --interpolation round");
+    let said = bench.fail("check sine.csv --master 12000 --interpolation round");
     assert!(said.contains("linear, cubic and quintic are allowed"), "{said}");
     bench.write("two.csv", "0\n5\n");
-    let said = bench.bad("check two.csv --master 100 --interpolation cubic");
+    let said = bench.fail("check two.csv --master 100 --interpolation cubic");
     assert!(said.contains("two.csv: a cam has 2 points; 3 or more are needed"), "{said}");
 }
 
 #[test]
 fn tables_are_converted_there_and_back() {
     let bench = Bench::new();
-    bench.good("make knife.yaml -o knife.csv");
+    bench.succeed("make knife.yaml -o knife.csv");
     let points = values(&bench.read("knife.csv"));
-    bench.good("convert knife.csv snippet.yaml");
+    bench.succeed("convert knife.csv snippet.yaml");
     let snippet = bench.read("snippet.yaml");
     assert!(snippet.starts_with("tables:\n  knife:\n    form: y\n    points: [0, 0, "), "{snippet}");
-    bench.good("convert knife.csv cam.yaml --master 20000");
+    bench.succeed("convert knife.csv cam.yaml --master 20000");
     assert!(
         bench
             .read("cam.yaml")
             .starts_with("tables:\n  knife:\n    form: y\n    cam: {length: 20000}\n    points: [0, ")
     );
-    bench.good("convert cam.yaml placed.csv --to xy");
+    bench.succeed("convert cam.yaml placed.csv --to xy");
     assert!(bench.read("placed.csv").ends_with("\n20000,0\n"), "a cam knows its period");
     bench.write(
         "once.yaml",
         "tables:\n  rise: {form: xy, cam: {cyclic: false, interpolation: cubic}, points: [[0, 0], [5, 9]]}\n",
     );
-    bench.good("convert once.yaml even.yaml --to y");
+    bench.succeed("convert once.yaml even.yaml --to y");
     assert_eq!(
         bench.read("even.yaml"),
         "tables:\n  rise:\n    form: y\n    cam: {length: 5, cyclic: false, interpolation: cubic}\n    points: [0, 9]\n"
     );
-    bench.good("convert snippet.yaml back.csv");
+    bench.succeed("convert snippet.yaml back.csv");
     assert_eq!(values(&bench.read("back.csv")), points);
     // A snippet is replaced; a cell, and the description of a table, are not.
-    bench.good("convert knife.csv snippet.yaml");
+    bench.succeed("convert knife.csv snippet.yaml");
     bench.write("press.yaml", &format!("{CELL}{snippet}"));
     for file in ["press.yaml", "knife.yaml"] {
         let before = bench.read(file);
-        let said = bench.bad(&format!("convert knife.csv {file}"));
+        let said = bench.fail(&format!("convert knife.csv {file}"));
         assert!(said.contains(&format!("{file} exists and is more than a table, so it is not replaced")), "{said}");
         assert_eq!(bench.read(file), before);
     }
     // Inside a whole cell.
     bench.write("whole.yaml", &format!("{CELL}{snippet}"));
-    bench.good("convert whole.yaml cell.csv --name knife");
+    bench.succeed("convert whole.yaml cell.csv --name knife");
     assert_eq!(bench.read("cell.csv"), bench.read("back.csv"));
-    bench.good("convert knife.csv places.csv --to xy --master 20000");
+    bench.succeed("convert knife.csv places.csv --to xy --master 20000");
     let places = bench.read("places.csv");
     assert!(places.starts_with("# form xy, 1001 points\n0,0\n20,0\n") && places.ends_with("\n20000,0\n"), "{places}");
-    bench.good("convert places.csv even.csv --form xy --to y");
+    bench.succeed("convert places.csv even.csv --form xy --to y");
     assert_eq!(values(&bench.read("even.csv")), points);
-    bench.good("convert places.csv places.yaml --form xy --name cut");
-    bench.good("convert places.yaml again.csv");
+    bench.succeed("convert places.csv places.yaml --form xy --name cut");
+    bench.succeed("convert places.yaml again.csv");
     assert_eq!(bench.read("again.csv"), places);
 
     let parts = "error: knife.csv: 1001 points divide a period of 20001 inc into parts of 20001/1000 inc; places are whole increments\n";
-    assert_eq!(bench.bad("convert knife.csv p.csv --to xy --master 20001"), parts);
+    assert_eq!(bench.fail("convert knife.csv p.csv --to xy --master 20001"), parts);
     bench.write("odd.csv", "0,0\n10,1\n21,2\n");
     let uneven = "error: odd.csv: place 21 of point 3 is 11 inc after the one before it, the first ones 10 inc; form y has equal \
                   distances\n";
-    assert_eq!(bench.bad("convert odd.csv p.csv --form xy --to y"), uneven);
+    assert_eq!(bench.fail("convert odd.csv p.csv --form xy --to y"), uneven);
     bench.write("two.yaml", "tables:\n  rise: {form: y, points: [0, 1]}\n  fall: {form: y, points: [0, -1]}\n");
     let two = "two.yaml:2:3: tables has 2 entries; --name with one of rise, fall is needed\n";
-    assert_eq!(bench.bad("convert two.yaml p.csv"), two);
+    assert_eq!(bench.fail("convert two.yaml p.csv"), two);
     let unknown = "two.yaml:2:3: no table is called `ris`; rise, fall are known, did you mean `rise`?\n";
-    assert_eq!(bench.bad("convert two.yaml p.csv --name ris"), unknown);
+    assert_eq!(bench.fail("convert two.yaml p.csv --name ris"), unknown);
     let name = "error: `Knife 1` is no name; --name with a letter a..z, then a..z, 0..9 and _, at most 32 characters, is needed\n";
     std::fs::copy(bench.0.path().join("even.csv"), bench.0.path().join("Knife 1.csv")).expect("a copy");
     let output = Command::new(env!("CARGO_BIN_EXE_lineshaft"))
@@ -393,7 +393,7 @@ fn tables_are_converted_there_and_back() {
     assert_eq!(text(&output.stderr), name);
     let many: String = (0..300_000).map(|n| format!("{}\n", n % 9)).collect();
     bench.write("many.csv", &many);
-    let said = bench.bad("convert many.csv p.yaml");
+    let said = bench.fail("convert many.csv p.yaml");
     assert!(said.starts_with("error: 300000 points are more than a cell holds (250000 values"), "{said}");
     assert!(!bench.0.path().join("p.yaml").exists() && !bench.0.path().join("p.csv").exists());
 }
@@ -401,17 +401,17 @@ fn tables_are_converted_there_and_back() {
 #[test]
 fn both_kinds_of_file_are_drawn_the_same_each_time() {
     let bench = Bench::new();
-    bench.good("make knife.yaml -o knife.csv");
+    bench.succeed("make knife.yaml -o knife.csv");
     for source in ["knife.yaml", "knife.csv --master 20000"] {
-        assert_eq!(bench.good(&format!("plot {source} -o a.svg")), "a.svg\n");
+        assert_eq!(bench.succeed(&format!("plot {source} -o a.svg")), "a.svg\n");
         let svg = bench.read("a.svg");
         for text in ["\nposition (inc)\n", "\nvelocity (inc/inc)\n", "\nmaster (inc)\n"] {
             assert!(svg.contains(text), "{source}: no {text}");
         }
-        bench.good(&format!("plot {source} -o b.svg"));
+        bench.succeed(&format!("plot {source} -o b.svg"));
         assert_eq!(bench.read("b.svg"), svg);
     }
-    assert_eq!(bench.bad("plot knife.yaml -o knife.pdf"), "error: knife.pdf ends with neither .svg nor .png\n");
+    assert_eq!(bench.fail("plot knife.yaml -o knife.pdf"), "error: knife.pdf ends with neither .svg nor .png\n");
 }
 
 /// docs/cams.md shows the output and the drawing of the program.
@@ -428,7 +428,7 @@ fn the_page_shows_what_check_says() {
     let (shown, _) = shown.split_once("```").expect("its end");
     let output = bench.run("check knife.yaml --cell cell.yaml --axis knife --master-speed 18000");
     assert_eq!(text(&output.stdout) + &text(&output.stderr), shown);
-    bench.good("plot knife.yaml -o knife.svg --width 900");
+    bench.succeed("plot knife.yaml -o knife.svg --width 900");
     let figure = std::fs::read_to_string(root("docs/images/table_knife.svg")).expect("the figure of the page");
     assert!(
         bench.read("knife.svg") == figure,
@@ -440,7 +440,7 @@ fn the_page_shows_what_check_says() {
 fn each_command_has_an_example_in_its_help() {
     let bench = Bench::new();
     for command in ["make", "check", "plot", "convert"] {
-        let help = bench.good(&format!("{command} --help"));
+        let help = bench.succeed(&format!("{command} --help"));
         assert!(help.contains(&format!("lineshaft table {command} ")), "{help}");
     }
 }
@@ -450,12 +450,12 @@ fn each_command_has_an_example_in_its_help() {
 fn as_many_points_as_a_table_may_have() {
     let bench = Bench::new();
     bench.write("long.yaml", &bench.read("knife.yaml").replacen("points: 1001", "points: 1000000", 1));
-    bench.good("make long.yaml -o long.csv");
+    bench.succeed("make long.yaml -o long.csv");
     let points = values(&bench.read("long.csv"));
     assert_eq!((points.len(), points[0], points[999_999]), (1_000_000, 0, 0));
-    bench.good("plot long.csv --master 20000 -o long.svg");
+    bench.succeed("plot long.csv --master 20000 -o long.svg");
     assert!(bench.read("long.svg").len() < 1 << 20, "a figure does not grow with its points");
     bench.write("more.csv", &(bench.read("long.csv") + "0\n"));
-    let said = bench.bad("check more.csv --master 20000");
+    let said = bench.fail("check more.csv --master 20000");
     assert_eq!(said, "more.csv:1000005:1: this is point 1000001; 1000000 are possible\n");
 }

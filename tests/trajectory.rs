@@ -63,14 +63,14 @@ impl Bench {
 
     /// Begins a goal without waiting for it; returns its id.
     #[track_caller]
-    fn leave(&mut self, goal: &str) -> String {
+    fn start_goal(&mut self, goal: &str) -> String {
         let seen = self.cyclone.run(&format!("{goal} --leave"));
         seen["goal"].as_str().expect("an id").to_owned()
     }
 
     /// Returns the commanded position, velocity and acceleration of x: from a query for the time of a message, and from
     /// the message.
-    fn asked_and_shown(&mut self) -> [[f64; 3]; 2] {
+    fn queried_and_published(&mut self) -> [[f64; 3]; 2] {
         let seen = self.cyclone.run("controller-state /lineshaft --seconds 0.1");
         let last = &seen.all().last().expect("a message")["state"];
         let asked = self.cyclone.run(&format!("query-state /lineshaft {}", nanoseconds(&last["header"]["stamp"])));
@@ -202,7 +202,7 @@ fn query_state_tells_where_the_joints_are_asked_to_be_at_a_time() {
     let refused = bench.cyclone.fails(&ask("8"));
     assert!(refused.starts_with("x: the trajectory lasts 6 s from its start; "), "{refused}");
     bench.cyclone.until_axis("x", "moves", |x| x["command_velocity"].as_f64() > Some(0.01));
-    let mut tries = (0..10).map(|_| bench.asked_and_shown());
+    let mut tries = (0..10).map(|_| bench.queried_and_published());
     let is_same = |[asked, shown]: [[f64; 3]; 2]| (0..3).all(|one| (asked[one] - shown[one]).abs() < 1e-9);
     assert!(
         tries.any(is_same),
@@ -401,7 +401,7 @@ fn a_cancelled_goal_stops_the_joints() {
 #[test]
 fn a_new_goal_replaces_the_one_in_motion() {
     let mut bench = Bench::enabled();
-    let first = bench.leave(&all(4.0, 0.4, 0.2, 1.0));
+    let first = bench.start_goal(&all(4.0, 0.4, 0.2, 1.0));
     let moving = bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
     assert_eq!(moving["state"], "DISCRETE_MOTION", "docs/motion.md, States in motion");
     bench.cyclone.run(&all(2.0, 0.05, 0.04, 0.0));
@@ -442,7 +442,7 @@ fn a_goal_that_waits_for_its_stamp_can_be_cancelled() {
 #[test]
 fn a_move_of_one_joint_ends_the_trajectory_of_all() {
     let mut bench = Bench::enabled();
-    let goal = bench.leave(&all(6.0, 0.4, 0.2, 1.0));
+    let goal = bench.start_goal(&all(6.0, 0.4, 0.2, 1.0));
     bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
     bench.cyclone.run("move /lineshaft --axis x --position 0.1 --wait");
     assert_eq!(bench.command("x"), 10 * 1_048_576);
@@ -675,7 +675,7 @@ fn messages_of_the_topic_that_are_wrong_are_refused_and_move_nothing() {
 #[test]
 fn action_and_topic_replace_each_other() {
     let mut bench = Bench::enabled();
-    let goal = bench.leave(&all(6.0, 0.4, 0.2, 1.0));
+    let goal = bench.start_goal(&all(6.0, 0.4, 0.2, 1.0));
     bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
     bench.cyclone.run(&publish(6.0, 0.05, 0.04, 0.0));
     let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
@@ -687,7 +687,7 @@ fn action_and_topic_replace_each_other() {
     assert_eq!(bench.command("x"), 10 * 1_048_576, "the topic's has no say any more");
 
     // A message without points stops the trajectory of the action for the joints that it names: one of them stops all.
-    let goal = bench.leave(&all(6.0, 0.4, 0.2, 1.0));
+    let goal = bench.start_goal(&all(6.0, 0.4, 0.2, 1.0));
     bench.wait("x", "moving", |axis| axis["command_velocity"].as_f64().unwrap() > 0.01);
     bench.cyclone.run("publish-trajectory /lineshaft --joint x");
     let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));
@@ -731,7 +731,7 @@ fn a_goal_of_100_000_knots_is_taken_and_a_longer_one_is_refused() {
     let mut bench = Bench::enabled();
     // All points but the first are at the same position; 3 joints in 33,333 points. 3 * 2 numbers of 8 bytes a point: 2
     // MB.
-    let goal = bench.leave(&format!("{} --fill 33332 --fill-from 1", all(1.0, 0.05, 0.04, 0.0)));
+    let goal = bench.start_goal(&format!("{} --fill 33332 --fill-from 1", all(1.0, 0.05, 0.04, 0.0)));
     bench.wait("x", "at 50 mm", |axis| axis["command_increments"] == 5 * 1_048_576);
     bench.cyclone.run("axes /lineshaft halt x");
     let seen = bench.cyclone.run(&format!("followed /lineshaft {goal} --expect ABORTED"));

@@ -141,7 +141,7 @@ pub fn apply(path: &Path, read: &str, settings: &[Setting]) -> Result<Edited, Ed
 /// [`EditError`]
 pub fn edited(path: &Path, text: &str, settings: &[Setting]) -> Result<Edited, EditError> {
     let name = path.display().to_string();
-    let old = Cell::parse_beside(path, text).map_err(|_| EditError::Cell { name: name.clone() })?;
+    let old = Cell::parse_in_folder(path, text).map_err(|_| EditError::Cell { name: name.clone() })?;
     let mut expected = old;
     let written = assign(&mut expected.machine, settings, &name)?;
     let mut new = text.to_owned();
@@ -152,7 +152,7 @@ pub fn edited(path: &Path, text: &str, settings: &[Setting]) -> Result<Edited, E
         new = set(&name, &new, axis, &of_axis(&written), &of_axis(settings))?;
     }
     let problems = |problems: crate::document::Problems| EditError::Invalid { problems: problems.to_string() };
-    let cell = Cell::parse_beside(path, &new).map_err(problems)?;
+    let cell = Cell::parse_in_folder(path, &new).map_err(problems)?;
     if !is_same(&cell, &expected) {
         return Err(EditError::Differs { name });
     }
@@ -210,7 +210,7 @@ fn replace(path: &Path, old: &str, new: &str) -> Result<(), EditError> {
     if fs::read(path).map_err(file)? != old.as_bytes() {
         return Err(EditError::Changed { name: name() });
     }
-    written.take_place().map_err(file)
+    written.replace().map_err(file)
 }
 
 #[cfg(test)]

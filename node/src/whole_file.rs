@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// A complete new file without its final name; it is deleted when dropped.
 #[derive(Debug)]
 pub(crate) struct WholeFile {
-    beside: PathBuf,
+    temporary: PathBuf,
     path: PathBuf,
 }
 
@@ -25,10 +25,10 @@ impl WholeFile {
         let mut name = OsString::from(".");
         name.push(path.file_name().unwrap_or_default());
         name.push(format!(".{}.part", std::process::id()));
-        let new = Self { beside: path.with_file_name(name), path: path.to_owned() };
+        let new = Self { temporary: path.with_file_name(name), path: path.to_owned() };
         // A file that a killed program has left, with the same number.
-        let _ = fs::remove_file(&new.beside);
-        let mut file = File::create_new(&new.beside)?;
+        let _ = fs::remove_file(&new.temporary);
+        let mut file = File::create_new(&new.temporary)?;
         if let Some(permissions) = permissions {
             file.set_permissions(permissions)?;
         }
@@ -41,15 +41,15 @@ impl WholeFile {
     ///
     /// # Errors
     /// Returns the error of the operating system; the old file is unchanged, and no other file remains.
-    pub(crate) fn take_place(self) -> io::Result<()> {
-        fs::rename(&self.beside, &self.path)
+    pub(crate) fn replace(self) -> io::Result<()> {
+        fs::rename(&self.temporary, &self.path)
     }
 }
 
 impl Drop for WholeFile {
     fn drop(&mut self) {
         // It has its final name now, or may never have existed.
-        let _ = fs::remove_file(&self.beside);
+        let _ = fs::remove_file(&self.temporary);
     }
 }
 
@@ -68,13 +68,13 @@ mod tests {
         assert_eq!((fs::read_to_string(&path).unwrap().as_str(), names()), ("old", 1));
         let new = WholeFile::write(&path, b"new", Some(Permissions::from_mode(0o640))).unwrap();
         assert_eq!((fs::read_to_string(&path).unwrap().as_str(), names()), ("old", 2));
-        new.take_place().unwrap();
+        new.replace().unwrap();
         assert_eq!((fs::read_to_string(&path).unwrap().as_str(), names()), ("new", 1));
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
         // A folder with that name exists.
         let taken = folder.path().join("taken");
         fs::create_dir_all(taken.join("full")).unwrap();
-        assert!(WholeFile::write(&taken, b"new", None).unwrap().take_place().is_err());
+        assert!(WholeFile::write(&taken, b"new", None).unwrap().replace().is_err());
         assert!(WholeFile::write(&folder.path().join("none/b.yaml"), b"new", None).is_err());
         assert_eq!(names(), 2);
     }

@@ -44,14 +44,14 @@ pub(crate) struct Ended {
 impl Ended {
     /// Checks that the program ended with `code`.
     #[track_caller]
-    pub(crate) fn with(self, code: i32) -> Self {
+    pub(crate) fn expect_code(self, code: i32) -> Self {
         assert_eq!(self.code, Some(code), "{}", self.text);
         self
     }
 
     /// Checks that the text contains each of `parts`.
     #[track_caller]
-    pub(crate) fn says(self, parts: &[&str]) -> Self {
+    pub(crate) fn expect_text(self, parts: &[&str]) -> Self {
         for part in parts {
             assert!(self.text.contains(part), "`{part}` is missing in:\n{}", self.text);
         }
@@ -109,7 +109,7 @@ impl Bench {
     pub(crate) fn record_scenario(&self, cell: &str, scenario: &str, bag: &str) -> String {
         let bag = self.path(bag);
         let csv = self.path("run.csv");
-        self.lineshaft(&["sim", cell, "--scenario", scenario, "--record", &bag, "--csv", &csv]).with(0);
+        self.lineshaft(&["sim", cell, "--scenario", scenario, "--record", &bag, "--csv", &csv]).expect_code(0);
         bag
     }
 

@@ -44,7 +44,7 @@ fn a_fault_leaves_a_bag_that_replays() {
     let seen = bag_check(["rosbags", &bag]);
     assert_eq!(reads_in_time_order(bench.bag_files(&bag)), count(&seen, &["messages"]));
     assert!(count(&seen, &["counts", "/lineshaft/inputs"]) >= 1000, "the second before the fault is in it: {seen}");
-    bench.lineshaft(&["replay", &bag]).with(0);
+    bench.lineshaft(&["replay", &bag]).expect_code(0);
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn a_folder_that_cannot_be_written_is_told_before_anything_starts() {
     let bench = Bench::new();
     let file = bench.write("file", "");
     for folder in [file, "/proc/flight".to_owned()] {
-        bench.lineshaft(&["run", "--flight-folder", &folder]).with(2).says(&["--flight-folder: cannot write", &folder]);
+        bench.lineshaft(&["run", "--flight-folder", &folder]).expect_code(2).expect_text(&["--flight-folder: cannot write", &folder]);
     }
 }
 
@@ -82,7 +82,7 @@ fn never_more_bags_stay_than_were_asked_for_and_the_newest_stay() {
         let end = count(&bag_check(["rosbags", &bag]), &["end_ns"]);
         assert!(end > last, "names sort by time");
         last = end;
-        bench.lineshaft(&["replay", &bag]).with(0);
+        bench.lineshaft(&["replay", &bag]).expect_code(0);
     }
     // The last of five errors is 9 s after the first one, the previous error 2 s earlier.
     let kept = count(&bag_check(["rosbags", &bench.path(&format!("flight/{}", bench.list("flight")[0]))]), &["end_ns"]);

@@ -53,10 +53,10 @@ fn judge(bench: &Bench, file: &str) -> u64 {
         assert!(!ended.text.is_empty() && !ended.text.contains("panicked"), "{file}: {}", ended.text);
     }
     if cycles > 0 {
-        let info = info.with(0).says(&[&cycles.to_string()]);
+        let info = info.expect_code(0).expect_text(&[&cycles.to_string()]);
         let told = ["lost", "not finished", "unfinished", "killed"];
         assert!(told.iter().any(|word| info.text.contains(word)), "it does not say what is lost:\n{}", info.text);
-        replay.with(0).says(&[&cycles.to_string()]);
+        replay.expect_code(0).expect_text(&[&cycles.to_string()]);
     }
     cycles
 }
@@ -146,7 +146,7 @@ fn a_full_disk_ends_the_bag_with_one_event_and_not_the_cycle() {
     let file = files.first().and_then(|path| path.to_str()).expect("the bag was begun");
     let cycles = count(&bag_check(["torn", file]), &["cycles"]);
     assert!(cycles > 0, "nothing was kept");
-    bench.lineshaft(&["replay", file]).with(0).says(&[&cycles.to_string()]);
+    bench.lineshaft(&["replay", file]).expect_code(0).expect_text(&[&cycles.to_string()]);
 }
 
 #[test]

@@ -48,7 +48,7 @@ impl Demo {
 
     #[track_caller]
     fn replays(&self, bag: &str) {
-        self.bench.lineshaft(&["replay", bag]).with(0);
+        self.bench.lineshaft(&["replay", bag]).expect_code(0);
     }
 }
 
@@ -78,7 +78,7 @@ fn a_run_with_random_goals_replays_and_one_changed_bit_is_found() {
     assert!(count(&seen, &["start_ns"]) > 1_700_000_000_000_000_000, "wall time: {seen}");
     let (cycle, changed) = ((cycles / 2).to_string(), demo.bench.path("changed.mcap"));
     bag_check(["flip", &bag, &changed, "--cycle", &cycle, "--field", "drive_count[1]", "--bit", "2"]);
-    demo.bench.lineshaft(&["replay", &changed]).with(3).says(&[&cycle, "y."]);
+    demo.bench.lineshaft(&["replay", &changed]).expect_code(3).expect_text(&[&cycle, "y."]);
 }
 
 /// After cleanup no cycle runs: no cycle follows the last messages of the node.

@@ -7,12 +7,12 @@ use crate::support::bag_check::bag_check;
 fn what_was_recorded_replays() {
     let bench = Bench::new();
     for bag in [bench.record("run.mcap"), bench.record("bag")] {
-        bench.lineshaft(&["replay", &bag]).with(0);
+        bench.lineshaft(&["replay", &bag]).expect_code(0);
     }
     for scenario in ["first_move", "stop", "sync", "home"] {
         let scenario_file = root(&format!("launch-configs/scenarios/{scenario}.yaml"));
         let bag = bench.record_scenario(&demo(), &scenario_file, scenario);
-        bench.lineshaft(&["replay", &bag]).with(0);
+        bench.lineshaft(&["replay", &bag]).expect_code(0);
     }
 }
 
@@ -43,7 +43,7 @@ fn one_changed_bit_of_an_input_is_found_in_its_cycle() {
         let cycle = (1203 + 7 * number).to_string();
         let changed = bench.path(&format!("changed_{number}.mcap"));
         bag_check(["flip", &bag, &changed, "--cycle", &cycle, "--field", field, "--bit", bit]);
-        let ended = bench.lineshaft(&["replay", &changed]).with(3).says(&[&cycle]);
+        let ended = bench.lineshaft(&["replay", &changed]).expect_code(3).expect_text(&[&cycle]);
         assert!(names.iter().any(|name| ended.text.contains(name)), "{field}: none of {names:?} in:\n{}", ended.text);
     }
 }
@@ -55,7 +55,7 @@ fn the_first_and_the_last_cycle_are_compared_too() {
     for cycle in ["0", "2999"] {
         let changed = bench.path(&format!("{cycle}.mcap"));
         bag_check(["flip", &bag, &changed, "--cycle", cycle, "--field", "drive_count[0]", "--bit", "4"]);
-        bench.lineshaft(&["replay", &changed]).with(3).says(&[cycle, "x."]);
+        bench.lineshaft(&["replay", &changed]).expect_code(3).expect_text(&[cycle, "x."]);
     }
 }
 
@@ -65,7 +65,7 @@ fn a_bag_without_the_inputs_of_a_cycle_is_told_so() {
     let bag = bench.record("run.mcap");
     let lacking = bench.path("lacking.mcap");
     bag_check(["drop", &bag, &lacking, "--cycle", "1234"]);
-    let ended = bench.lineshaft(&["replay", &lacking]).says(&["1234"]);
+    let ended = bench.lineshaft(&["replay", &lacking]).expect_text(&["1234"]);
     assert_eq!(ended.code, Some(2), "{ended:?}");
 }
 
@@ -75,10 +75,10 @@ fn what_rosbag2_records_cannot_be_replayed_but_validated() {
     let bag = bench.record("run.mcap");
     let topics = bench.path("topics.mcap");
     bag_check(["topics-only", &bag, &topics]);
-    bench.lineshaft(&["replay", &topics]).with(2).says(&["cell.yaml", "lineshaft validate"]);
-    bench.lineshaft(&["bag", "info", &topics]).with(0).says(&["/joint_states"]);
+    bench.lineshaft(&["replay", &topics]).expect_code(2).expect_text(&["cell.yaml", "lineshaft validate"]);
+    bench.lineshaft(&["bag", "info", &topics]).expect_code(0).expect_text(&["/joint_states"]);
     for (run, expected) in [(&topics, &bag), (&bag, &topics), (&topics, &topics)] {
-        bench.lineshaft(&["validate", run, "--against", expected]).with(0);
+        bench.lineshaft(&["validate", run, "--against", expected]).expect_code(0);
     }
 }
 
@@ -94,7 +94,7 @@ fn validate_finds_another_trajectory_and_tolerates_what_it_may() {
         bench.record_scenario(&demo(), &file, &name)
     };
     let (expected, other) = (scenario("100 mm"), scenario("101 mm"));
-    let ended = bench.lineshaft(&["validate", &other, "--against", &expected]).says(&["x"]);
+    let ended = bench.lineshaft(&["validate", &other, "--against", &expected]).expect_text(&["x"]);
     assert!(!matches!(ended.code, Some(0) | None), "{ended:?}");
 }
 
@@ -104,7 +104,7 @@ fn replay_of_something_else_is_bad_usage() {
     let text = bench.write("text.mcap", "this is no bag");
     for bag in [text, bench.path("no_such_bag"), bench.path("no_such.mcap"), bench.path("")] {
         for command in [&["replay", &bag][..], &["bag", "info", &bag], &["validate", &bag, "--against", &bag]] {
-            let ended = bench.lineshaft(command).with(2);
+            let ended = bench.lineshaft(command).expect_code(2);
             assert!(!ended.text.is_empty() && !ended.text.contains("panicked"), "{command:?}: {}", ended.text);
         }
     }

@@ -6,7 +6,7 @@ use super::domain::Domain;
 use super::setup;
 use lineshaft_can::sdo::{Client, Object, Transfer};
 use lineshaft_can::transport::{Address, Options, Transport, open};
-use lineshaft_can::{Frame, Life, NmtState, NodeId};
+use lineshaft_can::{Frame, SignOfLife, NmtState, NodeId};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{Ipv4Addr, TcpStream};
@@ -27,7 +27,7 @@ const PORT: u16 = 43113;
 
 /// A connection to the bus of simulated drives.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Way {
+pub(crate) enum BusConnection {
     /// By an adapter that uses slcan over TCP.
     SlcanTcp,
     /// By an adapter that uses slcan on a pseudo terminal.
@@ -39,7 +39,7 @@ pub(crate) enum Way {
 }
 
 /// Returns the behaviour (tests/peers/can/habits.py) that all drives have, if the tests are run with one (.ci/nightly).
-pub(crate) fn habit() -> Option<String> {
+pub(crate) fn behaviour() -> Option<String> {
     std::env::var("LINESHAFT_HABIT").ok()
 }
 
@@ -54,36 +54,36 @@ pub(crate) struct CanDrives {
 impl CanDrives {
     /// Starts and boots drives with these node ids (`1-2`) on an adapter over TCP.
     pub(crate) fn boot(nodes: &str) -> Self {
-        Self::boot_on(Way::SlcanTcp, nodes)
+        Self::boot_on(BusConnection::SlcanTcp, nodes)
     }
 
     /// Starts and boots drives with these node ids.
-    pub(crate) fn boot_on(way: Way, nodes: &str) -> Self {
+    pub(crate) fn boot_on(way: BusConnection, nodes: &str) -> Self {
         Self::boot_with(way, nodes, &[])
     }
 
     /// Starts and boots drives with these node ids, and other devices (`["--modules", "10"]`).
-    pub(crate) fn boot_with(way: Way, nodes: &str, others: &[&str]) -> Self {
+    pub(crate) fn boot_with(way: BusConnection, nodes: &str, others: &[&str]) -> Self {
         Self::start("cia402_sim.py", way, nodes, &[&["--control", "127.0.0.1:0"], others].concat())
     }
 
     /// Starts and boots an independent device that is no drive, on an adapter over TCP.
     pub(crate) fn boot_device(node: u8) -> Self {
-        Self::start("durand_node.py", Way::SlcanTcp, &node.to_string(), &[])
+        Self::start("durand_node.py", BusConnection::SlcanTcp, &node.to_string(), &[])
     }
 
-    fn start(script: &str, way: Way, nodes: &str, others: &[&str]) -> Self {
+    fn start(script: &str, way: BusConnection, nodes: &str, others: &[&str]) -> Self {
         let bus = match way {
-            Way::SlcanTcp => "slcan-tcp:127.0.0.1:0".to_owned(),
-            Way::SlcanPty => "slcan-pty".to_owned(),
-            Way::Udp => format!("udp:{GROUP}:{PORT}"),
-            Way::SocketCan(interface) => format!("socketcan:{interface}"),
+            BusConnection::SlcanTcp => "slcan-tcp:127.0.0.1:0".to_owned(),
+            BusConnection::SlcanPty => "slcan-pty".to_owned(),
+            BusConnection::Udp => format!("udp:{GROUP}:{PORT}"),
+            BusConnection::SocketCan(interface) => format!("socketcan:{interface}"),
         };
         let mut command = Command::new(setup::can_python());
         command.arg(setup::sources().join("can").join(script));
         command.args(["--bus", &bus, "--exit-with-parent", "--nodes", nodes]);
         command.args(others);
-        if let (Some(habit), "cia402_sim.py") = (habit(), script) {
+        if let (Some(habit), "cia402_sim.py") = (behaviour(), script) {
             command.args(["--habit", &habit]);
         }
         let mut process = Captured::start("can drives", command, &Domain::take(), Stdio::null());
@@ -92,10 +92,10 @@ impl CanDrives {
         let ready: Value = serde_json::from_str(&line).unwrap_or_else(|error| panic!("{line}: {error}"));
         let at = |key: &str| ready[key].as_str().unwrap_or_else(|| panic!("{line}: no {key}")).to_owned();
         let address = match way {
-            Way::SlcanTcp => Address::SlcanTcp(at("bus")),
-            Way::SlcanPty => Address::Slcan(at("bus").into()),
-            Way::Udp => Address::Udp { group: GROUP, port: PORT },
-            Way::SocketCan(interface) => Address::SocketCan(interface.to_owned()),
+            BusConnection::SlcanTcp => Address::SlcanTcp(at("bus")),
+            BusConnection::SlcanPty => Address::Slcan(at("bus").into()),
+            BusConnection::Udp => Address::Udp { group: GROUP, port: PORT },
+            BusConnection::SocketCan(interface) => Address::SocketCan(interface.to_owned()),
         };
         let control = ready["control"].as_str().map(|at| TcpStream::connect(at).expect("the drives listen"));
         Self { process, address, control: control.map(BufReader::new) }
@@ -195,7 +195,7 @@ impl Bus {
         loop {
             match self.receive() {
                 Some(frame) if frame.id() == self.node.heartbeat() => {
-                    return Life::of(&frame).expect("a sign of life").state;
+                    return SignOfLife::of(&frame).expect("a sign of life").state;
                 }
                 Some(_) => {}
                 None => thread::sleep(Duration::from_micros(200)),

@@ -1,6 +1,6 @@
 //! Provides a cell of CANopen drives in its own folder, and the program that runs it.
 
-use super::can::{CanDrives, habit};
+use super::can::{CanDrives, behaviour};
 use super::domain::Domain;
 use super::program::Program;
 use super::setup;
@@ -95,7 +95,7 @@ impl CanCell {
         let eds = fs::read_to_string(eds).expect("the file of the simulated drive is there");
         let unmapped = without_mapping(&eds, &["6060", "6061"]);
         cell.write("unmapped.eds", &unmapped);
-        let is_unmapped = habit().is_some_and(|habit| habit == "unmapped_mode");
+        let is_unmapped = behaviour().is_some_and(|habit| habit == "unmapped_mode");
         cell.write("cia402_sim.eds", if is_unmapped { &unmapped } else { &eds });
         cell
     }
@@ -158,15 +158,15 @@ impl CanRun {
     }
 
     /// Returns how often it has written this text.
-    pub(crate) fn told(&self, text: &str) -> usize {
+    pub(crate) fn count_in_log(&self, text: &str) -> usize {
         self.program.log().matches(text).count()
     }
 
     /// Waits until it has written this text `times` times; returns the duration.
     #[track_caller]
-    pub(crate) fn until_told(&self, times: usize, text: &str) -> Duration {
+    pub(crate) fn wait_for_log(&self, times: usize, text: &str) -> Duration {
         let begin = Instant::now();
-        while self.told(text) < times {
+        while self.count_in_log(text) < times {
             assert!(begin.elapsed() < PATIENCE, "`{text}` is not told {times} times; {}", self.program.log());
             thread::sleep(LOOK);
         }

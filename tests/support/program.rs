@@ -134,7 +134,7 @@ impl Program {
 
     /// Waits until it has written a text: lines may be written later than an answer over the network.
     #[track_caller]
-    pub(crate) fn until_log(&self, text: &str) {
+    pub(crate) fn wait_for_log(&self, text: &str) {
         let end = Instant::now() + END;
         while !self.log().contains(text) {
             assert!(Instant::now() < end, "`{text}` is not written: {}", self.log());

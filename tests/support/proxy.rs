@@ -48,7 +48,7 @@ impl Proxy {
     }
 
     /// Accepts connections again, at the same port.
-    pub(crate) fn mend(&mut self) {
+    pub(crate) fn restore(&mut self) {
         self.is_cut.store(false, Ordering::Relaxed);
         self.listen(TcpListener::bind(self.from).expect("the port is still free"));
     }

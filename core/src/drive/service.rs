@@ -57,7 +57,7 @@ pub trait Service: Send {
     /// Does pending work during the cycles, on its own thread. It may wait for its hardware.
     ///
     /// Each problem is logged once when it occurs and once when it ends; it stops nothing.
-    fn look(&mut self) -> Health;
+    fn health_check(&mut self) -> Health;
 
     /// Puts its drives into a safe state.
     fn stop(&mut self);

@@ -6,18 +6,18 @@
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lineshaft_can::config::{BusConfig, DeviceConfig};
 use lineshaft_can::drive::image::Image;
-use lineshaft_can::drive::layout::{Asked, Told};
+use lineshaft_can::drive::layout::{CommandedValue, ReportedValue};
 use lineshaft_can::load;
 use lineshaft_can::master::CanBackend;
 use lineshaft_can::sdo::{Client, Object};
 use lineshaft_can::transport::{Transport, TransportError};
-use lineshaft_can::{Frame, Id, NodeId, Watching};
+use lineshaft_can::{Frame, Id, NodeId, Monitoring};
 use lineshaft_core::drive::{Backend, DriveInput, DriveOutput, Inputs, MODE_CSP, Outputs};
 use std::hint::black_box;
 
 /// Transport that returns the PDOs of all drives after each SYNC.
 struct Loopback {
-    answers: Vec<Image<Told>>,
+    answers: Vec<Image<ReportedValue>>,
     next: usize,
     position: i64,
 }
@@ -41,9 +41,9 @@ impl Transport for Loopback {
         let position = self.position;
         let frame = answer.map(|image| {
             image.frame(|word| match word {
-                Told::Status => 0x1637,
-                Told::Mode => MODE_CSP.into(),
-                Told::Position => position,
+                ReportedValue::Status => 0x1637,
+                ReportedValue::Mode => MODE_CSP.into(),
+                ReportedValue::Position => position,
                 _ => 0,
             })
         });
@@ -56,7 +56,7 @@ fn node(number: usize) -> NodeId {
 }
 
 fn drive(place: usize) -> DeviceConfig {
-    DeviceConfig::plain_drive(place, node(place + 1), Watching::Heartbeat { time_ns: 100_000_000 })
+    DeviceConfig::plain_drive(place, node(place + 1), Monitoring::Heartbeat { time_ns: 100_000_000 })
 }
 
 fn bus(drives: usize) -> BusConfig {
@@ -108,16 +108,16 @@ fn pdo(criterion: &mut Criterion) {
     let asked = drive.layout.asked.first().map(Image::of).expect("RPDO 1");
     let mut told = drive.layout.told.first().map(Image::of).expect("TPDO 1");
     let value = |word| match word {
-        Asked::Control => 0x0F,
-        Asked::Position | Asked::Velocity => black_box(-123_456),
-        Asked::Mode => 8,
+        CommandedValue::Control => 0x0F,
+        CommandedValue::Position | CommandedValue::Velocity => black_box(-123_456),
+        CommandedValue::Mode => 8,
         _ => 0,
     };
     criterion.bench_function("pdo/encode", |bencher| bencher.iter(|| asked.frame(value)));
     let frame = told.frame(|_| black_box(-77));
     criterion.bench_function("pdo/decode", |bencher| {
         bencher.iter(|| {
-            assert!(told.take(black_box(&frame)));
+            assert!(told.update(black_box(&frame)));
             told.values().map(|(_, value)| value).sum::<i64>()
         });
     });

@@ -91,7 +91,7 @@ const ENCODER: [Row; 3] = [
 /// Rows by profile number.
 const PROFILES: [(u16, &[Row]); 3] = [(401, &MODULE), (402, &DRIVE), (406, &ENCODER)];
 
-fn found(rows: &[Row], object: Object) -> Option<LeftOutReason> {
+fn find_reason(rows: &[Row], object: Object) -> Option<LeftOutReason> {
     let is_it = |row: &&Row| {
         let (first, last, sub, _) = **row;
         (first..=last).contains(&object.index) && sub.is_none_or(|sub| sub == object.sub)
@@ -108,11 +108,11 @@ fn logical_device(index: u16) -> Option<u16> {
 /// Returns the reason why a configuration does not write an object; `None` if it is written. `profile` is the profile of the logical device
 /// that has the object. If it is `None` or unknown here (not 401, 402 or 406), the objects that act in any of these profiles are left out.
 pub fn reason(object: Object, profile: Option<u16>) -> Option<LeftOutReason> {
-    let Some(device) = logical_device(object.index) else { return found(&COMMON, object) };
+    let Some(device) = logical_device(object.index) else { return find_reason(&COMMON, object) };
     let object = Object { index: object.index - device * LOGICAL_DEVICE, ..object };
-    match PROFILES.iter().find(|(number, _)| Some(*number) == profile) {
-        Some((_, rows)) => found(rows, object),
-        None => PROFILES.iter().find_map(|(_, rows)| found(rows, object)),
+    match PROFILES.iter().find(|(number, _)| Some(*number) == profile_number) {
+        Some((_, rows)) => find_reason(rows, object),
+        None => PROFILES.iter().find_map(|(_, rows)| find_reason(rows, object)),
     }
 }
 
@@ -125,8 +125,8 @@ pub fn device_type(index: u16) -> Option<Object> {
 }
 
 /// Returns the profile number in a device type; `None` for 0, which means a device without a profile.
-pub fn profile(device_type: u32) -> Option<u16> {
-    Some(device_type as u16).filter(|profile| *profile != 0)
+pub fn profile_number(device_type: u32) -> Option<u16> {
+    Some(device_type as u16).filter(|profile| *profile_number != 0)
 }
 
 /// Returns the profile of the logical device that has an index, according to a dictionary. `first` is the profile of the first logical
@@ -134,7 +134,7 @@ pub fn profile(device_type: u32) -> Option<u16> {
 pub fn profile_of(dictionary: &Dictionary, index: u16, first: Option<u16>) -> Option<u16> {
     let further = device_type(index).filter(|object| *object != DEVICE_TYPE);
     let said = further.and_then(|object| dictionary.value(object)?.number());
-    said.and_then(|number| profile(u32::try_from(number).ok()?)).or(first)
+    said.and_then(|number| profile_number(u32::try_from(number).ok()?)).or(first)
 }
 
 /// Objects of a configuration that are not written, in the order of the objects.
@@ -154,7 +154,7 @@ impl fmt::Display for LeftOut {
         let mut gap = "";
         for (wanted, name) in [(Acts, "objects that act"), (Setpoint, "setpoints")] {
             let objects = self.0.iter().filter(|(_, reason)| *reason == wanted).map(|(object, _)| *object);
-            let listed = listed(objects);
+            let listed = object_list(objects);
             if !listed.is_empty() {
                 write!(f, "{gap}as {name}: {listed}")?;
                 gap = "; ";
@@ -165,7 +165,7 @@ impl fmt::Display for LeftOut {
 }
 
 /// Returns objects as a list in which consecutive subindices are shown as a range.
-fn listed(objects: impl Iterator<Item = Object>) -> String {
+fn object_list(objects: impl Iterator<Item = Object>) -> String {
     let mut runs: Vec<(Object, u8)> = Vec::new();
     for object in objects {
         match runs.last_mut() {

@@ -6,7 +6,7 @@ use crate::drive::probe::Probes;
 use crate::drive::{DriveMode, DriveType, Layout};
 use crate::sdo::Object;
 use crate::transport::Address;
-use crate::{NodeId, Watching};
+use crate::{NodeId, Monitoring};
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{Capabilities, Terminal};
 use lineshaft_core::sync::gear::gcd;
@@ -70,7 +70,7 @@ pub struct DeviceConfig {
     /// Node ID.
     pub node: NodeId,
     /// Monitoring of the device.
-    pub watching: Watching,
+    pub watching: Monitoring,
     /// PDO layout.
     pub layout: Layout,
     /// Required identity.
@@ -87,7 +87,7 @@ pub struct DeviceConfig {
 
 impl DeviceConfig {
     /// Returns a drive in csp with default settings, for benchmarks and tests.
-    pub fn plain_drive(place: usize, node: NodeId, watching: Watching) -> Self {
+    pub fn plain_drive(place: usize, node: NodeId, watching: Monitoring) -> Self {
         let terminals = Terminals::default();
         let drive = DriveConfig {
             place,
@@ -97,9 +97,9 @@ impl DeviceConfig {
             mode: DriveMode::Csp,
             drive_type: None,
             offers: Capabilities { delay: 1, position: true, homes: true, ..Capabilities::default() },
-            per_revolution: None,
+            counts_per_shaft_revolution: None,
             velocity: VelocityFactor::default(),
-            missed: Missed::default(),
+            missed: MissingDataBehaviour::default(),
             rated_effort: None,
         };
         Self {
@@ -164,20 +164,20 @@ pub struct Terminals {
     /// Digital outputs. Addresses are bit numbers, counted from 6200h:01, or from bit 0 of 60FEh:01 of a drive.
     pub digital_outputs: Vec<Terminal>,
     /// Analog inputs (6401h).
-    pub analog_inputs: Vec<Analog>,
+    pub analog_inputs: Vec<AnalogTerminal>,
     /// Analog outputs (6411h).
-    pub analog_outputs: Vec<Analog>,
+    pub analog_outputs: Vec<AnalogTerminal>,
     /// Encoders of the machine that this device implements.
     pub encoders: Vec<Encoder>,
 }
 
 /// An analog terminal.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Analog {
+pub struct AnalogTerminal {
     /// Place in the machine, and channel from 0.
     pub terminal: Terminal,
     /// Voltage at 7FFFh, in V.
-    pub full_scale: f64,
+    pub volts_at_full_scale: f64,
 }
 
 /// An encoder.
@@ -207,25 +207,25 @@ pub struct DriveConfig {
     /// Capabilities of the drive according to the cell.
     pub offers: Capabilities,
     /// Counts per shaft revolution according to the cell, as a fraction; `None`: unknown.
-    pub per_revolution: Option<(u64, u64)>,
+    pub counts_per_shaft_revolution: Option<(u64, u64)>,
     /// Velocity unit of the drive.
     pub velocity: VelocityFactor,
     /// Behaviour while process data of the drive is missing.
-    pub missed: Missed,
+    pub missed: MissingDataBehaviour,
     /// Effort of the axis at the rated torque of the drive (6076h), in N or Nm; `None` if the cell does not give it.
     pub rated_effort: Option<f64>,
 }
 
 /// Behaviour while process data of a drive is missing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Missed {
+pub struct MissingDataBehaviour {
     /// Number of cycles without process data that are tolerated.
     pub cycles: u32,
     /// Whether the position is extrapolated with the last velocity meanwhile; otherwise it stays.
     pub extrapolates: bool,
 }
 
-impl Default for Missed {
+impl Default for MissingDataBehaviour {
     fn default() -> Self {
         Self { cycles: MISSED_CYCLES, extrapolates: false }
     }
@@ -262,7 +262,7 @@ impl Default for VelocityFactor {
 impl VelocityFactor {
     /// Returns the factor for 1/1000 rpm of a shaft with `counts` counts in `turns` revolutions (MACS-CAN-12); `None` if it does not fit 32
     /// bits.
-    pub fn mrpm(counts: u64, turns: u64) -> Option<Self> {
+    pub fn for_millirpm(counts: u64, turns: u64) -> Option<Self> {
         let (numerator, denominator) = (turns.checked_mul(60_000)?, counts);
         let divisor = gcd(numerator, denominator);
         let part = |of: u64| u32::try_from(of.checked_div(divisor)?).ok().filter(|part| *part != 0);
@@ -330,11 +330,11 @@ mod tests {
     /// Proves: MACS-O-57
     #[test]
     fn velocities_of_an_akd_are_thousandths_of_rpm() {
-        let factor = VelocityFactor::mrpm(4096, 1).unwrap();
+        let factor = VelocityFactor::for_millirpm(4096, 1).unwrap();
         assert_eq!(factor, VelocityFactor { numerator: 1875, denominator: 128 });
         assert_eq!([factor.to_drive(204_800.0), factor.to_drive(-102_400.0)], [3_000_000, -1_500_000]);
-        assert_eq!(VelocityFactor::mrpm(20_000, 3), Some(VelocityFactor { numerator: 9, denominator: 1 }));
-        assert_eq!([VelocityFactor::mrpm(0, 1), VelocityFactor::mrpm(1, u64::MAX)], [None, None]);
-        assert_eq!(VelocityFactor::mrpm((1 << 40) + 1, 1), None, "two numbers of 32 bits do not say it");
+        assert_eq!(VelocityFactor::for_millirpm(20_000, 3), Some(VelocityFactor { numerator: 9, denominator: 1 }));
+        assert_eq!([VelocityFactor::for_millirpm(0, 1), VelocityFactor::for_millirpm(1, u64::MAX)], [None, None]);
+        assert_eq!(VelocityFactor::for_millirpm((1 << 40) + 1, 1), None, "two numbers of 32 bits do not say it");
     }
 }

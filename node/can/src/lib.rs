@@ -20,9 +20,9 @@ pub mod transport;
 mod watch;
 
 pub use frame::{Frame, FrameError, Id};
-pub use nmt::{Life, NmtCommand, NmtState};
+pub use nmt::{SignOfLife, NmtCommand, NmtState};
 pub use node_id::NodeId;
-pub use watch::{Happened, Watch, Watching};
+pub use watch::{DeviceEvent, Monitor, Monitoring};
 
 /// Tests of the master check that cycles allocate no memory.
 #[cfg(test)]

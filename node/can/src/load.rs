@@ -10,9 +10,9 @@ use crate::config::BusConfig;
 use crate::drive::layout::{Pdo, Transmission};
 
 /// Bits of a frame without its data.
-const BARE: u64 = 47;
+const BITS_WITHOUT_DATA: u64 = 47;
 /// Bits without data that are subject to bit stuffing: from the start of the frame to its checksum.
-const STUFFED: u64 = 34;
+const STUFFED_BITS_WITHOUT_DATA: u64 = 34;
 /// Generator polynomial of the checksum, without its highest bit.
 const GENERATOR: u16 = 0x4599;
 
@@ -62,9 +62,9 @@ const fn steps() -> [[u8; 256]; 8] {
 }
 
 /// Returns the maximum number of bits of a data frame with this number of bytes: one bit in four is stuffed.
-pub fn most_bits(bytes: u8) -> u64 {
+pub fn max_bits(bytes: u8) -> u64 {
     let data = 8 * u64::from(bytes);
-    BARE + data + (STUFFED + data - 1) / 4
+    BITS_WITHOUT_DATA + data + (STUFFED_BITS_WITHOUT_DATA + data - 1) / 4
 }
 
 /// Returns the number of bits of a frame on the bus, including stuffed bits and interframe space.
@@ -87,7 +87,7 @@ pub fn bits(frame: &Frame) -> u64 {
         let step = STEPS.get(run).and_then(|steps| steps.get(usize::from(*byte))).copied().unwrap_or(0);
         (usize::from(step & 7), stuffed + u64::from(step >> 3))
     });
-    BARE + 8 * data.len() as u64 + stuffed
+    BITS_WITHOUT_DATA + 8 * data.len() as u64 + stuffed
 }
 
 /// Bus load of each cycle: SYNC and the PDOs that are sent with it.
@@ -112,7 +112,7 @@ impl Load {
         let lengths: Vec<u8> = [sync].into_iter().chain(asked).chain(told).collect();
         Some(Self {
             frames: lengths.len() as u64,
-            bits: lengths.iter().map(|bytes| most_bits(*bytes)).sum(),
+            bits: lengths.iter().map(|bytes| max_bits(*bytes)).sum(),
             rate: bus.bit_rate?,
             cycle_us: bus.cycle_ns as f64 / 1000.0,
         })
@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn a_frame_of_zeros_is_stuffed_six_times() {
         assert_eq!(bits(&Frame::data(Id::NMT, &[]).unwrap()), 47 + 6);
-        assert_eq!((most_bits(8), most_bits(0)), (135, 55));
+        assert_eq!((max_bits(8), max_bits(0)), (135, 55));
     }
 
     proptest! {
@@ -192,7 +192,7 @@ mod tests {
                 false => (Frame::data(of, &data).unwrap(), &data[..]),
             };
             prop_assert_eq!(bits(&frame), one_by_one(id, is_remote, length, data));
-            prop_assert!(bits(&frame) <= most_bits(length));
+            prop_assert!(bits(&frame) <= max_bits(length));
         }
     }
 }

@@ -27,7 +27,7 @@ pub type Identity = [u32; 4];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LssCommand {
     /// All devices change to waiting state; there is no answer.
-    Wait,
+    SwitchToWaiting,
     /// Node ID of the device from its next start, or from its change to waiting state.
     NodeId(NodeId),
     /// Bit rate, by its index; it applies from the next start.
@@ -93,7 +93,7 @@ impl LssCommand {
     /// Returns the frame of the command.
     pub fn frame(self) -> Frame {
         frame(match self {
-            Self::Wait => [4, 0, 0, 0, 0, 0, 0, 0],
+            Self::SwitchToWaiting => [4, 0, 0, 0, 0, 0, 0, 0],
             Self::NodeId(node) => [17, node.get(), 0, 0, 0, 0, 0, 0],
             Self::BitRate(index) => [19, 0, index, 0, 0, 0, 0, 0],
             Self::Store => [23, 0, 0, 0, 0, 0, 0, 0],
@@ -101,10 +101,10 @@ impl LssCommand {
     }
 
     /// Returns the result that a frame reports for this command; `None` if the frame is not an answer to it.
-    pub fn answered(self, frame: &Frame) -> Option<Result<(), LssError>> {
+    pub fn result_of(self, frame: &Frame) -> Option<Result<(), LssError>> {
         let [command, code, detail, ..] = answer(frame)?;
         let [own, ..] = <[u8; 8]>::try_from(self.frame().bytes()).ok()?;
-        if command != own || self == Self::Wait {
+        if command != own || self == Self::SwitchToWaiting {
             return None;
         }
         Some(match (self, code) {
@@ -158,7 +158,7 @@ impl FastScan {
     pub const QUESTIONS: usize = 1 + 4 * 33;
 
     /// Returns the next question.
-    pub fn question(&self) -> Frame {
+    pub fn next_question(&self) -> Frame {
         let (part, checked, next) = match self.step {
             Step::Begin => (0, ALL, 0),
             Step::Bit { part, bit } => (part, bit, part),

@@ -51,14 +51,14 @@ impl NmtCommand {
 
 /// Sign of life of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Life {
+pub struct SignOfLife {
     /// State that the device reports.
     pub state: NmtState,
     /// Bit 7: alternates in answers to node guarding, is 0 in heartbeats.
     pub toggle: bool,
 }
 
-impl Life {
+impl SignOfLife {
     /// Reads a frame on 700h + node; `None` if it is not a sign of life.
     pub fn of(frame: &Frame) -> Option<Self> {
         let &[byte] = frame.bytes() else { return None };
@@ -97,14 +97,14 @@ mod tests {
     #[test]
     fn signs_of_life_are_one_byte() {
         let id = NodeId::new(3).unwrap().heartbeat();
-        let life = |bytes: &[u8]| Life::of(&Frame::data(id, bytes).unwrap());
-        let of = |state, toggle| Some(Life { state, toggle });
+        let life = |bytes: &[u8]| SignOfLife::of(&Frame::data(id, bytes).unwrap());
+        let of = |state, toggle| Some(SignOfLife { state, toggle });
         assert_eq!(life(&[0x00]), of(NmtState::BootUp, false));
         assert_eq!(life(&[0x05]), of(NmtState::Operational, false));
         assert_eq!(life(&[0x85]), of(NmtState::Operational, true));
         assert_eq!(life(&[0xFF]), of(NmtState::PreOperational, true));
         assert_eq!(life(&[0x04]), of(NmtState::Stopped, false));
         assert_eq!((life(&[0x06]), life(&[]), life(&[5, 0])), (None, None, None));
-        assert_eq!(Life::of(&Frame::remote(id, 1).unwrap()), None, "our own question");
+        assert_eq!(SignOfLife::of(&Frame::remote(id, 1).unwrap()), None, "our own question");
     }
 }

@@ -21,7 +21,7 @@ const HOMING: i8 = 6;
 
 /// Requirements of the cell in addition to the device configuration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Needs {
+pub struct Requirements {
     /// Bit rate of the bus, in bit/s; `None` if the cell does not give it.
     pub bit_rate: Option<u32>,
     /// Whether homing is done in the drive (`homing.in_drive` of the axis).
@@ -38,8 +38,8 @@ pub struct Findings {
 }
 
 /// Compares a device with its file.
-pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findings {
-    let mut sheet = Sheet { device, known, lacking: BTreeSet::new(), found: Findings::default() };
+pub fn compare(device: &DeviceConfig, needs: Requirements, known: &Dictionary) -> Findings {
+    let mut sheet = Comparison { device, known, reported_indices: BTreeSet::new(), found: Findings::default() };
     sheet.profile();
     sheet.modes(needs.homes);
     sheet.mapped();
@@ -51,15 +51,15 @@ pub fn compare(device: &DeviceConfig, needs: Needs, known: &Dictionary) -> Findi
 }
 
 /// Comparison in progress.
-struct Sheet<'a> {
+struct Comparison<'a> {
     device: &'a DeviceConfig,
     known: &'a Dictionary,
     /// Indices with missing content that was already reported.
-    lacking: BTreeSet<u16>,
+    reported_indices: BTreeSet<u16>,
     found: Findings,
 }
 
-impl Sheet<'_> {
+impl Comparison<'_> {
     fn error(&mut self, sentence: &str) {
         self.found.errors.push(format!("{}: {sentence}", self.device));
     }

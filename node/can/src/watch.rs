@@ -9,11 +9,11 @@
 //! Writes   the remote frames for node guarding
 //! Source   CiA 301, MACS-CAN-06
 
-use crate::{Frame, Life, NmtState, NodeId};
+use crate::{Frame, SignOfLife, NmtState, NodeId};
 
 /// Kind of monitoring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Watching {
+pub enum Monitoring {
     /// Only the boot-up message is evaluated.
     None,
     /// The device sends heartbeats, at least one in this time.
@@ -32,7 +32,7 @@ pub enum Watching {
 
 /// Event of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Happened {
+pub enum DeviceEvent {
     /// The device has booted and lost its configuration.
     BootedUp,
     /// The device reports another state.
@@ -47,9 +47,9 @@ pub enum Happened {
 
 /// Monitoring of one device.
 #[derive(Clone, Copy, Debug)]
-pub struct Watch {
+pub struct Monitor {
     node: NodeId,
-    how: Watching,
+    how: Monitoring,
     state: Option<NmtState>,
     is_lost: bool,
     /// Time of the last sign of life; for node guarding, the first request counts as well.
@@ -64,9 +64,9 @@ pub struct Watch {
     is_told: bool,
 }
 
-impl Watch {
+impl Monitor {
     /// Creates the monitoring of a device that has not sent anything.
-    pub fn new(node: NodeId, how: Watching) -> Self {
+    pub fn new(node: NodeId, how: Monitoring) -> Self {
         Self {
             node,
             how,
@@ -96,14 +96,14 @@ impl Watch {
     }
 
     /// Handles a frame on 700h + node.
-    pub fn hear(&mut self, frame: &Frame, now_ns: u64) -> Option<Happened> {
-        let life = Life::of(frame).filter(|_| frame.id() == self.node.heartbeat())?;
+    pub fn handle_frame(&mut self, frame: &Frame, now_ns: u64) -> Option<DeviceEvent> {
+        let life = SignOfLife::of(frame).filter(|_| frame.id() == self.node.heartbeat())?;
         // A boot-up message has no toggle bit.
         if life.state == NmtState::BootUp && !life.toggle {
             *self = Self { state: Some(NmtState::BootUp), heard_ns: Some(now_ns), ..Self::new(self.node, self.how) };
-            return Some(Happened::BootedUp);
+            return Some(DeviceEvent::BootedUp);
         }
-        if matches!(self.how, Watching::Guarding { .. }) {
+        if matches!(self.how, Monitoring::Guarding { .. }) {
             // An answer with the wrong toggle bit is ignored. After a loss, the toggle sequence starts again.
             if life.toggle != self.toggle && !self.is_lost {
                 return None;
@@ -113,28 +113,28 @@ impl Watch {
         let (before, was_lost) = (self.state.replace(life.state), std::mem::replace(&mut self.is_lost, false));
         self.heard_ns = Some(now_ns);
         match () {
-            () if was_lost => Some(Happened::Back(life.state)),
-            () if before != Some(life.state) => Some(Happened::State(life.state)),
+            () if was_lost => Some(DeviceEvent::Back(life.state)),
+            () if before != Some(life.state) => Some(DeviceEvent::State(life.state)),
             () => None,
         }
     }
 
     /// Handles timeouts. Returns an event, and the guarding request that is due.
-    pub fn tick(&mut self, now_ns: u64) -> (Option<Happened>, Option<Frame>) {
+    pub fn tick(&mut self, now_ns: u64) -> (Option<DeviceEvent>, Option<Frame>) {
         let since = |then: Option<u64>| then.map(|then| now_ns.saturating_sub(then));
         match self.how {
-            Watching::None => (None, None),
-            Watching::Heartbeat { time_ns } => {
+            Monitoring::None => (None, None),
+            Monitoring::Heartbeat { time_ns } => {
                 let is_late = since(self.heard_ns).is_some_and(|silent| silent > time_ns);
                 let is_missing = self.heard_ns.is_none() && since(self.began_ns).is_some_and(|silent| silent > time_ns);
                 let is_new = is_missing && !self.is_told;
                 self.is_told |= is_missing;
-                (self.lose_if(is_late).or(is_new.then_some(Happened::NeverHeard)), None)
+                (self.mark_lost_if(is_late).or(is_new.then_some(DeviceEvent::NeverHeard)), None)
             }
-            Watching::Guarding { guard_ns, life_factor } => {
+            Monitoring::Guarding { guard_ns, life_factor } => {
                 let life_ns = guard_ns.saturating_mul(life_factor.into());
                 let is_late = self.asked_ns.is_some() && since(self.heard_ns).is_some_and(|silent| silent > life_ns);
-                let lost = self.lose_if(is_late);
+                let lost = self.mark_lost_if(is_late);
                 if since(self.asked_ns).is_some_and(|waited| waited < guard_ns) {
                     return (lost, None);
                 }
@@ -147,10 +147,10 @@ impl Watch {
         }
     }
 
-    fn lose_if(&mut self, is_late: bool) -> Option<Happened> {
+    fn mark_lost_if(&mut self, is_late: bool) -> Option<DeviceEvent> {
         let is_new = is_late && !self.is_lost;
         self.is_lost |= is_late;
-        is_new.then_some(Happened::Lost)
+        is_new.then_some(DeviceEvent::Lost)
     }
 }
 
@@ -170,15 +170,15 @@ mod tests {
 
     #[test]
     fn a_heartbeat_that_stays_away_is_a_loss_and_the_next_one_ends_it() {
-        let mut watch = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
+        let mut watch = Monitor::new(node(), Monitoring::Heartbeat { time_ns: 100 * MS });
         assert_eq!(watch.tick(10_000 * MS), (None, None), "not before the first one");
-        assert_eq!(watch.hear(&life(0x7F), 0), Some(Happened::State(NmtState::PreOperational)));
-        assert_eq!(watch.hear(&life(0x05), 50 * MS), Some(Happened::State(NmtState::Operational)));
-        assert_eq!(watch.hear(&life(0x05), 100 * MS), None);
+        assert_eq!(watch.handle_frame(&life(0x7F), 0), Some(DeviceEvent::State(NmtState::PreOperational)));
+        assert_eq!(watch.handle_frame(&life(0x05), 50 * MS), Some(DeviceEvent::State(NmtState::Operational)));
+        assert_eq!(watch.handle_frame(&life(0x05), 100 * MS), None);
         assert_eq!(watch.tick(200 * MS).0, None, "100 ms are allowed");
-        assert_eq!(watch.tick(200 * MS + 1).0, Some(Happened::Lost));
+        assert_eq!(watch.tick(200 * MS + 1).0, Some(DeviceEvent::Lost));
         assert_eq!((watch.tick(300 * MS).0, watch.state()), (None, None), "told once");
-        assert_eq!(watch.hear(&life(0x05), 301 * MS), Some(Happened::Back(NmtState::Operational)));
+        assert_eq!(watch.handle_frame(&life(0x05), 301 * MS), Some(DeviceEvent::Back(NmtState::Operational)));
         assert_eq!(watch.state(), Some(NmtState::Operational));
     }
 
@@ -186,67 +186,67 @@ mod tests {
     /// life.
     #[test]
     fn heartbeats_that_never_come_are_told_once() {
-        let mut watch = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
+        let mut watch = Monitor::new(node(), Monitoring::Heartbeat { time_ns: 100 * MS });
         assert_eq!(watch.tick(10_000 * MS).0, None, "it was not started");
         watch.begin(10_000 * MS);
         assert_eq!(watch.tick(10_100 * MS).0, None, "100 ms are allowed");
-        assert_eq!(watch.tick(10_100 * MS + 1).0, Some(Happened::NeverHeard));
+        assert_eq!(watch.tick(10_100 * MS + 1).0, Some(DeviceEvent::NeverHeard));
         assert_eq!((watch.tick(20_000 * MS).0, watch.is_lost()), (None, false), "reported once; it takes part");
         watch.begin(20_000 * MS);
         assert_eq!(watch.tick(30_000 * MS).0, None, "reported once, however often it is started");
-        assert_eq!(watch.hear(&life(0x05), 30_001 * MS), Some(Happened::State(NmtState::Operational)));
-        assert_eq!(watch.tick(30_102 * MS).0, Some(Happened::Lost));
+        assert_eq!(watch.handle_frame(&life(0x05), 30_001 * MS), Some(DeviceEvent::State(NmtState::Operational)));
+        assert_eq!(watch.tick(30_102 * MS).0, Some(DeviceEvent::Lost));
         // A device that sends heartbeats, or has another kind of monitoring, is not reported.
-        let mut heard = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
+        let mut heard = Monitor::new(node(), Monitoring::Heartbeat { time_ns: 100 * MS });
         heard.begin(0);
-        heard.hear(&life(0x05), 50 * MS);
+        heard.handle_frame(&life(0x05), 50 * MS);
         assert_eq!(heard.tick(150 * MS).0, None);
-        let mut unwatched = Watch::new(node(), Watching::None);
+        let mut unwatched = Monitor::new(node(), Monitoring::None);
         unwatched.begin(0);
         assert_eq!(unwatched.tick(10_000 * MS).0, None);
     }
 
     #[test]
     fn a_boot_up_is_always_told() {
-        let mut watch = Watch::new(node(), Watching::Heartbeat { time_ns: 100 * MS });
-        watch.hear(&life(0x05), 0);
-        assert_eq!(watch.hear(&life(0x00), 10 * MS), Some(Happened::BootedUp));
-        assert_eq!(watch.hear(&life(0x00), 20 * MS), Some(Happened::BootedUp), "it has booted twice");
-        assert_eq!(watch.hear(&life(0x7F), 30 * MS), Some(Happened::State(NmtState::PreOperational)));
+        let mut watch = Monitor::new(node(), Monitoring::Heartbeat { time_ns: 100 * MS });
+        watch.handle_frame(&life(0x05), 0);
+        assert_eq!(watch.handle_frame(&life(0x00), 10 * MS), Some(DeviceEvent::BootedUp));
+        assert_eq!(watch.handle_frame(&life(0x00), 20 * MS), Some(DeviceEvent::BootedUp), "it has booted twice");
+        assert_eq!(watch.handle_frame(&life(0x7F), 30 * MS), Some(DeviceEvent::State(NmtState::PreOperational)));
         let other = Frame::data(NodeId::new(8).unwrap().heartbeat(), &[0]).unwrap();
-        assert_eq!(watch.hear(&other, 40 * MS), None);
+        assert_eq!(watch.handle_frame(&other, 40 * MS), None);
     }
 
     /// 100Ch = 100 ms, 100Dh = 3: lost after 300 ms without a valid answer.
     #[test]
     fn guarding_asks_in_its_time_and_wants_a_toggle() {
-        let mut watch = Watch::new(node(), Watching::Guarding { guard_ns: 100 * MS, life_factor: 3 });
+        let mut watch = Monitor::new(node(), Monitoring::Guarding { guard_ns: 100 * MS, life_factor: 3 });
         let question = Frame::remote(node().heartbeat(), 1).ok();
         assert_eq!(watch.tick(0), (None, question));
         assert_eq!(watch.tick(99 * MS), (None, None));
-        assert_eq!(watch.hear(&life(0x05), MS), Some(Happened::State(NmtState::Operational)));
+        assert_eq!(watch.handle_frame(&life(0x05), MS), Some(DeviceEvent::State(NmtState::Operational)));
         assert_eq!(watch.tick(100 * MS), (None, question));
-        assert_eq!(watch.hear(&life(0x85), 101 * MS), None);
+        assert_eq!(watch.handle_frame(&life(0x85), 101 * MS), None);
         for ms in [200, 300, 400] {
             assert_eq!(watch.tick(ms * MS), (None, question));
-            assert_eq!(watch.hear(&life(0x85), (ms + 1) * MS), None, "the toggle does not alternate");
+            assert_eq!(watch.handle_frame(&life(0x85), (ms + 1) * MS), None, "the toggle does not alternate");
         }
-        assert_eq!(watch.tick(401 * MS + 1).0, Some(Happened::Lost));
-        assert_eq!(watch.hear(&life(0x85), 402 * MS), Some(Happened::Back(NmtState::Operational)));
-        assert_eq!(watch.hear(&life(0x05), 502 * MS), None);
+        assert_eq!(watch.tick(401 * MS + 1).0, Some(DeviceEvent::Lost));
+        assert_eq!(watch.handle_frame(&life(0x85), 402 * MS), Some(DeviceEvent::Back(NmtState::Operational)));
+        assert_eq!(watch.handle_frame(&life(0x05), 502 * MS), None);
         assert_eq!(watch.state(), Some(NmtState::Operational));
     }
 
     /// The life time starts with the first request: a device that never answers is lost.
     #[test]
     fn a_device_that_never_answers_is_lost() {
-        let mut watch = Watch::new(node(), Watching::Guarding { guard_ns: 100 * MS, life_factor: 2 });
+        let mut watch = Monitor::new(node(), Monitoring::Guarding { guard_ns: 100 * MS, life_factor: 2 });
         assert!(watch.tick(5 * MS).1.is_some());
         assert_eq!(watch.tick(205 * MS).0, None);
-        assert_eq!(watch.tick(206 * MS).0, Some(Happened::Lost));
+        assert_eq!(watch.tick(206 * MS).0, Some(DeviceEvent::Lost));
         // After a boot-up the toggle bit starts at 0.
-        assert_eq!(watch.hear(&life(0x00), 300 * MS), Some(Happened::BootedUp));
+        assert_eq!(watch.handle_frame(&life(0x00), 300 * MS), Some(DeviceEvent::BootedUp));
         assert!(watch.tick(301 * MS).1.is_some());
-        assert_eq!(watch.hear(&life(0x7F), 302 * MS), Some(Happened::State(NmtState::PreOperational)));
+        assert_eq!(watch.handle_frame(&life(0x7F), 302 * MS), Some(DeviceEvent::State(NmtState::PreOperational)));
     }
 }

@@ -16,7 +16,7 @@ const KINDS: usize = 1024;
 /// Law      at most 9 messages of a kind in any 60 s; the next message that passes gives the number of skipped ones
 /// Bounds   1024 kinds in a minute; further ones are skipped
 #[derive(Debug)]
-pub struct LineLimit<K>(Mutex<HashMap<K, Kind>>);
+pub struct MessageRateLimit<K>(Mutex<HashMap<K, Kind>>);
 
 #[derive(Debug, Default)]
 struct Kind {
@@ -25,23 +25,23 @@ struct Kind {
     left_out: u64,
 }
 
-impl<K> Default for LineLimit<K> {
+impl<K> Default for MessageRateLimit<K> {
     fn default() -> Self {
         Self(Mutex::default())
     }
 }
 
-impl<K: Eq + Hash> LineLimit<K> {
+impl<K: Eq + Hash> MessageRateLimit<K> {
     /// Logs a message of a kind if the limit allows it, with the number of messages that were skipped before it.
-    pub fn say(&self, kind: K, line: impl FnOnce(&str)) {
-        if let Some(left_out) = self.pass(kind, Instant::now()) {
+    pub fn log(&self, kind: K, line: impl FnOnce(&str)) {
+        if let Some(left_out) = self.skipped_if_allowed(kind, Instant::now()) {
             let more = if left_out > 0 { format!(" ({left_out} more since the last line)") } else { String::new() };
             line(&more);
         }
     }
 
     /// Returns the number of skipped messages if a message may pass.
-    fn pass(&self, kind: K, now: Instant) -> Option<u64> {
+    fn skipped_if_allowed(&self, kind: K, now: Instant) -> Option<u64> {
         let mut kinds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_over = |said: Option<&Instant>| said.is_none_or(|said| now.duration_since(*said) >= SPAN);
         if kinds.len() >= KINDS && !kinds.contains_key(&kind) {
@@ -69,20 +69,20 @@ mod tests {
 
     #[test]
     fn nine_lines_of_a_kind_pass_in_a_minute_and_the_others_are_counted() {
-        let (limit, start) = (LineLimit::default(), Instant::now());
-        let passed = |at| (0..1000).filter(|_| limit.pass("enable", at).is_some()).count();
+        let (limit, start) = (MessageRateLimit::default(), Instant::now());
+        let passed = |at| (0..1000).filter(|_| limit.skipped_if_allowed("enable", at).is_some()).count();
         assert_eq!(passed(start), 9);
-        assert_eq!(limit.pass("halt", start), Some(0), "each kind for itself");
+        assert_eq!(limit.skipped_if_allowed("halt", start), Some(0), "each kind for itself");
         assert_eq!(passed(start + SPAN / 2), 0);
-        assert_eq!(limit.pass("enable", start + SPAN), Some(1991));
-        assert_eq!(limit.pass("enable", start + SPAN), Some(0));
+        assert_eq!(limit.skipped_if_allowed("enable", start + SPAN), Some(1991));
+        assert_eq!(limit.skipped_if_allowed("enable", start + SPAN), Some(0));
     }
 
     #[test]
     fn no_minute_has_more_wherever_it_begins() {
-        let (limit, start) = (LineLimit::default(), Instant::now());
+        let (limit, start) = (MessageRateLimit::default(), Instant::now());
         let said: Vec<u64> =
-            (0..300).filter(|s| *s != 1 && limit.pass("enable", start + Duration::from_secs(*s)).is_some()).collect();
+            (0..300).filter(|s| *s != 1 && limit.skipped_if_allowed("enable", start + Duration::from_secs(*s)).is_some()).collect();
         assert_eq!(said[..10], [0, 2, 3, 4, 5, 6, 7, 8, 9, 60], "one a second, but for the second one");
         for from in 0..240 {
             assert!(said.iter().filter(|s| (from..from + 60).contains(*s)).count() <= MOST, "{from}: {said:?}");
@@ -91,8 +91,8 @@ mod tests {
 
     #[test]
     fn many_kinds_neither_flood_nor_grow() {
-        let (limit, start) = (LineLimit::default(), Instant::now());
-        let passed = |at| (0..5000).filter(|kind| limit.pass(*kind, at).is_some()).count();
+        let (limit, start) = (MessageRateLimit::default(), Instant::now());
+        let passed = |at| (0..5000).filter(|kind| limit.skipped_if_allowed(*kind, at).is_some()).count();
         assert_eq!(passed(start), KINDS);
         assert_eq!(limit.0.lock().unwrap().len(), KINDS);
         assert_eq!(passed(start + SPAN), KINDS, "after a minute there is room again");

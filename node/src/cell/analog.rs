@@ -78,7 +78,7 @@ pub(super) fn read<'d>(
     let beside = |value: &Option<Value<'d>>, entry: Option<u16>| {
         let Some((value, entry)) = value.as_ref().zip(entry) else { return Some(()) };
         let found = outputs.io.terminals.get(usize::from(entry)).copied().flatten()?;
-        is_beside(at, found, kind).then_some(()).or_else(|| {
+        is_lost_with(at, found, kind).then_some(()).or_else(|| {
             let one = if kind == Backend::Can { "node" } else { "backend" };
             let (label, name) = (value.label(), quote(value.peek().unwrap_or_default()));
             let sentence = format!(
@@ -95,7 +95,7 @@ pub(super) fn read<'d>(
 }
 
 /// Whether it is lost together with `other`, because both are at the same node or backend.
-fn is_beside(at: Hardware, other: Hardware, kind: Backend) -> bool {
+fn is_lost_with(at: Hardware, other: Hardware, kind: Backend) -> bool {
     let node = |at: Hardware| (kind == Backend::Can).then(|| node_and_channel(at.number).0);
     at.backend == other.backend && node(at) == node(other)
 }

@@ -14,7 +14,7 @@ use super::joints;
 use super::loops::Chains;
 use super::machine;
 use super::models::model;
-use super::names::{Entry, Once, Section, limit, quote};
+use super::names::{Entry, UsedOnce, Section, limit, quote};
 use super::parameters;
 use super::scale::Travel;
 use super::terminals::{self, CellTerminal};
@@ -74,7 +74,7 @@ impl Driven {
 }
 
 /// Objects that may be used only once in all axes.
-struct Onces<'d> {
+struct UsedOnce<'d> {
     taken: drives::Taken,
     outputs: wiring::Taken,
     switches: fixtures::Taken,
@@ -103,10 +103,10 @@ pub(super) fn read<'d>(
 ) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
-    let mut once = Onces {
-        taken: Once::new(),
+    let mut once = UsedOnce {
+        taken: UsedOnce::new(),
         outputs,
-        switches: Once::new(),
+        switches: UsedOnce::new(),
         masters: amc::Masters::new(),
         functions,
         joints: joints::Taken::new(),
@@ -123,9 +123,9 @@ fn axis<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
     of: Entries<'_, 'd>,
-    once: &mut Onces<'d>,
+    once: &mut UsedOnce<'d>,
 ) -> Option<Axis> {
-    let Onces { taken, outputs, switches, masters, functions, joints } = once;
+    let UsedOnce { taken, outputs, switches, masters, functions, joints } = once;
     let Entries { io: entries, encoders: coded, tables, .. } = of;
     let io = &*entries.entries;
     let name = entry.name();
@@ -157,7 +157,7 @@ fn axis<'d>(
     machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
     machine::note_functions(functions, &parameters.output_functions(), &given);
     let open_loop = sections.of("wf").map_or(Some(SpeedOutputs::default()), |section| {
-        wiring::read(section, why_closed(drive, name).as_deref(), cx, io, outputs)
+        wiring::read(section, no_output_reason(drive, name).as_deref(), cx, io, outputs)
     });
     sections.finish();
     map.finish();
@@ -274,7 +274,7 @@ fn axis<'d>(
         ..config
     };
     compensation::check(&config, &pitch_error?, tables);
-    check_beside(&config, first.as_ref(), of, feedback.as_ref(), cx);
+    check_encoder_backend(&config, first.as_ref(), of, feedback.as_ref(), cx);
     check_source(&config, feedback.as_ref().unwrap_or(&entry.key), &given, cx);
     check_master(&config, place, &given, cx);
     check_loop(&config, place, &entry.key, &given, cx);
@@ -292,7 +292,7 @@ fn check_carried(axis: &AxisConfig, given: &parameters::Given<'_>) {
 }
 
 /// Refuses a real encoder for an axis with a simulated analog drive, and a simulated encoder for a real one.
-fn check_beside(
+fn check_encoder_backend(
     axis: &AxisConfig,
     drive: Option<&Driven>,
     of: Entries<'_, '_>,
@@ -339,7 +339,7 @@ fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &paramet
     let sources = (axis.wired, encoders);
     let reaches = may_be_analog(axis.analog.as_ref(), axis.interface, sources, &axis.parameters);
     let Err((key, code)) = closes.and(reaches).and(finds) else { return };
-    let why = why_not(axis, key, code);
+    let why = control_loop_error(axis, key, code);
     match given.iter().find(|(given, _)| *given == key) {
         Some((_, value)) => value.refuse(format!("{key} {} {why}", value.peek().unwrap_or_default()), None),
         None => name.refuse(format!("{key} of axis {} {why}", quote(&axis.name)), None),
@@ -347,7 +347,7 @@ fn check_loop(axis: &AxisConfig, place: usize, name: &Value<'_>, given: &paramet
 }
 
 /// Returns the message, without the name, for a value with which the control loops of an axis cannot run.
-fn why_not(axis: &AxisConfig, key: &str, code: Code) -> String {
+fn control_loop_error(axis: &AxisConfig, key: &str, code: Code) -> String {
     let Some(analog) = axis.analog.filter(|_| code == Code::ANALOG_FULL) else {
         return not_built_here(code).to_owned();
     };
@@ -386,7 +386,7 @@ fn check_master(axis: &AxisConfig, place: usize, given: &parameters::Given<'_>, 
 const TERMINALS: usize = 3;
 
 /// Returns the reason why an axis switches no outputs, if known.
-fn why_closed(drive: Option<Drive>, axis: &str) -> Option<String> {
+fn no_output_reason(drive: Option<Drive>, axis: &str) -> Option<String> {
     match drive? {
         Drive::Virtual => Some(format!("axis {} is virtual", quote(axis))),
         Drive::Real { interface: Interface::OpenLoop, .. } => None,

@@ -1,7 +1,7 @@
 //! Reads section `backends`, and the keys with which other sections refer to it.
 
 use super::can::{self, CellBus, CellDrive};
-use super::names::{Entry, Names, Once, Section};
+use super::names::{Entry, Names, UsedOnce, Section};
 use crate::document::Map;
 use lineshaft_can::NodeId;
 use lineshaft_can::transport::Address;
@@ -175,7 +175,7 @@ pub(super) fn address<'d>(
     map: &mut Map<'d>,
     cx: &Context<'d>,
     kind: Option<&'static str>,
-    taken: &mut Once<(usize, &'static str, u16)>,
+    taken: &mut UsedOnce<(usize, &'static str, u16)>,
 ) -> Option<Hardware> {
     let backend = backend_of(map, &cx.names);
     let described = backend.and_then(|backend| cx.backends.get(backend).copied().flatten());

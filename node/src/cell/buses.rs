@@ -15,13 +15,13 @@ use super::terminals::{self, CellTerminal};
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
 use lineshaft_can::acts::{self, LeftOut};
-use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, Missed, Role, Terminals, Write};
+use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, MissingDataBehaviour, Role, Terminals, Write};
 use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::Extras;
-use lineshaft_can::eds::{self, Dictionary, PassedKey, Problem};
+use lineshaft_can::eds::{self, Dictionary, IgnoredKeyKind, Problem};
 use lineshaft_can::load::Load;
 use lineshaft_can::sdo::Object;
-use lineshaft_can::sheet::{self, Findings, Needs};
+use lineshaft_can::sheet::{self, Findings, Requirements};
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, Interface};
 use lineshaft_ros::layer::open_file;
@@ -92,7 +92,7 @@ impl Parts<'_> {
             }
             devices.extend(terminals.into_iter().filter_map(|(number, terminals)| {
                 let said = bus.nodes.iter().find(|node| node.node == number).cloned();
-                maker.module(&said.unwrap_or_else(|| CellNode::unsaid(number, bus.place)), terminals)
+                maker.module(&said.unwrap_or_else(|| CellNode::with_defaults(number, bus.place)), terminals)
             }));
             let config = BusConfig {
                 name: backend.name.clone(),
@@ -216,12 +216,12 @@ impl Maker<'_> {
             mode,
             drive_type,
             offers,
-            per_revolution: drive.per_revolution,
+            counts_per_shaft_revolution: drive.per_revolution,
             velocity: drive.velocity,
-            missed: Missed { cycles: axis.missed_cycles, extrapolates: drive.extrapolates },
+            missed: MissingDataBehaviour { cycles: axis.missed_cycles, extrapolates: drive.extrapolates },
             rated_effort: drive.rated_effort,
         });
-        let needs = Needs { bit_rate: self.bit_rate, homes: axis.parameters.homing.in_drive };
+        let needs = Requirements { bit_rate: self.bit_rate, homes: axis.parameters.homing.in_drive };
         let device = self.device(&drive.device, role, needs, plan)?;
         Some(DeviceConfig { terminals, ..device })
     }
@@ -234,7 +234,7 @@ impl Maker<'_> {
             Role::Encoder => Layout::encoder(number),
             _ => Layout::module(number, &terminals),
         };
-        let needs = Needs { bit_rate: self.bit_rate, homes: false };
+        let needs = Requirements { bit_rate: self.bit_rate, homes: false };
         let device = self.device(node, role, needs, |_| layout.map_err(|error| format!("{number}: {error}")))?;
         Some(DeviceConfig { terminals, ..device })
     }
@@ -243,7 +243,7 @@ impl Maker<'_> {
         &self,
         node: &CellNode,
         role: Role,
-        needs: Needs,
+        needs: Requirements,
         plan: impl FnOnce(Option<&Dictionary>) -> Result<Layout, String>,
     ) -> Option<DeviceConfig> {
         let identity = node.identity;
@@ -291,7 +291,7 @@ impl Maker<'_> {
     }
 
     /// Compares a device with its file.
-    fn compare(&self, node: &CellNode, device: &DeviceConfig, needs: Needs, dictionary: &Dictionary) {
+    fn compare(&self, node: &CellNode, device: &DeviceConfig, needs: Requirements, dictionary: &Dictionary) {
         let Some((name, at)) = &node.eds else { return };
         let file = quote(&self.folder.join(name).display().to_string());
         let of_file = |sentence: String| format!("eds {file}: {sentence}");
@@ -335,7 +335,7 @@ pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary, star
         Some(passed_over.key)
     };
     let single = problems.iter().filter(|problem| counted_as(problem).is_none()).map(Problem::to_string);
-    let counted = [(PassedKey::Value, "values"), (PassedKey::Limit, "limits")].into_iter().filter_map(|(key, word)| {
+    let counted = [(IgnoredKeyKind::Value, "values"), (IgnoredKeyKind::Limit, "limits")].into_iter().filter_map(|(key, word)| {
         let of_key: Vec<_> = problems.iter().filter(|problem| counted_as(problem) == Some(key)).collect();
         let first = of_key.first()?.to_string();
         if of_key.len() == 1 {
@@ -352,8 +352,8 @@ pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary, star
 /// are left out.
 fn configured(dictionary: &Dictionary, role: &Role) -> Result<(Vec<Write>, LeftOut), String> {
     let (mut writes, mut left_out) = (Vec::new(), LeftOut::default());
-    let first = acts::profile(role.profile().0);
-    for (object, data) in dictionary.written().map_err(|error| error.to_string())? {
+    let first = acts::profile_number(role.profile().0);
+    for (object, data) in dictionary.configured_values().map_err(|error| error.to_string())? {
         if let Some(reason) = acts::reason(object, acts::profile_of(dictionary, object.index, first)) {
             left_out.0.push((object, reason));
         } else if owner(object.index).is_none() {

@@ -1,6 +1,6 @@
 //! Reads the keys of CAN backends and their devices. `buses.rs` reads the files of devices when it creates the bus.
 
-use super::names::{Once, quote};
+use super::names::{UsedOnce, quote};
 use super::scale::Travel;
 use super::times::time_within;
 use crate::document::{Allowed, Map, Place, Value};
@@ -10,7 +10,7 @@ use lineshaft_can::drive::probe::{Probe, Probes};
 use lineshaft_can::drive::{DriveMode, DriveType};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::{Address, BAUD_RATES, slcan};
-use lineshaft_can::{NodeId, Watching};
+use lineshaft_can::{NodeId, Monitoring};
 use lineshaft_core::drive::Capabilities;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::unit::{Dimension, ScaleKind};
@@ -78,15 +78,15 @@ pub(super) struct CellNode {
     pub(super) node: NodeId,
     /// File name relative to the cell, and location of the key.
     pub(super) eds: Option<(String, Place)>,
-    pub(super) watching: Watching,
+    pub(super) watching: Monitoring,
     pub(super) identity: Identity,
     pub(super) startup: Vec<Write>,
 }
 
 impl CellNode {
     /// Returns the default description of a device without keys in the cell.
-    pub(super) fn unsaid(node: NodeId, place: Place) -> Self {
-        let watching = Watching::Heartbeat { time_ns: HEARTBEAT_NS * HEARTBEATS_MISSED };
+    pub(super) fn with_defaults(node: NodeId, place: Place) -> Self {
+        let watching = Monitoring::Heartbeat { time_ns: HEARTBEAT_NS * HEARTBEATS_MISSED };
         Self { place, node, eds: None, watching, identity: Identity::default(), startup: Vec::new() }
     }
 }
@@ -177,7 +177,7 @@ pub(super) fn bus(map: &mut Map<'_>) -> Option<CellBus> {
 
 /// Reads the descriptions of modules and encoders; each may occur once.
 fn nodes(value: &Value<'_>) -> Option<Vec<CellNode>> {
-    let mut taken = Once::new();
+    let mut taken = UsedOnce::new();
     let read = |value: &Value<'_>| {
         let mut map = value.map("an entry of nodes")?;
         let number = map.required("node");
@@ -325,7 +325,7 @@ fn rated_effort(value: &Value<'_>, travel: &Travel, interface: Option<Interface>
 
 /// Reads the mode of operation.
 fn mode(map: &mut Map<'_>, interface: Option<Interface>) -> Option<DriveMode> {
-    let Some(value) = map.optional("mode") else { return DriveMode::usual(interface?) };
+    let Some(value) = map.optional("mode") else { return DriveMode::default_of(interface?) };
     let mode = value.choice(&DriveMode::NAMES)?;
     let interface = interface?;
     if mode.interface() != interface {
@@ -345,7 +345,7 @@ fn drive_type(value: &Value<'_>, interface: Option<Interface>) -> Option<DriveTy
         value.refuse(format!("drivetype is {number}; -2, -3, -4, -11, -13, 2, 3, 4, 11, 13 are allowed"), None);
         return None;
     };
-    if let Some(why) = known.refusal() {
+    if let Some(why) = known.unsupported_reason() {
         value.refuse(format!("drivetype {number} does not exist here: {why}"), None);
         return None;
     }
@@ -358,7 +358,7 @@ fn drive_type(value: &Value<'_>, interface: Option<Interface>) -> Option<DriveTy
 
 /// Returns the supervision of a drive with a drive type: its sign enables guarding; the times are those of key
 /// `guarding`.
-fn watching_of(of: DriveType, said: Watching, [heartbeat, guarding]: [bool; 2], at: &Value<'_>) -> Option<Watching> {
+fn watching_of(of: DriveType, said: Monitoring, [heartbeat, guarding]: [bool; 2], at: &Value<'_>) -> Option<Monitoring> {
     let number = at.peek().unwrap_or_default();
     if heartbeat {
         at.refuse(format!("drivetype {number}: its sign says how it is watched; heartbeat is not for it"), None);
@@ -366,8 +366,8 @@ fn watching_of(of: DriveType, said: Watching, [heartbeat, guarding]: [bool; 2], 
     }
     match (of.guarded, guarding) {
         (true, true) => Some(said),
-        (true, false) => Some(Watching::Guarding { guard_ns: GUARD_NS, life_factor: LIFE_FACTOR }),
-        (false, false) => Some(Watching::None),
+        (true, false) => Some(Monitoring::Guarding { guard_ns: GUARD_NS, life_factor: LIFE_FACTOR }),
+        (false, false) => Some(Monitoring::None),
         (false, true) => {
             at.refuse(format!("drivetype {number} is without guarding; key guarding is for a positive one"), None);
             None
@@ -385,7 +385,7 @@ fn factor_of(
     match (given, of.map(|of| of.kind), at) {
         (Some(given), ..) => Some(given),
         (None, Some(Kind::Akd), Some(at)) => {
-            let factor = feed.and_then(|(counts, turns)| VelocityFactor::mrpm(counts, turns));
+            let factor = feed.and_then(|(counts, turns)| VelocityFactor::for_millirpm(counts, turns));
             if factor.is_none() {
                 at.refuse("drivetype 13 has velocities in 1/1000 rpm: it needs feed, or velocity_factor", None);
             }
@@ -412,15 +412,15 @@ pub(super) const DRIVE_KEYS: [&str; 13] = [
     "startup",
 ];
 
-fn watching(map: &mut Map<'_>) -> Option<Watching> {
+fn watching(map: &mut Map<'_>) -> Option<Monitoring> {
     let heartbeat = map.optional("heartbeat");
     let Some(guarding) = map.optional("guarding") else {
         let every_ns = match &heartbeat {
-            Some(value) if is_none(value) => return Some(Watching::None),
+            Some(value) if is_none(value) => return Some(Monitoring::None),
             Some(value) => ms(value, 1..=LONGEST_MS)?,
             None => HEARTBEAT_NS,
         };
-        return Some(Watching::Heartbeat { time_ns: every_ns * HEARTBEATS_MISSED });
+        return Some(Monitoring::Heartbeat { time_ns: every_ns * HEARTBEATS_MISSED });
     };
     if let Some(heartbeat) = heartbeat.filter(|value| !is_none(value)) {
         heartbeat.refuse("heartbeat and guarding exclude each other", Some("leave one of them out".to_owned()));
@@ -430,7 +430,7 @@ fn watching(map: &mut Map<'_>) -> Option<Watching> {
     let guard_ns = map.required("time").and_then(|value| ms(&value, 1..=u16::MAX.into()));
     let life_factor = map.required("factor").and_then(|value| value.integer(1..=255_u8));
     map.finish();
-    Some(Watching::Guarding { guard_ns: guard_ns?, life_factor: life_factor? })
+    Some(Monitoring::Guarding { guard_ns: guard_ns?, life_factor: life_factor? })
 }
 
 /// Reads the event that each touch probe latches.
@@ -486,7 +486,7 @@ fn factor(value: &Value<'_>) -> Option<VelocityFactor> {
 }
 
 fn startup(value: &Value<'_>) -> Option<Vec<Write>> {
-    let mut taken = Once::new();
+    let mut taken = UsedOnce::new();
     let values: Vec<_> = value.list()?.iter().map(|value| write(value, &mut taken)).collect();
     values.into_iter().collect()
 }
@@ -510,7 +510,7 @@ pub(crate) fn owner(index: u16) -> Option<&'static str> {
     OWN.iter().find(|(first, last, _)| (*first..=*last).contains(&index)).map(|(.., owner)| *owner)
 }
 
-fn write(value: &Value<'_>, taken: &mut Once<(u16, u8)>) -> Option<Write> {
+fn write(value: &Value<'_>, taken: &mut UsedOnce<(u16, u8)>) -> Option<Write> {
     let mut map = value.map("an entry of startup")?;
     let index_value = map.required("index");
     let index = index_value.as_ref().and_then(|value| value.integer(0x1000..=0xFFFF_u16));

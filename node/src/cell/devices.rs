@@ -3,7 +3,7 @@
 use super::backends::{Backend, Context, ENCODER, Hardware, address};
 use super::encoders;
 use super::marks;
-use super::names::{Entry, Once, Section, limit, quote};
+use super::names::{Entry, UsedOnce, Section, limit, quote};
 use super::scale::Travel;
 use super::terminals::{CellTerminal, FULL_SCALE, Kind};
 use super::times::time;
@@ -72,7 +72,7 @@ struct Terminal<'d> {
 pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
     let entries = cx.names.section(Section::Io);
     limit(entries, MOST);
-    let mut taken = Once::new();
+    let mut taken = UsedOnce::new();
     let (mut filters, mut outputs, mut full_scales, mut inputs) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let mut marks = Vec::new();
     let mut terminals = Vec::with_capacity(entries.len());
@@ -125,7 +125,7 @@ pub(super) fn reads_output(place: usize, cx: &Context<'_>) -> bool {
 fn one_io<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    taken: &mut Once<(usize, &'static str, u16)>,
+    taken: &mut UsedOnce<(usize, &'static str, u16)>,
 ) -> Option<Terminal<'d>> {
     let mut map = entry.value.map(format!("io `{}`", entry.name()))?;
     let kind = map.required("type").and_then(|value| value.choice(&IO_KINDS.map(|(name, kind)| (name, (name, kind)))));
@@ -253,7 +253,7 @@ fn initial(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
 pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<Hardware>>, Vec<CellTerminal>) {
     let entries = cx.names.section(Section::Encoders);
     limit(entries, MOST);
-    let mut taken = Once::new();
+    let mut taken = UsedOnce::new();
     let read: Vec<_> = entries.iter().map(|entry| one_encoder(entry, cx, &mut taken)).collect();
     let terminals = entries.iter().zip(&read).enumerate().filter_map(|(index, (entry, read))| {
         let (config, at) = read.as_ref().filter(|(_, at)| is_on_can(*at, cx))?;
@@ -273,7 +273,7 @@ pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Opt
 fn one_encoder<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    taken: &mut Once<(usize, &'static str, u16)>,
+    taken: &mut UsedOnce<(usize, &'static str, u16)>,
 ) -> Option<(EncoderConfig, Hardware)> {
     let mut map = entry.value.map(format!("encoder `{}`", entry.name()))?;
     let address = address(&mut map, cx, Some(ENCODER), taken);

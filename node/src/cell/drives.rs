@@ -6,7 +6,7 @@
 use super::analog::{self, Analog, Outputs};
 use super::backends::{Backend, Context, Hardware, backend_of, name_of};
 use super::can::{self, CellDrive};
-use super::names::{Once, quote};
+use super::names::{UsedOnce, quote};
 use super::regulator::law;
 use super::scale::Travel;
 use super::times::time_within;
@@ -18,7 +18,7 @@ use lineshaft_core::regulator::Law;
 use lineshaft_core::sim::Model;
 
 /// Addresses of drives, with the name of the address key, by backend.
-pub(super) type Taken = Once<(usize, &'static str, u16)>;
+pub(super) type Taken = UsedOnce<(usize, &'static str, u16)>;
 
 /// Key `drive`, and its description of a drive on CAN.
 pub(super) type Described = (Drive, Option<CellDrive>);

@@ -6,7 +6,7 @@
 
 use super::backends::Context;
 use super::devices;
-use super::names::{Once, Section, quote};
+use super::names::{UsedOnce, Section, quote};
 use super::scale::Travel;
 use super::times::time;
 use crate::document::{Allowed, Map, Value};
@@ -17,7 +17,7 @@ use lineshaft_core::sim::{Fixtures, Index, Mechanics, Sign, Wire};
 use lineshaft_core::unit::Dimension;
 
 /// Inputs that switches are wired to, by their index in section `io`.
-pub(super) type Taken = Once<usize>;
+pub(super) type Taken = UsedOnce<usize>;
 
 /// Data for reading the keys.
 struct Reader<'r, 'd> {
@@ -47,7 +47,7 @@ pub(super) fn read<'d>(
         reader.index(&value)
     });
     let home = optional(map.optional("home_switch"), |value| reader.home(&value));
-    let mut end = |key, bit| optional(map.optional(key), |value| reader.end(&value, key, bit));
+    let mut end = |key, bit| optional(map.optional(key), |value| reader.limit_switch(&value, key, bit));
     let negative = end("negative_limit_switch", inputs::NEGATIVE_LIMIT);
     let positive = end("positive_limit_switch", inputs::POSITIVE_LIMIT);
     let (home, negative, positive) = (home?, negative?, positive?);
@@ -196,7 +196,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// Reads a limit switch: the position from which it is actuated, and its wire.
-    fn end(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<Wire>)> {
+    fn limit_switch(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<Wire>)> {
         let mut map = value.map(key)?;
         let at = map.required("at").and_then(|value| self.place(&value));
         let wire = self.wire(&mut map, bit);

@@ -5,7 +5,7 @@
 
 use super::backends::Context;
 use super::loops::{Chains, Link, Reads, refuse_loops};
-use super::names::{Entry, Once, Section, hint, quote};
+use super::names::{Entry, UsedOnce, Section, hint, quote};
 use super::wiring::Taken;
 use crate::document::{Map, Value};
 use lineshaft_core::config::{
@@ -49,7 +49,7 @@ pub(super) struct Objects<'a> {
 
 /// Slots and written objects that functions have used so far.
 struct Claims<'t> {
-    slots: Once<u16>,
+    slots: UsedOnce<u16>,
     written: Written<'t>,
 }
 
@@ -57,8 +57,8 @@ struct Claims<'t> {
 struct Written<'t> {
     /// Entries of section `io` with a writer; there may be only one.
     outputs: &'t mut Taken,
-    axes: Once<u16>,
-    memory: Once<u16>,
+    axes: UsedOnce<u16>,
+    memory: UsedOnce<u16>,
 }
 
 impl Written<'_> {
@@ -95,8 +95,8 @@ pub(super) fn read<'d>(
     masters: Vec<Vec<Reads>>,
 ) -> Read<'d> {
     let entries = cx.names.section(Section::Functions);
-    let written = Written { outputs, axes: Once::new(), memory: Once::new() };
-    let mut taken = Claims { slots: Once::new(), written };
+    let written = Written { outputs, axes: UsedOnce::new(), memory: UsedOnce::new() };
+    let mut taken = Claims { slots: UsedOnce::new(), written };
     let (mut read, mut numbers) = (Read::default(), Vec::new());
     read.chains.masters = masters;
     for (place, entry) in entries.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Reads section `groups`.
 
 use super::backends::Context;
-use super::names::{Entry, Once, Section, is_virtual, quote};
+use super::names::{Entry, UsedOnce, Section, is_virtual, quote};
 use super::times::time_up_to;
 use crate::document::Value;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
@@ -57,11 +57,11 @@ fn axes<'d>(value: &Value<'d>, entry: &Entry<'d>, cx: &Context<'d>) -> Vec<u16> 
         let sentence = format!("group {} is empty; the names of one axis or more are expected", entry.quoted());
         value.refuse(sentence, None);
     }
-    let mut once = Once::new();
+    let mut once = UsedOnce::new();
     values.iter().filter_map(|value| axis(value, cx, &mut once)).collect()
 }
 
-fn axis<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut Once<usize>) -> Option<u16> {
+fn axis<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut UsedOnce<usize>) -> Option<u16> {
     let name = value.text()?;
     let (_, place) = cx.names.find(value, name, &[Section::Axes])?;
     once.take(place, value, || format!("axis {}", quote(name)));

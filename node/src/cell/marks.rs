@@ -37,7 +37,7 @@ pub(super) struct Given<'d> {
 }
 
 /// Locations of axes and encoders.
-pub(super) struct Hung<'a> {
+pub(super) struct Locations<'a> {
     /// Locations of the axes; `None` for a virtual one.
     pub axes: &'a [Option<Hardware>],
     pub encoders: &'a [Option<Hardware>],
@@ -50,12 +50,12 @@ pub(super) fn read<'d>(
     given: &[Given<'d>],
     cx: &Context<'d>,
     machine: &MachineConfig,
-    hung: &Hung<'_>,
+    hung: &Locations<'_>,
 ) -> Vec<CellMarks> {
     given.iter().filter_map(|given| one(given, cx, machine, hung)).collect()
 }
 
-fn one<'d>(given: &Given<'d>, cx: &Context<'d>, machine: &MachineConfig, hung: &Hung<'_>) -> Option<CellMarks> {
+fn one<'d>(given: &Given<'d>, cx: &Context<'d>, machine: &MachineConfig, hung: &Locations<'_>) -> Option<CellMarks> {
     let Given { value, input, latch, at } = given;
     let mut map = value.map("sim")?;
     let marks = map.required("marks");
@@ -79,7 +79,7 @@ fn one<'d>(given: &Given<'d>, cx: &Context<'d>, machine: &MachineConfig, hung: &
     let mut map = marks.map("marks")?;
     let way = map.required("of").and_then(|value| way(&value, backend, cx, machine, hung));
     let marks = match way {
-        Some((_, travel)) => of_way(&mut map, &marks, &travel),
+        Some((_, travel)) => read_web_keys(&mut map, &marks, &travel),
         None => {
             map.rest();
             None
@@ -95,7 +95,7 @@ fn way<'d>(
     backend: usize,
     cx: &Context<'d>,
     machine: &MachineConfig,
-    hung: &Hung<'_>,
+    hung: &Locations<'_>,
 ) -> Option<(Carrier, Travel)> {
     let name = value.text()?;
     let (section, place) = cx.names.find(value, name, &[Section::Encoders, Section::Axes])?;
@@ -121,7 +121,7 @@ fn way<'d>(
 }
 
 /// Reads the keys in units of the web, and those for errors of the marks.
-fn of_way(map: &mut Map<'_>, whole: &Value<'_>, travel: &Travel) -> Option<Marks> {
+fn read_web_keys(map: &mut Map<'_>, whole: &Value<'_>, travel: &Travel) -> Option<Marks> {
     let given_every = map.required("every");
     let every = given_every.as_ref().and_then(|value| every(value, travel));
     let first = amount(map.optional("first"), travel, &Allowed::Any);

@@ -5,7 +5,7 @@
 
 use super::backends::Context;
 use super::loops::{Reads, path};
-use super::names::{Entry, Once, Section, limit, quote};
+use super::names::{Entry, UsedOnce, Section, limit, quote};
 use crate::document::Value;
 use lineshaft_core::config::{MAX_MASTERS, MAX_MEMBERS, SlotConfig, SumConfig, sums};
 use lineshaft_core::object::{Leader, VIRTUAL_MASTER};
@@ -76,7 +76,7 @@ fn master<'d>(entry: &Entry<'d>, cx: &Context<'d>) -> (Option<SumConfig>, Vec<Me
         beyond.refuse(sentence, None);
         return (None, Vec::new());
     }
-    let mut once = Once::new();
+    let mut once = UsedOnce::new();
     let [add, subtract] = [add, subtract].map(|side| -> Vec<Member<'d>> {
         side.into_iter().filter_map(|value| Some((member(&value, cx, &mut once)?, value))).collect()
     });
@@ -86,7 +86,7 @@ fn master<'d>(entry: &Entry<'d>, cx: &Context<'d>) -> (Option<SumConfig>, Vec<Me
     (is_good.then_some(sum), add.into_iter().chain(subtract).collect())
 }
 
-fn member<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut Once<Leader>) -> Option<Leader> {
+fn member<'d>(value: &Value<'d>, cx: &Context<'d>, once: &mut UsedOnce<Leader>) -> Option<Leader> {
     let leader = leader(value, cx, &MEMBERS)?;
     if let Some(first) = once.place(&leader) {
         let what = quote(value.peek().unwrap_or_default());

@@ -73,7 +73,7 @@ use lineshaft_ros::surface::{Group, JointNames};
 pub(crate) use machine::{refuse_missing, refuse_virtual_master};
 pub use marks::CellMarks;
 use names::{Names, Section, quote};
-pub(crate) use parameters::{contradictions, double_views, refuse_senses, turned_views};
+pub(crate) use parameters::{contradictions, double_views, refuse_senses, inverted_limits};
 pub use preset::Preset;
 pub use record_topics::RecordTopics;
 pub use robot::Robot;
@@ -141,7 +141,7 @@ impl Cell {
     /// # Errors
     /// Returns all errors of the file, at least one problem; those of the preset only if there are no others.
     pub fn load_within(path: &Path, preset: Option<Preset>) -> Result<Self, Problems> {
-        let files = Files::beside(path);
+        let files = Files::in_folder_of(path);
         let mut cell = Self::of(Document::read(path), &files, preset)?;
         cell.files = files.into_read();
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -163,8 +163,8 @@ impl Cell {
     ///
     /// # Errors
     /// Returns all errors of the text, at least one problem.
-    pub(crate) fn parse_beside(path: &Path, text: &str) -> Result<Self, Problems> {
-        Self::of(Document::parse(&path.display().to_string(), text), &Files::beside(path), None)
+    pub(crate) fn parse_in_folder(path: &Path, text: &str) -> Result<Self, Problems> {
+        Self::of(Document::parse(&path.display().to_string(), text), &Files::in_folder_of(path), None)
     }
 
     /// Reads the text of a recording, with the attached files of its tables.
@@ -303,7 +303,7 @@ impl Cell {
     pub(crate) fn parse_observed(path: &Path, text: &str) -> (Result<Self, Problems>, Arc<Observer>) {
         let mut document = Document::parse(&path.display().to_string(), text);
         let observer = document.observe();
-        (Self::of(document, &Files::beside(path), None), observer)
+        (Self::of(document, &Files::in_folder_of(path), None), observer)
     }
 
     fn of(document: Document, files: &Files, preset: Option<Preset>) -> Result<Self, Problems> {
@@ -341,7 +341,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     map.finish();
     let memory = devices::memory(&cx);
     let (encoders, encoders_at, encoders_on_can) = devices::encoders(&cx);
-    let mut outputs = names::Once::new();
+    let mut outputs = names::UsedOnce::new();
     let tables = tables::read(&cx, files);
     let programs = programs::read(&cx, files);
     let masters::Read { sums: mut masters, reads } = masters::read(&cx);
@@ -425,7 +425,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         .collect();
     let (models, mechanics): (_, Vec<_>) = drives.iter().map(|drive| drive.simulated).unzip();
     let on_can = drives.into_iter().map(|drive| drive.on_can).collect();
-    let hung = marks::Hung { axes: &hardware, encoders: &encoders_at, mechanics: &mechanics };
+    let hung = marks::Locations { axes: &hardware, encoders: &encoders_at, mechanics: &mechanics };
     let marks = marks::read(&marks, &cx, &machine, &hung);
     Some(Cell {
         machine,

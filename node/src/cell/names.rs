@@ -186,9 +186,9 @@ pub(super) fn quote(text: &str) -> String {
 }
 
 /// Objects that may be used only once, with the location of their use.
-pub(super) struct Once<K>(BTreeMap<K, Place>);
+pub(super) struct UsedOnce<K>(BTreeMap<K, Place>);
 
-impl<K: Ord> Once<K> {
+impl<K: Ord> UsedOnce<K> {
     pub(super) fn new() -> Self {
         Self(BTreeMap::new())
     }

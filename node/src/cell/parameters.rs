@@ -5,7 +5,7 @@ mod agree;
 use super::row::{refuse_range, refuse_type, whole};
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
-pub(crate) use agree::{contradictions, double_views, turned_views};
+pub(crate) use agree::{contradictions, double_views, inverted_limits};
 use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
 use lineshaft_core::code::{Code, not_built_here};
 use lineshaft_core::config::highest_of;
@@ -115,7 +115,7 @@ pub(super) fn read<'d>(
         }
     }
     double_views(&given, |_| false);
-    turned_views(&parameters, given.iter().zip(&set).map(|((_, value), (row, number))| (*row, *number, value)));
+    inverted_limits(&parameters, given.iter().zip(&set).map(|((_, value), (row, number))| (*row, *number, value)));
     if let Some(who) = who {
         refuse_senses(who, &parameters, &given);
     }

@@ -199,7 +199,7 @@ impl Joint {
     fn warnings(&self, config: &MachineConfig, names: &JointNames) -> Vec<String> {
         let moved = names.find(&self.name).and_then(|axis| config.axes.get(usize::from(axis)));
         let Some(axis) = moved else {
-            let renamed = names.renamed(config).find(|(object, _)| *object == self.name);
+            let renamed = names.different_names(config).find(|(object, _)| *object == self.name);
             let why = renamed.map_or("no axis has that name".to_owned(), |(axis, joint)| {
                 format!("the joint name of axis {axis} is {joint}")
             });

@@ -25,7 +25,7 @@ pub(crate) enum Files {
 }
 
 impl Files {
-    pub(crate) fn beside(cell: &Path) -> Self {
+    pub(crate) fn in_folder_of(cell: &Path) -> Self {
         Self::Beside(cell.parent().unwrap_or(Path::new("")).to_owned(), RefCell::default())
     }
 

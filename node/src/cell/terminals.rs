@@ -8,7 +8,7 @@ use super::backends::{Hardware, MOST_CHANNELS, node_and_channel};
 use super::names::quote;
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
-use lineshaft_can::config::{Analog, Encoder, Terminals};
+use lineshaft_can::config::{AnalogTerminal, Encoder, Terminals};
 use lineshaft_can::master::ANALOG_CHANNELS;
 use lineshaft_core::config::IoKind;
 use lineshaft_core::drive::Terminal;
@@ -79,10 +79,10 @@ pub(super) fn by_node(
             Kind::Io { kind: IoKind::DigitalInput, .. } => of_node.digital_inputs.push(terminal),
             Kind::Io { kind: IoKind::DigitalOutput, .. } => of_node.digital_outputs.push(terminal),
             Kind::Io { kind: IoKind::AnalogInput, full_scale } => {
-                of_node.analog_inputs.push(Analog { terminal, full_scale });
+                of_node.analog_inputs.push(AnalogTerminal { terminal, volts_at_full_scale: full_scale });
             }
             Kind::Io { kind: IoKind::AnalogOutput, full_scale } => {
-                of_node.analog_outputs.push(Analog { terminal, full_scale });
+                of_node.analog_outputs.push(AnalogTerminal { terminal, volts_at_full_scale: full_scale });
             }
             Kind::Encoder { is_absolute } => of_node.encoders.push(Encoder { place: *index, is_absolute }),
         }

@@ -2,13 +2,13 @@
 //! its drive.
 
 use super::backends::Context;
-use super::names::{Once, Section, quote};
+use super::names::{UsedOnce, Section, quote};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::SpeedOutputs;
 
 /// Outputs that axes use, by their index in section `io`.
-pub(super) type Taken = Once<u16>;
+pub(super) type Taken = UsedOnce<u16>;
 
 /// Reads the keys. `refusal` is the reason if the axis switches no outputs.
 pub(super) fn read<'d>(

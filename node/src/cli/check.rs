@@ -107,7 +107,7 @@ fn draw(cell: &Cell, name: &Path, path: &Path) -> Result<(), String> {
 /// Describes a cell as a JSON object.
 fn object(cell: &Cell, file: &str) -> Json {
     let machine = &cell.machine;
-    let joints = cell.joint_names.renamed(machine).map(|(axis, joint)| (axis.to_owned(), json!(joint)));
+    let joints = cell.joint_names.different_names(machine).map(|(axis, joint)| (axis.to_owned(), json!(joint)));
     json!({
         "file": file,
         "cycle_ns": machine.cycle_ns,
@@ -124,7 +124,7 @@ fn object(cell: &Cell, file: &str) -> Json {
 
 /// Returns the axes whose joint names differ from their own names; `None` if there are none.
 fn joint_names(cell: &Cell) -> Option<String> {
-    let renamed = cell.joint_names.renamed(&cell.machine).map(|(axis, joint)| format!("{axis} is {joint}"));
+    let renamed = cell.joint_names.different_names(&cell.machine).map(|(axis, joint)| format!("{axis} is {joint}"));
     let renamed: Vec<String> = renamed.collect();
     (!renamed.is_empty()).then(|| format!("joint names: {}", renamed.join(", ")))
 }
@@ -155,7 +155,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(cell.machine.slots.iter().filter_map(|slot| stepped_position(slot, &cell.machine)));
     warnings.extend(homing::judge(&cell.machine));
     warnings.extend(marks::judge(&cell.machine));
-    warnings.extend(graph::circles(&cell.machine));
+    warnings.extend(graph::loops(&cell.machine));
     warnings
 }
 

@@ -1,8 +1,8 @@
 //! Writes the log to standard error, and to `/rosout` while there is a node.
 
 use crate::terminal;
-use lineshaft_ros::layer::{Loggers, Rosout, Severity, Source, TOLD, log_filter};
-use lineshaft_ros::line_limit::LineLimit;
+use lineshaft_ros::layer::{Loggers, Rosout, Severity, Source, SENT_TO_ROSOUT, log_filter};
+use lineshaft_ros::line_limit::MessageRateLimit;
 use std::fmt::Write;
 use std::sync::{Arc, PoisonError, RwLock};
 use tracing::callsite::Identifier;
@@ -77,7 +77,7 @@ impl Logging {
 struct Lines {
     rosout: RwLock<Option<Rosout>>,
     /// The limit applies to each location in the source code.
-    limit: LineLimit<Identifier>,
+    limit: MessageRateLimit<Identifier>,
 }
 
 /// Passes on lines of the program itself, but not those of the DDS library, which would report their own transmission,
@@ -93,14 +93,14 @@ impl<S: Subscriber> Layer<S> for ToRosout {
             Level::INFO => Severity::Info,
             _ => return,
         };
-        if !about.target().starts_with("lineshaft") || about.target() == TOLD {
+        if !about.target().starts_with("lineshaft") || about.target() == SENT_TO_ROSOUT {
             return;
         }
         let rosout = self.0.rosout.read().unwrap_or_else(PoisonError::into_inner);
         let Some(rosout) = rosout.as_ref() else { return };
         let mut text = Text::default();
         event.record(&mut text);
-        self.0.limit.say(about.callsite(), |more| {
+        self.0.limit.log(about.callsite(), |more| {
             let file = about.file().unwrap_or_default().to_owned();
             let function = about.module_path().unwrap_or_default().to_owned();
             rosout.log(severity, text.0 + more, Source { file, function, line: about.line().unwrap_or_default() });

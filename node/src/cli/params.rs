@@ -7,7 +7,7 @@ use crate::output;
 use crate::parameters::{Filter, check_import, details, differences, export_text, listing, markdown, meant, values};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
-use lineshaft_ros::surface::host::Listing;
+use lineshaft_ros::surface::host::ParameterSelection;
 use std::path::Path;
 
 /// Width of output that does not go to a terminal.
@@ -72,7 +72,7 @@ fn of_cell(path: &Path, args: &ParamsArgs, filter: &Filter) -> Exit {
     }
     let image = machine.parameter_image();
     if args.export {
-        let what = if args.changed { Listing::NotDefault } else { Listing::All };
+        let what = if args.changed { ParameterSelection::NotDefault } else { ParameterSelection::All };
         let axes = AxisSet::first(cell.machine.axes.len());
         say_all(&export_text(&cell.machine, &image, axes, what));
         return Exit::Good;

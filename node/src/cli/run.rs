@@ -5,9 +5,9 @@ mod running;
 mod watch;
 
 use self::drive_lines::DriveLines;
-use self::running::Heard;
-pub(super) use self::running::{Given, Hardware, Prepared, Recording, Running, stop_machine};
-use self::watch::{Change, Patience, Watch};
+use self::running::SurfaceInputs;
+pub(super) use self::running::{InitialData, Hardware, Prepared, Recording, Running, stop_machine};
+use self::watch::{Change, Timeouts, Watch};
 use super::check::{summary, warnings};
 use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
@@ -26,7 +26,7 @@ use lineshaft_ros::layer::{
     self, CreateError, Environment, Interface, Networks, Node, NodeOptions, RosArguments, Side, SideOptions, Tap,
     TappedMessage,
 };
-use lineshaft_ros::line_limit::LineLimit;
+use lineshaft_ros::line_limit::MessageRateLimit;
 use lineshaft_ros::surface::host::{GateState, Host};
 use lineshaft_ros::surface::{Surface, check_names, start_commands};
 use std::sync::Arc;
@@ -115,7 +115,7 @@ fn start(
     let exit = runtime.block_on(async {
         // Before any thread runs, so that no signal ends the program without a stop of the axes.
         let signals = Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
-        let given = Given { store, first, scenario, processor: args.cpu.unwrap_or_default() };
+        let given = InitialData { store, first, scenario, processor: args.cpu.unwrap_or_default() };
         let (prepared, heard) = Prepared::new(cell, machine, hardware, given);
         let tap = tap(cell);
         options.tap = Some(tap.0.clone());
@@ -160,11 +160,11 @@ fn options(ros: &RosArguments, cell: &Cell, logging: &Logging) -> Result<NodeOpt
 
 /// Returns the reaction of the machine to a loss of its ROS side; `is_final` is set if it is not started again.
 fn on_loss(handle: Arc<Handle>, on_loss: OnLoss, is_final: Arc<AtomicBool>) -> layer::OnLoss {
-    let lines = LineLimit::default();
+    let lines = MessageRateLimit::default();
     Arc::new(move |loss| {
         let next = if loss.is_final { "it is not started again, the program ends" } else { "it is started again" };
         let reaction = reaction(on_loss);
-        lines.say(loss.is_final, |more| tracing::error!("the ROS side {}: {reaction}; {next}{more}", loss.reason));
+        lines.log(loss.is_final, |more| tracing::error!("the ROS side {}: {reaction}; {next}{more}", loss.reason));
         if loss.is_final {
             is_final.store(true, Ordering::Release);
         }
@@ -193,7 +193,7 @@ fn react(handle: &Handle, on_loss: OnLoss) {
 
 /// Supervises the surface. If it is lost, the program ends, because it cannot be created again.
 fn watch(surface: &Surface, handle: Arc<Handle>, on_loss: OnLoss, loss_timeout: Duration) -> std::io::Result<Watch> {
-    let (runtime, patience) = (tokio::runtime::Handle::current(), Patience::until(loss_timeout));
+    let (runtime, patience) = (tokio::runtime::Handle::current(), Timeouts::until(loss_timeout));
     Watch::start(runtime, patience, surface.pulse(), move |change| match change {
         Change::Overdue(doing) => tracing::warn!("the ROS surface has not worked for {doing}"),
         Change::Silent(time) => {
@@ -255,7 +255,7 @@ struct Start<'a> {
 ///
 /// # Errors
 /// Returns an error if an argument is invalid; no cycle has run then.
-async fn serve(start: Start<'_>, prepared: Prepared, heard: Heard, signals: Signals) -> Result<Exit, String> {
+async fn serve(start: Start<'_>, prepared: Prepared, heard: SurfaceInputs, signals: Signals) -> Result<Exit, String> {
     let Start { args, cell, mut options, environment, logging, tap } = start;
     let host: Arc<dyn Host> = prepared.handle.clone();
     let is_lost = Arc::<AtomicBool>::default();

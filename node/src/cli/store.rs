@@ -56,7 +56,7 @@ pub(super) fn open_for_node(
         tracing::warn!("nothing that is saved will be kept: {}: {error}; --store names another file", path.display());
         return Ok(None);
     }
-    load(Store::open_beside(&path).map(Some), cell).map_err(complain_of)
+    load(Store::open_read_only_if_used(&path).map(Some), cell).map_err(complain_of)
 }
 
 fn load(opened: Result<Option<Store>, StoreError>, cell: &mut Cell) -> Result<Option<Store>, StoreError> {

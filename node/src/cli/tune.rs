@@ -86,7 +86,7 @@ fn try_axis(args: &TuneArgs) -> Result<Exit, TuneError> {
     let config = &cell.machine;
     let setting = Setting::of(config, &args.axis, |place| config.axes[place].power_on(), &bounds(args, config)?)?;
     if !is_simulated && !args.real {
-        return Err(TuneError::Leave(setting.asks_for_leave(&config.axes[usize::from(setting.axis)])));
+        return Err(TuneError::Leave(setting.permission_question(&config.axes[usize::from(setting.axis)])));
     }
     let axis = &config.axes[usize::from(setting.axis)];
     for (name, text, order) in [("travel", &args.travel, 0), ("velocity", &args.velocity, 1)] {

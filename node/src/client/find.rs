@@ -7,7 +7,7 @@
 //!          machine would move
 
 use super::Failure;
-use super::session::{LOOK, Options};
+use super::session::{POLL_INTERVAL, Options};
 use lineshaft_msgs::srv::AxesCommand;
 use lineshaft_ros::layer::{Environment, Networks, Node, NodeNames, Qos, ServiceClient};
 use std::collections::BTreeMap;
@@ -66,7 +66,7 @@ pub(super) async fn find(node: &Node, environment: &Environment, options: &Optio
         if begun.elapsed() >= options.timeout {
             return Err(Failure::Failed(no_answer(&wanted, environment, options.timeout, &found)));
         }
-        sleep(LOOK).await;
+        sleep(POLL_INTERVAL).await;
     }
 }
 

@@ -16,7 +16,7 @@ use tokio::sync::watch;
 use tokio::time::{sleep, timeout};
 
 /// Polling interval for matches.
-pub(super) const LOOK: Duration = Duration::from_millis(10);
+pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(10);
 /// Time after the first match within which a second node of the same name is found.
 const SETTLE: Duration = Duration::from_millis(100);
 /// Time after which a request that changes nothing is repeated.
@@ -143,7 +143,7 @@ impl Session {
                         self.target
                     )));
                 }
-                _ => sleep(LOOK).await,
+                _ => sleep(POLL_INTERVAL).await,
             }
         }
     }
@@ -214,7 +214,7 @@ impl Session {
                     self.target
                 ));
             }
-            sleep(LOOK).await;
+            sleep(POLL_INTERVAL).await;
         }
     }
 

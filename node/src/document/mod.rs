@@ -38,7 +38,7 @@ mod value;
 pub use edit::{Fixed, Source};
 pub use map::Map;
 #[cfg(test)]
-pub(crate) use observer::{Asked, Observer, Seen};
+pub(crate) use observer::{ExpectedKind, Observer, Seen};
 pub use problem::{Place, Problem, Problems};
 pub(crate) use value::unit_of_bare;
 pub use value::{Allowed, Value};

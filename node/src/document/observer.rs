@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 
 /// Kind of value that a reader expects.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Asked {
+pub(crate) enum ExpectedKind {
     Text,
     Boolean,
     /// Minimum and maximum.
@@ -32,13 +32,13 @@ pub(crate) struct Seen {
     pub required: usize,
     /// Number of mappings that were read to their end and could have the key.
     pub maps: usize,
-    pub kinds: BTreeSet<Asked>,
+    pub kinds: BTreeSet<ExpectedKind>,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum Note {
     Key { key: String, is_required: bool },
-    Value(Asked),
+    Value(ExpectedKind),
     Finished,
 }
 

@@ -1,7 +1,7 @@
 //! Reads one value with a type.
 
 #[cfg(test)]
-use super::observer::{Asked, Note};
+use super::observer::{ExpectedKind, Note};
 use super::problem::quote;
 use super::{Kind, Map, Node, Place, Problems};
 use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit, UnitError, excerpt, parse_decimal, parse_fraction};
@@ -102,14 +102,14 @@ impl<'d> Value<'d> {
     /// Reads any scalar, as written.
     pub fn text(&self) -> Option<&'d str> {
         #[cfg(test)]
-        self.asked(Asked::Text);
+        self.record_expected(ExpectedKind::Text);
         self.scalar("a text")
     }
 
     /// Reads `true` or `false`.
     pub fn boolean(&self) -> Option<bool> {
         #[cfg(test)]
-        self.asked(Asked::Boolean);
+        self.record_expected(ExpectedKind::Boolean);
         let text = self.scalar("true or false")?;
         match self.plain().unwrap_or_default() {
             "true" => return Some(true),
@@ -135,7 +135,7 @@ impl<'d> Value<'d> {
         // The bounds of every integer type except u128 fit; those of u128 are not needed.
         let (low, high) = ((*range.start()).try_into().ok()?, (*range.end()).try_into().ok()?);
         #[cfg(test)]
-        self.asked(Asked::Integer(low, high));
+        self.record_expected(ExpectedKind::Integer(low, high));
         match self.plain().map_or(Err(NotWhole::Other), whole_number) {
             Ok(value) if (low..=high).contains(&value) => return T::try_from(value).ok(),
             Ok(value) => self.refuse(format!("{} is {value}; {low}..{high} is allowed", self.label), None),
@@ -154,7 +154,7 @@ impl<'d> Value<'d> {
     /// Reads a finite number within `range`; an infinite bound means no limit.
     pub fn number(&self, range: RangeInclusive<f64>) -> Option<f64> {
         #[cfg(test)]
-        self.asked(Asked::Number);
+        self.record_expected(ExpectedKind::Number);
         let text = self.scalar("a number")?;
         match self.plain().and_then(finite) {
             Some(value) if range.contains(&value) => return Some(value),
@@ -180,7 +180,7 @@ impl<'d> Value<'d> {
     /// Reads an exact number: a decimal or a fraction such as `1/3`.
     pub fn fraction(&self) -> Option<Fraction> {
         #[cfg(test)]
-        self.asked(Asked::Number);
+        self.record_expected(ExpectedKind::Number);
         let text = self.scalar("a number")?;
         self.unit_result(parse_fraction(text))
     }
@@ -193,7 +193,7 @@ impl<'d> Value<'d> {
     /// Does the same; examples in problems are in this unit, which is that of the axis.
     pub fn quantity_in(&self, unit: Option<Unit>, dimensions: &[Dimension], allowed: &Allowed) -> Option<Quantity> {
         #[cfg(test)]
-        self.asked(Asked::Quantity);
+        self.record_expected(ExpectedKind::Quantity);
         let expected = dimensions.first().map_or("a quantity", |dimension| dimension.article());
         let text = self.scalar(expected)?;
         let quantity = Quantity::parse(text, dimensions).map_err(|error| match unit {
@@ -223,7 +223,7 @@ impl<'d> Value<'d> {
     /// Reads one of several names.
     pub fn choice<T: Copy>(&self, names: &[(&str, T)]) -> Option<T> {
         #[cfg(test)]
-        self.asked(Asked::Choice(names.iter().map(|(name, _)| (*name).to_owned()).collect()));
+        self.record_expected(ExpectedKind::Choice(names.iter().map(|(name, _)| (*name).to_owned()).collect()));
         let text = self.scalar("a name")?;
         if let Some((_, value)) = names.iter().find(|(name, _)| *name == text) {
             return Some(*value);
@@ -261,7 +261,7 @@ impl<'d> Value<'d> {
     /// Reads the values of a list; an empty value is an empty list.
     pub fn list(&self) -> Option<Vec<Value<'d>>> {
         #[cfg(test)]
-        self.asked(Asked::List);
+        self.record_expected(ExpectedKind::List);
         let items = match &self.node.kind {
             Kind::List(items) => items.as_slice(),
             _ if self.is_null() => &[],
@@ -284,7 +284,7 @@ impl<'d> Value<'d> {
 
     fn pairs(&self) -> Option<&'d [(Node, Node)]> {
         #[cfg(test)]
-        self.asked(Asked::Map);
+        self.record_expected(ExpectedKind::Map);
         match &self.node.kind {
             Kind::Map(entries) => Some(entries),
             _ if self.is_null() => Some(&[]),
@@ -294,7 +294,7 @@ impl<'d> Value<'d> {
 
     /// Records for a test the expected kind of the value.
     #[cfg(test)]
-    fn asked(&self, asked: Asked) {
+    fn record_expected(&self, asked: ExpectedKind) {
         if let Some(observer) = &self.problems.observer {
             observer.note(self.node, Note::Value(asked));
         }

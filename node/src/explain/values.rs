@@ -132,7 +132,7 @@ mod tests {
         for (name, mode) in DriveMode::NAMES {
             let (_, object, here) = MODES.iter().find(|(names, ..)| names[0] == name).expect(name);
             assert_eq!(*object, format!("mode {}", mode.number()));
-            let is_usual = DriveMode::usual(mode.interface()) == Some(mode);
+            let is_usual = DriveMode::default_of(mode.interface()) == Some(mode);
             assert_eq!(here.contains(&format!("mode: {name}")), !is_usual, "{name}: {here}");
         }
         assert_eq!(MODES.len(), DriveMode::NAMES.len());

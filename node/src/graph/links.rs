@@ -54,7 +54,7 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     for axis in watched(config).filter(|axis| usize::from(*axis) < machine.axes.len()) {
         let object = Object::Axis(axis);
         // Differences are those of the last cycle; positions reported by drives are those of this cycle.
-        let is_late = config.kind == Kind::Sidiff || !is_told(machine, Leader::AxisActual(axis));
+        let is_late = config.kind == Kind::Sidiff || !is_reported_by_drive(machine, Leader::AxisActual(axis));
         let (label, name) = (format!("AW{}", axis + 1), machine.name(object).to_owned());
         // The mean of a difference may affect the sink, a position does not.
         let is_watched = config.kind != Kind::Sidiff;
@@ -108,7 +108,7 @@ fn sources(machine: &MachineConfig, slot: u16, config: &SlotConfig) -> Vec<(Stri
         SourceConfig::Lead(leader) => {
             let read = |(before, leader): (String, Leader)| {
                 let (name, object) = (machine.signal_of(leader)?, object(leader)?);
-                let is_late = !is_told(machine, leader) && is_late(machine, slot, object);
+                let is_late = !is_reported_by_drive(machine, leader) && is_late(machine, slot, object);
                 Some((format!("{before}{name}"), object, is_late))
             };
             leaders(machine, *leader).into_iter().filter_map(read).collect()
@@ -185,7 +185,7 @@ fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
 }
 
 /// Whether it is the position of an axis that a drive reports before the slots are executed.
-fn is_told(machine: &MachineConfig, leader: Leader) -> bool {
+fn is_reported_by_drive(machine: &MachineConfig, leader: Leader) -> bool {
     let Leader::AxisActual(axis) = leader else { return false };
     machine.axes.get(usize::from(axis)).is_some_and(|axis| axis.drive.is_some())
 }

@@ -17,7 +17,7 @@ struct Link {
 type Links = BTreeMap<Object, Vec<Link>>;
 
 /// Returns a message for each loop: the shortest one through each slot that is the lowest of a loop.
-pub fn circles(machine: &MachineConfig) -> Vec<String> {
+pub fn loops(machine: &MachineConfig) -> Vec<String> {
     let links = links(machine);
     (0..machine.slots.len() as u16).filter_map(|slot| circle(machine, &links, slot)).collect()
 }

@@ -6,7 +6,7 @@ mod loops;
 mod svg;
 
 pub use figure::draw;
-pub use loops::circles;
+pub use loops::loops;
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! Tests links, loops and the figure of small cells.
 
 use super::links::{Port, ports};
-use super::{circles, draw};
+use super::{loops, draw};
 use crate::cell::Cell;
 use lineshaft_core::config::MachineConfig;
 use std::path::Path;
@@ -88,7 +88,7 @@ fn positions_that_are_watched_are_this_cycles_and_each_word_is_a_link() {
     assert_eq!(said(&machine, 2), ["source <- feed", "word <- a.sink", "word <- c.sink (late)"]);
     // A generator that monitors the axis that it moves makes no loop.
     let moved = "  a: {slot: 0, type: fgen, sink: x, fct: 7, aw_mask: 1, cycle_increments: 1, accel: 1}\n";
-    assert_eq!(circles(&self::machine(moved)), [""; 0]);
+    assert_eq!(loops(&self::machine(moved)), [""; 0]);
 }
 
 /// Each member is a separate link: an encoder has the value of this cycle, a command that of the last one. The signals
@@ -112,14 +112,14 @@ fn a_slot_that_reads_a_master_of_several_reads_its_members() {
     let late = |label, name| format!("{label} <- {name} (late)");
     let (source, word) = (late("source", "all.velocity"), late("word", "sum.position"));
     assert_eq!(said(&machine, 1), [&*source, &*source, &*source, &*source, &*word, &*word, "sink -> feed"]);
-    assert_eq!(circles(&machine), ["function a reads itself: a -> a; a sees a as of the cycle before"]);
+    assert_eq!(loops(&machine), ["function a reads itself: a -> a; a sees a as of the cycle before"]);
     let figure = draw(&machine, "c").expect("functions");
     assert!(figure.contains("source all + sum - belt.position"), "{figure}");
 }
 
 #[test]
 fn a_slot_that_reads_itself_is_told_with_its_way() {
-    let told = |functions: &str| circles(&machine(functions));
+    let told = |functions: &str| loops(&machine(functions));
     let both = "  a: {slot: 0, type: dcopy, source: b.sink, sink: none}\n  b: {slot: 1, type: dcopy, source: feed, sink: copy}\n";
     assert_eq!(told(both), [""; 0]);
     assert_eq!(
@@ -153,7 +153,7 @@ fn each_circle_is_told_once() {
          inputs: [flag], outputs: [flag]}\n",
     );
     assert_eq!(
-        circles(&machine),
+        loops(&machine),
         [
             "function a reads itself: a -> b -> c -> a; a sees c as of the cycle before",
             "function d reads itself: d -> flag -> d; d sees flag as of the cycle before",

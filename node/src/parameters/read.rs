@@ -6,7 +6,7 @@
 
 mod names;
 
-use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, refuse_virtual_master, turned_views};
+use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, refuse_virtual_master, inverted_limits};
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
 use lineshaft_core::axis::may_tell_sign;
@@ -61,7 +61,7 @@ pub fn check_import(document: Document, config: &MachineConfig, directory: &Dire
             let _ = change.row().map(|row| row.change(after, change.value));
         }
         let set = lines.of(index).filter_map(|line| Some((line.change.row()?, line.change.value, &line.value)));
-        turned_views(after, set);
+        inverted_limits(after, set);
         contradictions(after, &lines.given(index), &axis.scale, Some(config.cycle_ns));
     }
     let machine = lines.machine(config);

@@ -3,7 +3,7 @@
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{AxisParameters, MachineParameters, Measure, ParameterImage, ROWS, Row, Value};
-use lineshaft_ros::surface::host::Listing;
+use lineshaft_ros::surface::host::ParameterSelection;
 use std::fmt::Write;
 
 /// Returns every parameter of the machine and of every axis in increments, exactly, one line
@@ -14,7 +14,7 @@ pub fn parameters_text(config: &MachineConfig, machine: &MachineParameters, axes
 
 /// Returns the parameters in force of some axes, in the format of [`read_changes`](super::read_changes); without those
 /// that move the virtual master.
-pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet, what: Listing) -> String {
+pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet, what: ParameterSelection) -> String {
     let defaults = AxisParameters::new(0.0, 0.0);
     // Reading the text begins with the direction of rotation.
     let before = |index: usize, row: &Row, other: &AxisParameters| match image.effective.get(index) {
@@ -24,11 +24,11 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
     let text = lines(config, &image.effective, |index, row| {
         let now = image.effective.get(index).map(|parameters| row.value(parameters));
         let other = match what {
-            Listing::All => None,
+            ParameterSelection::All => None,
             // Required parameters of a cell have no default.
-            Listing::NotDefault => Some(row.value(&defaults)).filter(|_| !row.required),
-            Listing::NotCell => config.axes.get(index).map(|axis| before(index, row, &axis.parameters)),
-            Listing::NotSaved => image.user.get(index).map(|user| before(index, row, user)),
+            ParameterSelection::NotDefault => Some(row.value(&defaults)).filter(|_| !row.required),
+            ParameterSelection::NotCell => config.axes.get(index).map(|axis| before(index, row, &axis.parameters)),
+            ParameterSelection::NotSaved => image.user.get(index).map(|user| before(index, row, user)),
         };
         axes.contains(index as u16) && (other.is_none() || now != other)
     });
@@ -37,10 +37,10 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
     }
     let [now, user] = &image.machine;
     let other = match what {
-        Listing::All => None,
-        Listing::NotDefault => Some(MachineParameters::default()),
-        Listing::NotCell => Some(config.global.parameters),
-        Listing::NotSaved => Some(*user),
+        ParameterSelection::All => None,
+        ParameterSelection::NotDefault => Some(MachineParameters::default()),
+        ParameterSelection::NotCell => Some(config.global.parameters),
+        ParameterSelection::NotSaved => Some(*user),
     };
     let differs = |row: &Row| other.is_none_or(|other| row.machine_value(&other) != row.machine_value(now));
     // Reading the text would start the virtual master.

@@ -8,7 +8,7 @@
 //! ~/signals has all values in a key cycle, otherwise only those that differ from the previous encoded cycle.
 
 use super::cadence::Cadence;
-use super::{Cycle, Encoded, Topic, Way, key_cycles};
+use super::{Cycle, Encoded, Topic, FrameDirection, key_cycles};
 use super::{inputs, verb};
 use crate::cell::Cell;
 use lineshaft_core::code::Code;
@@ -133,7 +133,7 @@ pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Comman
 
 impl Encoded {
     /// Adds a frame of the bus with this index, transmitted `offset_ns` after the beginning of the cycle.
-    pub fn add_frame(&mut self, bus: usize, way: Way, offset_ns: i64, frame: &lineshaft_can::Frame) {
+    pub fn add_frame(&mut self, bus: usize, way: FrameDirection, offset_ns: i64, frame: &lineshaft_can::Frame) {
         let mut data = [0; 8];
         for (to, from) in data.iter_mut().zip(frame.bytes()) {
             *to = *from;

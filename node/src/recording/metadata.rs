@@ -87,7 +87,7 @@ impl Metadata {
     /// # Errors
     /// Returns the error of the operating system; no partial file remains.
     pub fn write(&self, path: &Path) -> io::Result<()> {
-        WholeFile::write(path, self.text().as_bytes(), None).and_then(WholeFile::take_place)
+        WholeFile::write(path, self.text().as_bytes(), None).and_then(WholeFile::replace)
     }
 }
 

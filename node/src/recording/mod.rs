@@ -107,14 +107,14 @@ pub enum Topic {
 
 /// Direction of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Way {
+pub enum FrameDirection {
     /// From this program to the bus.
     Sent,
     /// From the bus to this program.
     Received,
 }
 
-impl Way {
+impl FrameDirection {
     /// Both directions, in the order of their topics.
     pub const ALL: [Self; 2] = [Self::Sent, Self::Received];
 
@@ -143,7 +143,7 @@ pub struct Encoded {
     /// Ranges of the messages in `bytes`.
     parts: Vec<(Topic, Range<usize>)>,
     /// CAN frames: index of the bus, direction, and range of the message in `bytes`.
-    frames: Vec<(usize, Way, Range<usize>)>,
+    frames: Vec<(usize, FrameDirection, Range<usize>)>,
     /// Messages that the node published since the previous cycle: index of the topic in [`Subject`](bag::Subject), and
     /// range of the message in `bytes`.
     published: Vec<(usize, Range<usize>)>,
@@ -165,7 +165,7 @@ impl Encoded {
     /// [`Topic::ALL`], then two for each bus.
     fn places(&self) -> impl Iterator<Item = (usize, &[u8])> {
         let frames = self.frames.iter().map(|(bus, way, range)| {
-            let place = Topic::ALL.len() + bus * Way::ALL.len() + *way as usize;
+            let place = Topic::ALL.len() + bus * FrameDirection::ALL.len() + *way as usize;
             (place, self.bytes.get(range.clone()).unwrap_or_default())
         });
         self.messages().map(|(topic, message)| (topic as usize, message)).chain(frames)
@@ -195,7 +195,7 @@ impl Encoded {
     /// Returns the memory in use, in bytes.
     pub fn memory(&self) -> usize {
         let texts = self.state.as_ref().map_or(0, Vec::capacity) + self.parameters.as_ref().map_or(0, String::capacity);
-        let frames = self.frames.capacity() * size_of::<(usize, Way, Range<usize>)>();
+        let frames = self.frames.capacity() * size_of::<(usize, FrameDirection, Range<usize>)>();
         let published = self.published.capacity() * size_of::<(usize, Range<usize>)>();
         size_of::<Self>() + self.bytes.capacity() + size_of_val(self.parts.as_slice()) + frames + published + texts
     }

@@ -86,7 +86,7 @@ pub struct Series {
 
 /// An event of the run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
+pub struct EventMark {
     /// Time from the start of the run, in s.
     pub time: f64,
     /// 0 info, 1 warning, 2 error.
@@ -105,7 +105,7 @@ pub struct Recorded {
     /// Signals in the order of the board; those of other recorders in the order of their first messages.
     pub series: Vec<Series>,
     /// Events in the order of the recording.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<EventMark>,
     /// Time of the first value, in ns.
     pub start_ns: u64,
     /// Time of the last value, in ns.
@@ -113,12 +113,12 @@ pub struct Recorded {
     /// Missing parts of files that were cut off.
     pub cuts: Vec<Cut>,
     /// Topics with decreasing stamps.
-    pub late: Vec<Late>,
+    pub late: Vec<LateMessages>,
 }
 
 /// Messages of a topic whose stamp is before that of an earlier message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Late {
+pub struct LateMessages {
     /// Name of the topic.
     pub topic: String,
     /// Minimum number of such messages.
@@ -127,7 +127,7 @@ pub struct Late {
     pub are_left_out: bool,
 }
 
-impl Display for Late {
+impl Display for LateMessages {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Self { topic, messages, are_left_out } = self;
         let (messages, have) =
@@ -240,12 +240,12 @@ pub fn load(run: &mut Run, patterns: &[String]) -> Result<Recorded, SeriesError>
 }
 
 /// Returns the late messages of each topic.
-fn late(tracks: &[Track]) -> Vec<Late> {
-    let mut all: Vec<Late> = Vec::new();
+fn late(tracks: &[Track]) -> Vec<LateMessages> {
+    let mut all: Vec<LateMessages> = Vec::new();
     for track in tracks.iter().filter(|track| track.late > 0) {
         match all.iter_mut().find(|late| late.topic == track.topic) {
             Some(known) => known.messages = known.messages.max(track.late),
-            None => all.push(Late { topic: track.topic.clone(), messages: track.late, are_left_out: true }),
+            None => all.push(LateMessages { topic: track.topic.clone(), messages: track.late, are_left_out: true }),
         }
     }
     all
@@ -269,7 +269,7 @@ fn recorded(tracks: Vec<Track>, events: Vec<(u64, Event)>) -> Recorded {
             topic: track.topic,
         }
     });
-    let marks = events.into_iter().map(|(time, event)| Mark {
+    let marks = events.into_iter().map(|(time, event)| EventMark {
         time: since(time, start_ns),
         severity: event.severity.min(Event::ERROR),
         kind: event.kind,

@@ -6,7 +6,7 @@ mod validator;
 use super::catalogue::steps;
 use super::*;
 use crate::cell::Cell;
-use crate::document::{Asked, Document, Seen};
+use crate::document::{ExpectedKind, Document, Seen};
 use crate::scenario::Scenario;
 use crate::table::description::Description;
 use lineshaft_core::function::TYPES;
@@ -180,22 +180,22 @@ fn kinds_and_ranges_of_the_reference_are_those_of_the_readers() {
 }
 
 /// Whether the reference permits the way in which a value is read. A range given as text is not compared.
-fn takes(key: &Key, asked: &Asked) -> bool {
-    let is_scalar = !matches!(asked, Asked::List | Asked::Map);
+fn takes(key: &Key, asked: &ExpectedKind) -> bool {
+    let is_scalar = !matches!(asked, ExpectedKind::List | ExpectedKind::Map);
     key.shapes.iter().any(|shape| match (shape, asked) {
         (Shape::Text, _) => is_scalar,
         // It is compared with names, or read as a number afterwards.
-        (Shape::Choice(_) | Shape::Integer(..), Asked::Text) => true,
-        (Shape::Boolean, Asked::Boolean) => true,
-        (Shape::Integer(low, high), Asked::Integer(least, most)) => {
+        (Shape::Choice(_) | Shape::Integer(..), ExpectedKind::Text) => true,
+        (Shape::Boolean, ExpectedKind::Boolean) => true,
+        (Shape::Integer(low, high), ExpectedKind::Integer(least, most)) => {
             !key.range.is_empty() || (low, high) == (least, most)
         }
-        (Shape::Number | Shape::Quantity(_), Asked::Number) => true,
-        (Shape::Number, Asked::Integer(..)) => true,
-        (Shape::Quantity(_), Asked::Quantity) => true,
-        (Shape::Choice(names), Asked::Choice(asked)) => asked.iter().all(|name| names.contains(&name.as_str())),
-        (Shape::List, Asked::List) => true,
-        (Shape::Map | Shape::Names, Asked::Map) => true,
+        (Shape::Number | Shape::Quantity(_), ExpectedKind::Number) => true,
+        (Shape::Number, ExpectedKind::Integer(..)) => true,
+        (Shape::Quantity(_), ExpectedKind::Quantity) => true,
+        (Shape::Choice(names), ExpectedKind::Choice(asked)) => asked.iter().all(|name| names.contains(&name.as_str())),
+        (Shape::List, ExpectedKind::List) => true,
+        (Shape::Map | Shape::Names, ExpectedKind::Map) => true,
         _ => false,
     })
 }

@@ -4,14 +4,14 @@
 use super::clock::ClockWatch;
 use super::frames::Spent;
 use super::gate::Gate;
-use super::keeper::Orders;
+use super::keeper::StoreRequests;
 use super::lanes::{Commander, Numbers};
-use super::objects::ObjectDesk;
+use super::objects::ObjectAccess;
 use super::recorder::Asked;
 use super::samples::SampleReceiver;
 use super::services::HealthBoard;
 use super::thread::{Statistics, Taken};
-use super::trials::TrialDesk;
+use super::trials::TrialSender;
 use super::tuning;
 use super::wake::Wake;
 use crate::parameters::{export_text, read_changes};
@@ -26,13 +26,13 @@ use lineshaft_core::text;
 use lineshaft_msgs::srv::{
     RecordRequest, RecordResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse,
 };
-use lineshaft_ros::layer::TOLD;
-use lineshaft_ros::line_limit::LineLimit;
+use lineshaft_ros::layer::SENT_TO_ROSOUT;
+use lineshaft_ros::line_limit::MessageRateLimit;
 use lineshaft_ros::surface::host::{
-    BackendHealth, Busy, Coming, GateState, Host, Listing, Snapshot, StampedEvent, Statistics as HostStatistics,
+    BackendHealth, SubmitError, PendingAnswer, GateState, Host, ParameterSelection, Snapshot, StampedEvent, Statistics as HostStatistics,
     TuneOrder, Tuning,
 };
-use lineshaft_ros::surface::{JointNames, StateSender, TopicCommands, is_told};
+use lineshaft_ros::surface::{JointNames, StateSender, TopicCommands, is_logged_on_rosout};
 use rtrb::Consumer;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::Sender;
@@ -53,7 +53,7 @@ pub struct Handle {
     recorder: Sender<Asked>,
     newest: Mutex<Newest>,
     parameters: RwLock<Arc<ParameterImage>>,
-    keeper: Option<Orders>,
+    keeper: Option<StoreRequests>,
     joint_names: JointNames,
     robot_description: Option<String>,
     controller_manager: Option<String>,
@@ -64,8 +64,8 @@ pub struct Handle {
     /// Names of the drives of each axis, in the order of the file; `None` for a virtual axis.
     hardware: Vec<Option<String>>,
     health: HealthBoard,
-    objects: ObjectDesk,
-    pub(super) trials: TrialDesk,
+    objects: ObjectAccess,
+    pub(super) trials: TrialSender,
     /// Whether each axis has a real drive, in the order of the file.
     pub(super) real: Vec<bool>,
     begins_active: bool,
@@ -97,7 +97,7 @@ impl Handle {
         config: MachineConfig,
         directory: Directory,
         commander: Commander,
-        trials: TrialDesk,
+        trials: TrialSender,
         recorder: Sender<Asked>,
         mut signals: triple_buffer::Output<Snapshot>,
         parameters: ParameterImage,
@@ -119,7 +119,7 @@ impl Handle {
             taken: Mutex::default(),
             hardware: Vec::new(),
             health: HealthBoard::default(),
-            objects: ObjectDesk::default(),
+            objects: ObjectAccess::default(),
             real: Vec::new(),
             trials,
             begins_active: true,
@@ -147,7 +147,7 @@ impl Handle {
     }
 
     /// Sets the access to objects of its devices.
-    pub fn with_objects(self, objects: ObjectDesk) -> Self {
+    pub fn with_objects(self, objects: ObjectAccess) -> Self {
         Self { objects, ..self }
     }
 
@@ -163,7 +163,7 @@ impl Handle {
     }
 
     /// Sets the store of saved parameters.
-    pub fn with_keeper(self, keeper: Orders) -> Self {
+    pub fn with_keeper(self, keeper: StoreRequests) -> Self {
         Self { keeper: Some(keeper), ..self }
     }
 
@@ -213,7 +213,7 @@ impl Handle {
     ///
     /// # Errors
     /// Returns an error if its queue is full, or if no cycle runs.
-    pub fn submit_as(&self, source: Source, action: Action) -> Result<u64, Busy> {
+    pub fn submit_as(&self, source: Source, action: Action) -> Result<u64, SubmitError> {
         self.commander.submit(source, action)
     }
 }
@@ -224,7 +224,7 @@ impl Handle {
         match self.gate.state() {
             _ if self.objects.is_empty() => Ok(()),
             GateState::Open => Ok(()),
-            GateState::Closed => Err(Busy::Unconfigured.to_string()),
+            GateState::Closed => Err(SubmitError::Unconfigured.to_string()),
             GateState::Failed(why) => Err(why),
         }
     }
@@ -257,7 +257,7 @@ impl Host for Handle {
         &self.directory
     }
 
-    fn submit(&self, action: Action) -> Result<u64, Busy> {
+    fn submit(&self, action: Action) -> Result<u64, SubmitError> {
         self.submit_as(Source::Ros, action)
     }
 
@@ -265,7 +265,7 @@ impl Host for Handle {
         Some(&self.topic_commands)
     }
 
-    fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy> {
+    fn stream(&self, setpoints: &Setpoints) -> Result<(), SubmitError> {
         self.commander.stream(setpoints)
     }
 
@@ -282,7 +282,7 @@ impl Host for Handle {
         tuning::begin(self, &self.real, order)
     }
 
-    fn write_parameters(&self, axes: AxisSet, what: Listing) -> String {
+    fn write_parameters(&self, axes: AxisSet, what: ParameterSelection) -> String {
         export_text(&self.config, &self.parameters(), axes, what)
     }
 
@@ -304,17 +304,17 @@ impl Host for Handle {
         let _ = self.recorder.send((request, answer));
     }
 
-    fn read_object(&self, request: &SdoReadRequest) -> Result<Coming<SdoReadResponse>, String> {
+    fn read_object(&self, request: &SdoReadRequest) -> Result<PendingAnswer<SdoReadResponse>, String> {
         self.has_buses()?;
         self.objects.read(request)
     }
 
-    fn write_object(&self, request: &SdoWriteRequest) -> Result<Coming<SdoWriteResponse>, String> {
+    fn write_object(&self, request: &SdoWriteRequest) -> Result<PendingAnswer<SdoWriteResponse>, String> {
         self.has_buses()?;
         self.objects.write(request)
     }
 
-    fn begins_active(&self) -> bool {
+    fn is_active_at_start(&self) -> bool {
         self.begins_active
     }
 
@@ -324,7 +324,7 @@ impl Host for Handle {
         }
     }
 
-    fn take_commands(&self) {
+    fn resume_commands(&self) {
         self.commander.open();
     }
 
@@ -393,7 +393,7 @@ pub struct Bridge {
     told_samples: u64,
     /// Makes stamps follow the system clock.
     clock: Option<ClockWatch>,
-    lines: LineLimit<Line>,
+    lines: MessageRateLimit<Line>,
 }
 
 impl Bridge {
@@ -419,7 +419,7 @@ impl Bridge {
             told: 0,
             told_samples: 0,
             clock: None,
-            lines: LineLimit::default(),
+            lines: MessageRateLimit::default(),
         }
     }
 
@@ -439,7 +439,7 @@ impl Bridge {
 
     fn pass_on(&mut self, handle: &Handle) {
         self.spent.free();
-        handle.commander.free_kept();
+        handle.commander.free_unshared();
         handle.trials.collect();
         // Events are taken before the parameters, and passed on after them. The cycle thread publishes its parameters
         // first, so that these are at least as new as the events.
@@ -459,7 +459,7 @@ impl Bridge {
         });
         let left_out = samples.lost() + states.left_out();
         if left_out > self.told_samples {
-            self.lines.say(Line::SamplesLeftOut, |more| {
+            self.lines.log(Line::SamplesLeftOut, |more| {
                 tracing::warn!("{left_out} samples of joint_states, axis_states and shaft were left out so far: ROS had no time for them{more}");
             });
             self.told_samples = left_out;
@@ -490,7 +490,7 @@ impl Bridge {
 }
 
 /// Logs an event in one line.
-fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
+fn log(event: &StampedEvent, handle: &Handle, lines: &MessageRateLimit<Line>) {
     let event = &event.event;
     let sentence = || handle.topic_commands.sentence(event, &handle.config);
     // An emergency message with code 0 means that the condition of the warning has ended.
@@ -500,15 +500,15 @@ fn log(event: &StampedEvent, handle: &Handle, lines: &LineLimit<Line>) {
         Severity::Info => sentence(),
         Severity::Warn | Severity::Error => text::with_remedy(&sentence(), event.code),
     };
-    let say = |line: fn(String)| lines.say(kind(event.source, event.code), |more| line(told() + more));
+    let say = |line: fn(String)| lines.log(kind(event.source, event.code), |more| line(told() + more));
     match (event.severity, event.kind) {
-        (Severity::Error, _) if is_told(event) => say(|line| tracing::error!(target: TOLD, "{line}")),
+        (Severity::Error, _) if is_logged_on_rosout(event) => say(|line| tracing::error!(target: SENT_TO_ROSOUT, "{line}")),
         (Severity::Error, _) => say(|line| tracing::error!("{line}")),
         // The surface has logged requests that never became a command.
         (_, Kind::Refused) if event.code == Code::BAD_REQUEST => {}
         // The client of a goal gets the reason of its end.
         (_, Kind::Done | Kind::Accepted | Kind::Overrun) => tracing::debug!("{}", sentence()),
-        (Severity::Warn, _) if is_told(event) => say(|line| tracing::warn!(target: TOLD, "{line}")),
+        (Severity::Warn, _) if is_logged_on_rosout(event) => say(|line| tracing::warn!(target: SENT_TO_ROSOUT, "{line}")),
         (Severity::Warn, _) => say(|line| tracing::warn!("{line}")),
         (Severity::Info, Kind::Reset) => say(|line| tracing::info!("{line}")),
         (Severity::Info, _) if is_over => say(|line| tracing::info!("{line}")),

@@ -16,11 +16,11 @@ use lineshaft_core::object::Object;
 use lineshaft_core::text;
 use lineshaft_ros::layer::HostClock;
 use lineshaft_ros::offset::SystemOffset;
-use lineshaft_ros::surface::host::Busy;
+use lineshaft_ros::surface::host::SubmitError;
 use std::time::{Duration, Instant};
 
 /// Time between two reads of the system clock.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 /// Time between the event of a step and the first stamp that shows it; allows for the transmission of the event.
 const HOLD: Duration = Duration::from_millis(100);
 /// Maximum time for the event to be published; after it, stamps follow anyway.
@@ -31,7 +31,7 @@ const CYCLE_SLEW: i64 = 16;
 
 /// Reaction to the difference between system clock and stamps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Change {
+enum Correction {
     Nothing,
     /// Steady time moves by this amount, in ns.
     Slew(i64),
@@ -39,7 +39,7 @@ enum Change {
     Step(i64),
 }
 
-impl Change {
+impl Correction {
     /// Returns the reaction to a difference (in ns) with an uncertainty (in ns), for the time since the last read.
     fn of(difference_ns: i64, error_ns: u64, passed: Duration) -> Self {
         match difference_ns.unsigned_abs() {
@@ -92,16 +92,16 @@ impl ClockWatch {
             return;
         }
         let passed = now.duration_since(self.looked);
-        if passed < LOOK {
+        if passed < POLL_INTERVAL {
             return;
         }
         self.looked = now;
         let offset = SystemOffset::read();
         let shown = self.clock.base_ns().wrapping_add(self.clock.steps_ns());
-        match Change::of(offset.ns.wrapping_sub(shown), offset.error_ns, passed) {
-            Change::Nothing => {}
-            Change::Slew(by_ns) => self.clock.slew(by_ns),
-            Change::Step(ns) => self.step = self.advance(Step { ns, stage: Stage::Found(now) }, handle, now),
+        match Correction::of(offset.ns.wrapping_sub(shown), offset.error_ns, passed) {
+            Correction::Nothing => {}
+            Correction::Slew(by_ns) => self.clock.slew(by_ns),
+            Correction::Step(ns) => self.step = self.advance(Step { ns, stage: Stage::Found(now) }, handle, now),
         }
     }
 
@@ -113,7 +113,7 @@ impl ClockWatch {
                 let note = Action::Note { code: Code::CLOCK_STEPPED, number: step.ns };
                 match handle.submit_as(Source::Machine, note) {
                     Ok(sequence) => Stage::Submitted(sequence, now),
-                    Err(Busy::Full) if !is_late(since) => Stage::Found(since),
+                    Err(SubmitError::Full) if !is_late(since) => Stage::Found(since),
                     // No cycle accepts it, so that only the log reports the step.
                     Err(_) => {
                         tracing::warn!("{}", text::with_remedy(&sentence(step.ns, handle), Code::CLOCK_STEPPED));

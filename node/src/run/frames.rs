@@ -5,7 +5,7 @@
 //! skipped and counted as lost.
 
 use crate::recording::packed::{Packer, Unpacker};
-use crate::recording::{CycleTime, Way, key_cycles};
+use crate::recording::{CycleTime, FrameDirection, key_cycles};
 use lineshaft_core::command::{Command, Setpoint, Setpoints, Source};
 use lineshaft_core::drive::{Inputs, Latch};
 use lineshaft_core::event::Event;
@@ -149,7 +149,7 @@ pub struct BusFrame {
     /// Index of the bus.
     pub bus: usize,
     /// Direction.
-    pub way: Way,
+    pub way: FrameDirection,
     /// Time after the beginning of the cycle, in ns.
     pub offset_ns: i64,
     /// The frame.

@@ -18,9 +18,9 @@ enum Order {
 
 /// Sends requests to the keeper. It never blocks.
 #[derive(Debug)]
-pub struct Orders(Sender<Order>);
+pub struct StoreRequests(Sender<Order>);
 
-impl Orders {
+impl StoreRequests {
     /// Requests that layer User of these parameters is written, unless newer ones are waiting already. The answer comes
     /// when these or newer ones are on the disk, or with the reason why they are not.
     pub fn keep(&self, image: Arc<ParameterImage>, answer: Answer) {
@@ -35,7 +35,7 @@ impl Orders {
 }
 
 /// The thread of the keeper.
-pub struct Keeper {
+pub struct StoreWriter {
     store: Store,
     config: MachineConfig,
     orders: Receiver<Order>,
@@ -44,11 +44,11 @@ pub struct Keeper {
     told: Option<String>,
 }
 
-impl Keeper {
+impl StoreWriter {
     /// Creates a keeper and its request queue. `config` is that of the machine.
-    pub fn new(store: Store, config: MachineConfig) -> (Orders, Self) {
+    pub fn new(store: Store, config: MachineConfig) -> (StoreRequests, Self) {
         let (send, orders) = channel();
-        (Orders(send), Self { store, config, orders, newest: None, told: None })
+        (StoreRequests(send), Self { store, config, orders, newest: None, told: None })
     }
 
     /// Runs until [`Orders::end`], or until all senders are gone.
@@ -118,7 +118,7 @@ mod tests {
     /// A running keeper, and the data that a machine would send.
     struct Rig {
         folder: TempDir,
-        orders: Orders,
+        orders: StoreRequests,
         thread: std::thread::JoinHandle<()>,
         image: ParameterImage,
     }
@@ -129,7 +129,7 @@ mod tests {
             let config = Cell::demo().machine;
             let image = lineshaft_core::machine::Machine::new(config.clone()).expect("the demo").parameter_image();
             let store = Store::open(&folder.path().join("p.yaml")).expect("a new store");
-            let (orders, keeper) = Keeper::new(store, config);
+            let (orders, keeper) = StoreWriter::new(store, config);
             Self { folder, orders, thread: std::thread::spawn(move || keeper.run()), image }
         }
 
@@ -152,7 +152,7 @@ mod tests {
 
     fn saved(path: &Path) -> Option<i64> {
         let mut config = Cell::demo().machine;
-        Store::open_beside(path).and_then(|store| store.load(&mut config)).expect("a good store");
+        Store::open_read_only_if_used(path).and_then(|store| store.load(&mut config)).expect("a good store");
         config.axes[1].saved.map(|saved| saved.following_error_time)
     }
 

@@ -5,20 +5,20 @@ use lineshaft_core::machine::MAX_COMMANDS;
 use lineshaft_core::table::Table;
 use lineshaft_core::trajectory::Trajectory;
 use lineshaft_program::Module;
-use lineshaft_ros::surface::host::{Busy, MOST_COMMANDS};
+use lineshaft_ros::surface::host::{SubmitError, MOST_COMMANDS};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Data that the machine shares but must not free.
 #[derive(Debug)]
-enum Kept {
+enum SharedData {
     Trajectory(Arc<Trajectory>),
     Table(Arc<Table>),
     Program(Arc<Module>),
 }
 
-impl Kept {
+impl SharedData {
     fn of(action: &Action) -> Option<Self> {
         match action {
             Action::Trajectory(trajectory) => Some(Self::Trajectory(Arc::clone(trajectory))),
@@ -42,28 +42,28 @@ impl Kept {
 /// Sending end of the queues, shared by all sources of commands.
 #[derive(Debug)]
 pub struct Commander {
-    doors: Mutex<Doors>,
+    doors: Mutex<QueueInputs>,
     numbers: Numbers,
     /// References to each trajectory, table and program that the cycle thread may have, so that it never frees one.
-    kept: Mutex<Vec<Kept>>,
+    kept: Mutex<Vec<SharedData>>,
 }
 
 #[derive(Debug)]
-struct Doors {
+struct QueueInputs {
     /// Whether commands are accepted: cycles run, or will run.
     is_open: bool,
     /// Halt, quick_stop, disable, abort and deactivate.
     stop: Producer<Command>,
     queue: Producer<Command>,
-    stream: triple_buffer::Input<Mail>,
+    stream: triple_buffer::Input<SetpointMailbox>,
     /// Content of the mailbox.
-    mail: Mail,
+    mail: SetpointMailbox,
 }
 
 /// Mailbox of streamed setpoints: for each axis the newest one and its number, which increases with each setpoint of
 /// that axis. A stream to one axis therefore neither replaces the setpoint of another axis nor makes it look new.
 #[derive(Clone, Debug)]
-struct Mail {
+struct SetpointMailbox {
     /// Source of the newest setpoint.
     source: Source,
     /// Number 0: there was none yet.
@@ -83,10 +83,10 @@ impl Numbers {
 
 /// Receiving end of the queues, in the cycle thread.
 #[derive(Debug)]
-pub struct Lanes {
+pub struct CommandQueues {
     stop: Consumer<Command>,
     queue: Consumer<Command>,
-    stream: triple_buffer::Output<Mail>,
+    stream: triple_buffer::Output<SetpointMailbox>,
     /// Number of the last setpoint received for each axis.
     seen: Vec<u64>,
     /// New setpoints of the current cycle.
@@ -96,16 +96,16 @@ pub struct Lanes {
 }
 
 /// Creates the queues of a machine with this number of axes.
-pub fn lanes(axes: usize) -> (Commander, Lanes) {
+pub fn lanes(axes: usize) -> (Commander, CommandQueues) {
     let (stop_in, stop) = RingBuffer::new(MOST_COMMANDS);
     let (queue_in, queue) = RingBuffer::new(MOST_COMMANDS);
     let none = (0, Setpoint { velocity: 0.0, duration: None });
-    let mail = Mail { source: Source::Machine, axes: vec![none; axes] };
+    let mail = SetpointMailbox { source: Source::Machine, axes: vec![none; axes] };
     let (stream_in, stream) = triple_buffer::triple_buffer(&mail);
-    let doors = Mutex::new(Doors { is_open: true, stop: stop_in, queue: queue_in, stream: stream_in, mail });
+    let doors = Mutex::new(QueueInputs { is_open: true, stop: stop_in, queue: queue_in, stream: stream_in, mail });
     let room = || Vec::with_capacity(MAX_COMMANDS);
     let (seen, taken_stream) = (vec![0; axes], Setpoints::none(axes));
-    let lanes = Lanes { stop, queue, stream, seen, taken_stream, taken_stop: room(), taken_queue: room() };
+    let lanes = CommandQueues { stop, queue, stream, seen, taken_stream, taken_stop: room(), taken_queue: room() };
     (Commander { doors, numbers: Numbers::default(), kept: Mutex::default() }, lanes)
 }
 
@@ -114,10 +114,10 @@ impl Commander {
     ///
     /// # Errors
     /// Returns an error if its queue is full, or if no cycle would execute it.
-    pub fn submit(&self, source: Source, action: Action) -> Result<u64, Busy> {
-        let mut doors = self.doors();
+    pub fn submit(&self, source: Source, action: Action) -> Result<u64, SubmitError> {
+        let mut doors = self.lock_inputs();
         if !doors.is_open {
-            return Err(Busy::Unconfigured);
+            return Err(SubmitError::Unconfigured);
         }
         self.push(&mut doors, source, action)
     }
@@ -125,7 +125,7 @@ impl Commander {
     /// Makes the first cycle begin with a deactivation, before cycles run again. Returns false if commands are accepted
     /// already.
     pub fn deactivate_first(&self) -> bool {
-        let mut doors = self.doors();
+        let mut doors = self.lock_inputs();
         if doors.is_open {
             return false;
         }
@@ -137,49 +137,49 @@ impl Commander {
     ///
     /// # Errors
     /// Returns an error if no cycle runs; the function was not called.
-    pub fn while_open<T>(&self, act: impl FnOnce() -> T) -> Result<T, Busy> {
-        let doors = self.doors();
-        if doors.is_open { Ok(act()) } else { Err(Busy::Unconfigured) }
+    pub fn while_open<T>(&self, act: impl FnOnce() -> T) -> Result<T, SubmitError> {
+        let doors = self.lock_inputs();
+        if doors.is_open { Ok(act()) } else { Err(SubmitError::Unconfigured) }
     }
 
     /// Accepts commands, because cycles run.
     pub fn open(&self) {
-        self.doors().is_open = true;
+        self.lock_inputs().is_open = true;
     }
 
     /// Accepts no more commands. Accepted ones are still executed.
     pub fn close(&self) {
-        self.doors().is_open = false;
+        self.lock_inputs().is_open = false;
     }
 
     /// Returns true if commands are accepted.
     pub fn is_open(&self) -> bool {
-        self.doors().is_open
+        self.lock_inputs().is_open
     }
 
-    fn doors(&self) -> MutexGuard<'_, Doors> {
+    fn lock_inputs(&self) -> MutexGuard<'_, QueueInputs> {
         // A poisoned lock means that another thread panicked between two complete pushes: the rings are valid.
         self.doors.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn push(&self, doors: &mut Doors, source: Source, action: Action) -> Result<u64, Busy> {
+    fn push(&self, doors: &mut QueueInputs, source: Source, action: Action) -> Result<u64, SubmitError> {
         let lane = if action.stops() { &mut doors.stop } else { &mut doors.queue };
         if lane.is_full() {
-            return Err(Busy::Full);
+            return Err(SubmitError::Full);
         }
-        self.kept().extend(Kept::of(&action));
+        self.kept().extend(SharedData::of(&action));
         let sequence = self.numbers.reserve(1) + 1;
-        lane.push(Command { sequence, source, action }).map_err(|_| Busy::Full)?;
+        lane.push(Command { sequence, source, action }).map_err(|_| SubmitError::Full)?;
         Ok(sequence)
     }
 
     /// Frees the trajectories and tables without another reference.
-    pub fn free_kept(&self) {
+    pub fn free_unshared(&self) {
         // Without another reference, no thread can clone it.
-        self.kept().retain(Kept::is_shared);
+        self.kept().retain(SharedData::is_shared);
     }
 
-    fn kept(&self) -> MutexGuard<'_, Vec<Kept>> {
+    fn kept(&self) -> MutexGuard<'_, Vec<SharedData>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -192,13 +192,13 @@ impl Commander {
     ///
     /// # Errors
     /// Returns an error if no cycle runs.
-    pub fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy> {
-        let mut doors = self.doors();
+    pub fn stream(&self, setpoints: &Setpoints) -> Result<(), SubmitError> {
+        let mut doors = self.lock_inputs();
         // A setpoint that waits until the next configuration would seem new then.
         if !doors.is_open {
-            return Err(Busy::Unconfigured);
+            return Err(SubmitError::Unconfigured);
         }
-        let Doors { stream, mail, .. } = &mut *doors;
+        let QueueInputs { stream, mail, .. } = &mut *doors;
         mail.source = setpoints.source;
         for ((number, newest), new) in mail.axes.iter_mut().zip(&setpoints.axes) {
             if let Some(new) = new {
@@ -211,7 +211,7 @@ impl Commander {
     }
 }
 
-impl Lanes {
+impl CommandQueues {
     /// Takes the commands of a cycle, stops first; those beyond the maximum wait for the next cycle.
     pub fn take(&mut self) {
         self.take_stops();
@@ -236,7 +236,7 @@ impl Lanes {
         if !self.stream.update() {
             return;
         }
-        let Mail { source, axes } = self.stream.output_buffer();
+        let SetpointMailbox { source, axes } = self.stream.output_buffer();
         self.taken_stream.source = *source;
         for (((number, newest), seen), taken) in axes.iter().zip(&mut self.seen).zip(&mut self.taken_stream.axes) {
             if std::mem::replace(seen, *number) != *number {
@@ -310,7 +310,7 @@ mod tests {
         let (commander, mut lanes) = lanes(3);
         let taken = (0..5000).take_while(|_| commander.submit(Source::Ros, ENABLE).is_ok()).count();
         assert_eq!(taken, 2048);
-        assert_eq!(Busy::Full.to_string(), "2048 commands wait for the machine already; try again");
+        assert_eq!(SubmitError::Full.to_string(), "2048 commands wait for the machine already; try again");
         assert_eq!(commander.submit(Source::Ros, HALT), Ok(2049));
         lanes.take();
         assert_eq!(lanes.commands().iter().count(), MAX_COMMANDS, "the rest waits");
@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(order, expected);
     }
 
-    fn numbers_of_a_cycle(lanes: &mut Lanes) -> Vec<u64> {
+    fn numbers_of_a_cycle(lanes: &mut CommandQueues) -> Vec<u64> {
         lanes.take();
         lanes.drain().1.map(|command| command.sequence).collect()
     }
@@ -377,12 +377,12 @@ mod tests {
         let watch = Arc::downgrade(&trajectory);
         let (commander, mut lanes) = lanes(3);
         commander.submit(Source::Ros, Action::Trajectory(trajectory)).unwrap();
-        commander.free_kept();
+        commander.free_unshared();
         assert_eq!(watch.strong_count(), 2, "in the lane and here");
         lanes.take();
         lanes.drain().1.for_each(drop);
         assert_eq!(watch.strong_count(), 1);
-        commander.free_kept();
+        commander.free_unshared();
         assert_eq!(watch.strong_count(), 0);
     }
 
@@ -392,9 +392,9 @@ mod tests {
         assert_eq!(commander.submit(Source::Ros, ENABLE), Ok(1));
         commander.close();
         for action in [ENABLE, HALT, Action::Activate] {
-            assert_eq!(commander.submit(Source::Ros, action), Err(Busy::Unconfigured));
+            assert_eq!(commander.submit(Source::Ros, action), Err(SubmitError::Unconfigured));
         }
-        assert_eq!(commander.stream(&set(&[(0, 1.0)])), Err(Busy::Unconfigured));
+        assert_eq!(commander.stream(&set(&[(0, 1.0)])), Err(SubmitError::Unconfigured));
         assert!(!lanes.are_empty());
         assert_eq!(taken(&mut lanes), []);
         assert_eq!(lanes.commands().iter().count(), 1, "what was taken before comes out");
@@ -402,7 +402,7 @@ mod tests {
         assert!(lanes.are_empty());
 
         assert!(commander.deactivate_first() && commander.deactivate_first());
-        assert_eq!(commander.submit(Source::Ros, ENABLE), Err(Busy::Unconfigured), "not before cycles run");
+        assert_eq!(commander.submit(Source::Ros, ENABLE), Err(SubmitError::Unconfigured), "not before cycles run");
         commander.open();
         assert!(!commander.deactivate_first(), "they run");
         assert_eq!(commander.submit(Source::Ros, ENABLE), Ok(3));
@@ -418,7 +418,7 @@ mod tests {
         set
     }
 
-    fn taken(lanes: &mut Lanes) -> Vec<Option<f64>> {
+    fn taken(lanes: &mut CommandQueues) -> Vec<Option<f64>> {
         lanes.take();
         let axes = lanes.commands().stream.map(|stream| stream.axes.clone()).unwrap_or_default();
         axes.into_iter().map(|axis| axis.map(|setpoint| setpoint.velocity)).collect()

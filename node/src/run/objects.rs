@@ -10,13 +10,13 @@
 use crate::cell::owner;
 use lineshaft_can::NodeId;
 use lineshaft_can::commission::words::hex;
-use lineshaft_can::commission::{self, decoded, encoded, kind, label, readable, type_of};
+use lineshaft_can::commission::{self, decoded, encoded, kind, label, check_readable, type_of};
 use lineshaft_can::config::{BusConfig, DeviceConfig};
 use lineshaft_can::eds::{DataType, Dictionary, Value};
-use lineshaft_can::master::{Access, Denied, LONGEST, Objects};
+use lineshaft_can::master::{Access, ObjectAccessError, LONGEST, SdoRequestQueue};
 use lineshaft_can::sdo::Object;
 use lineshaft_msgs::srv::{SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse};
-use lineshaft_ros::surface::host::{Coming, NO_BUS};
+use lineshaft_ros::surface::host::{PendingAnswer, NO_BUS};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::time::Duration;
@@ -31,14 +31,14 @@ const LONGEST_VALUE: usize = 4096;
 
 /// Access to the objects of all buses of a machine.
 #[derive(Debug)]
-pub struct ObjectDesk {
+pub struct ObjectAccess {
     buses: Vec<Bus>,
     /// Names of backends on CAN that are simulated in this run.
     simulated: Vec<String>,
     patience: Duration,
 }
 
-impl Default for ObjectDesk {
+impl Default for ObjectAccess {
     fn default() -> Self {
         Self { buses: Vec::new(), simulated: Vec::new(), patience: PATIENCE }
     }
@@ -48,7 +48,7 @@ impl Default for ObjectDesk {
 #[derive(Debug)]
 struct Bus {
     name: String,
-    objects: Objects,
+    objects: SdoRequestQueue,
     /// Node ID of the program itself.
     own: Option<NodeId>,
     devices: Vec<Device>,
@@ -67,7 +67,7 @@ struct Device {
 }
 
 /// Resolved object of a request, with its description.
-struct Meant<'a> {
+struct ResolvedObject<'a> {
     bus: &'a Bus,
     node: NodeId,
     device: Option<&'a Device>,
@@ -75,7 +75,7 @@ struct Meant<'a> {
     given: Option<DataType>,
 }
 
-impl ObjectDesk {
+impl ObjectAccess {
     /// Creates an access without a bus. `simulated` are the names of backends on CAN that are simulated.
     pub fn new(simulated: Vec<String>) -> Self {
         Self { simulated, ..Self::default() }
@@ -90,7 +90,7 @@ impl ObjectDesk {
     pub fn with_bus(
         mut self,
         config: &BusConfig,
-        objects: Objects,
+        objects: SdoRequestQueue,
         dictionaries: BTreeMap<NodeId, Dictionary>,
     ) -> Self {
         let device = |device: &DeviceConfig| Device {
@@ -109,12 +109,12 @@ impl ObjectDesk {
     ///
     /// # Errors
     /// Returns an error message of one sentence for an invalid request; nothing was sent to a device.
-    pub fn read(&self, request: &SdoReadRequest) -> Result<Coming<SdoReadResponse>, String> {
+    pub fn read(&self, request: &SdoReadRequest) -> Result<PendingAnswer<SdoReadResponse>, String> {
         let SdoReadRequest { axis, backend, node, object, r#type } = request;
         let meant = self.meant([axis, backend, object, r#type], *node)?;
         let dictionary = meant.dictionary();
         let refuse = |refusal: commission::Refusal| meant.sentence(refusal);
-        readable(meant.object, dictionary).map_err(refuse)?;
+        check_readable(meant.object, dictionary).map_err(refuse)?;
         let kind = type_of(meant.object, meant.given, dictionary).map_err(refuse)?;
         let (who, object, name) = (meant.who(), meant.object, label(meant.object, dictionary));
         let asked = meant.ask(Access::Read, self.patience)?;
@@ -148,7 +148,7 @@ impl ObjectDesk {
     ///
     /// # Errors
     /// Returns an error message of one sentence for an invalid request; nothing was sent to a device.
-    pub fn write(&self, request: &SdoWriteRequest) -> Result<Coming<SdoWriteResponse>, String> {
+    pub fn write(&self, request: &SdoWriteRequest) -> Result<PendingAnswer<SdoWriteResponse>, String> {
         let SdoWriteRequest { axis, backend, node, object, r#type, value } = request;
         let meant = self.meant([axis, backend, object, r#type], *node)?;
         short("value", value, LONGEST_VALUE)?;
@@ -179,7 +179,7 @@ impl ObjectDesk {
     }
 
     /// Resolves a request: axis, backend, object and type by their names.
-    fn meant(&self, [axis, backend, object, given]: [&str; 4], node: u8) -> Result<Meant<'_>, String> {
+    fn meant(&self, [axis, backend, object, given]: [&str; 4], node: u8) -> Result<ResolvedObject<'_>, String> {
         for (what, name) in [("axis", axis), ("backend", backend), ("object", object), ("type", given)] {
             short(what, name, LONGEST_NAME)?;
         }
@@ -199,7 +199,7 @@ impl ObjectDesk {
         let device = bus.devices.iter().find(|device| device.node == node);
         let known_type = || format!("type is {given:?}; {} are allowed, or nothing", kind::list());
         let given = if given.is_empty() { None } else { Some(kind::named(given).ok_or_else(known_type)?) };
-        let mut meant = Meant { bus, node, device, object: Object { index: 0, sub: 0 }, given };
+        let mut meant = ResolvedObject { bus, node, device, object: Object { index: 0, sub: 0 }, given };
         meant.object = commission::object(object, meant.dictionary()).map_err(|error| meant.sentence(error))?;
         Ok(meant)
     }
@@ -250,7 +250,7 @@ impl Device {
     }
 }
 
-impl<'a> Meant<'a> {
+impl<'a> ResolvedObject<'a> {
     fn dictionary(&self) -> Option<&'a Dictionary> {
         self.bus.dictionaries.get(&self.node)
     }
@@ -266,9 +266,9 @@ impl<'a> Meant<'a> {
     }
 
     /// Queues a request of the bus.
-    fn ask(&self, access: Access, patience: Duration) -> Result<Coming<Result<Vec<u8>, String>>, String> {
-        let (answer, mut answered) = oneshot::channel::<Result<Vec<u8>, Denied>>();
-        let ticket = self.bus.objects.ask(self.node, self.object, access, move |result| {
+    fn ask(&self, access: Access, patience: Duration) -> Result<PendingAnswer<Result<Vec<u8>, String>>, String> {
+        let (answer, mut answered) = oneshot::channel::<Result<Vec<u8>, ObjectAccessError>>();
+        let ticket = self.bus.objects.submit(self.node, self.object, access, move |result| {
             // The caller may have gone.
             let _ = answer.send(result);
         });
@@ -276,7 +276,7 @@ impl<'a> Meant<'a> {
         Ok(Box::pin(async move {
             let answer = match tokio::time::timeout(patience, &mut answered).await {
                 Ok(answer) => answer,
-                Err(_) if ticket.take_back() => {
+                Err(_) if ticket.cancel() => {
                     let s = patience.as_secs_f64();
                     return Err(format!("the bus had no time for it within {s} s; nothing was done"));
                 }

@@ -29,7 +29,7 @@ impl Room {
 
 /// End in the cycle thread.
 #[derive(Debug)]
-pub(super) struct Filler<T> {
+pub(super) struct PoolSender<T> {
     free: Consumer<Box<T>>,
     full: Producer<Box<T>>,
     lost: Arc<AtomicU64>,
@@ -37,22 +37,22 @@ pub(super) struct Filler<T> {
 
 /// End in the other thread.
 #[derive(Debug)]
-pub(super) struct Emptier<T> {
+pub(super) struct PoolReceiver<T> {
     full: Consumer<Box<T>>,
     free: Producer<Box<T>>,
     lost: Arc<AtomicU64>,
 }
 
 /// Creates `count` objects that circulate.
-pub(super) fn pool<T>(count: usize, make: impl Fn() -> T) -> (Filler<T>, Emptier<T>) {
+pub(super) fn pool<T>(count: usize, make: impl Fn() -> T) -> (PoolSender<T>, PoolReceiver<T>) {
     let (mut free_in, free) = RingBuffer::new(count);
     (0..count).for_each(|_| drop(free_in.push(Box::new(make()))));
     let (full, full_out) = RingBuffer::new(count);
     let lost = Arc::<AtomicU64>::default();
-    (Filler { free, full, lost: Arc::clone(&lost) }, Emptier { full: full_out, free: free_in, lost })
+    (PoolSender { free, full, lost: Arc::clone(&lost) }, PoolReceiver { full: full_out, free: free_in, lost })
 }
 
-impl<T> Filler<T> {
+impl<T> PoolSender<T> {
     /// Fills a free object and sends it.
     pub(super) fn send(&mut self, fill: impl FnOnce(&mut T)) {
         let Ok(mut thing) = self.free.pop() else { return self.leave_out() };
@@ -67,7 +67,7 @@ impl<T> Filler<T> {
     }
 }
 
-impl<T> Emptier<T> {
+impl<T> PoolReceiver<T> {
     /// Returns the next object.
     pub(super) fn take(&mut self) -> Option<Box<T>> {
         self.full.pop().ok()

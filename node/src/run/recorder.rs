@@ -10,19 +10,19 @@ mod requests;
 use super::bridge::Handle;
 use super::decoder::Decoder;
 use super::flight::folder::FlightFolder;
-use super::flight::{Flight, Kept};
+use super::flight::{Flight, Segments};
 use super::frames::{BusFrame, FrameReceiver, Head, Taken};
 use super::spawn;
 use super::writer::{Failure, Writer};
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use crate::recording::encoder::Encoder;
-use crate::recording::{Encoded, Way};
-use lineshaft_can::master::Frames;
+use crate::recording::{Encoded, FrameDirection};
+use lineshaft_can::master::RecordedFrames;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::event::{Event, Kind, Severity};
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
-use lineshaft_ros::surface::host::{Busy, Host};
+use lineshaft_ros::surface::host::{SubmitError, Host};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
@@ -48,7 +48,7 @@ type Answer = oneshot::Sender<RecordResponse>;
 pub type FlightRecorder = (Flight, FlightFolder);
 
 /// Name of a CAN bus, and its frames.
-pub type BusFrames = (String, Frames);
+pub type BusFrames = (String, RecordedFrames);
 
 /// Recorder of a running machine.
 pub struct Recorder {
@@ -160,7 +160,7 @@ impl Recorder {
             self.take(head);
             left -= 1;
         }
-        self.tell_missing();
+        self.report_missing();
         self.notice_failure();
         self.collect();
         self.give_up_waiting();
@@ -174,7 +174,7 @@ impl Recorder {
         self.count_missing(head.cycle);
         for (bus, (_, frames)) in self.buses.iter_mut().enumerate() {
             frames.take(head.cycle, |offset_ns, frame, is_sent| {
-                let way = if is_sent { Way::Sent } else { Way::Received };
+                let way = if is_sent { FrameDirection::Sent } else { FrameDirection::Received };
                 self.taken.extras.frames.push(BusFrame { bus, way, offset_ns, frame: *frame });
             });
         }
@@ -232,7 +232,7 @@ impl Recorder {
     }
 
     /// Reports missing cycles in one event, at most once per second.
-    fn tell_missing(&mut self) {
+    fn report_missing(&mut self) {
         if self.missing == 0 || self.told.is_some_and(|told| told.elapsed() < SECOND) {
             return;
         }
@@ -253,7 +253,7 @@ impl Recorder {
         if !self.handle.takes_commands()
             && let Some((_, answer)) = self.waiting.take()
         {
-            let _ = answer.send(self.refused(Busy::Unconfigured.to_string()));
+            let _ = answer.send(self.refused(SubmitError::Unconfigured.to_string()));
         }
     }
 
@@ -323,7 +323,7 @@ impl Recorder {
     }
 
     /// Saves cycles as a bag of the flight recorder.
-    fn save(&mut self, kept: Kept, answer: Option<Answer>) {
+    fn save(&mut self, kept: Segments, answer: Option<Answer>) {
         let Some((_, folder)) = &self.flight else { return };
         let buses = self.buses.iter().map(|(name, _)| name.clone()).collect();
         let (folder, subject) =

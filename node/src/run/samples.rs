@@ -2,7 +2,7 @@
 //!
 //! With only the newest signals ([`Snapshot`]), samples would be missing if a ROS thread is scheduled late.
 
-use super::pool::{Emptier, Filler, Room, pool};
+use super::pool::{PoolReceiver, PoolSender, Room, pool};
 use crate::recording::cadence::Cadence;
 use lineshaft_core::signal::Board;
 use lineshaft_ros::surface::host::Snapshot;
@@ -47,13 +47,13 @@ pub struct Sample {
 #[derive(Debug)]
 pub struct SampleSender {
     cadences: Cadences,
-    pool: Filler<Sample>,
+    pool: PoolSender<Sample>,
 }
 
 /// End in the bridge.
 #[derive(Debug)]
 pub struct SampleReceiver {
-    pool: Emptier<Sample>,
+    pool: PoolReceiver<Sample>,
 }
 
 /// Creates both ends for a machine with this board.

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Polling interval of the health of the backends.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Starts, supervises and stops the backends.
 pub struct Services {
@@ -65,7 +65,7 @@ impl Services {
     pub fn run(mut self, stop: &AtomicBool, tell: &(impl Fn(Note) + Sync)) {
         while !stop.load(Ordering::Relaxed) {
             if !self.gate.is_wanted() {
-                std::thread::sleep(LOOK);
+                std::thread::sleep(POLL_INTERVAL);
                 continue;
             }
             if let Err(error) = self.start() {
@@ -81,7 +81,7 @@ impl Services {
     fn start(&mut self) -> Result<(), ServiceError> {
         for place in 0..self.all.len() {
             let (started, others) = self.all.split_at_mut(place);
-            if let Some(Err(error)) = others.first_mut().map(|next| beside(started, || next.start())) {
+            if let Some(Err(error)) = others.first_mut().map(|next| run_during(started, || next.start())) {
                 self.stop(place);
                 return Err(error);
             }
@@ -104,7 +104,7 @@ impl Services {
             }
             // The cycle thread ends first; the program ensures this.
             while !self.gate.end_of_cycles() && !stop.load(Ordering::Relaxed) {
-                std::thread::sleep(LOOK);
+                std::thread::sleep(POLL_INTERVAL);
             }
             is_over.store(true, Ordering::Relaxed);
         });
@@ -115,14 +115,14 @@ impl Services {
         for place in (0..started).rev() {
             let (started, others) = self.all.split_at_mut(place);
             if let Some(last) = others.first_mut() {
-                beside(started, || last.stop());
+                run_during(started, || last.stop());
             }
         }
     }
 }
 
 /// Calls `this` while the services of `started` do their periodic work, each in its own thread.
-fn beside<T>(started: &mut [Box<dyn Service>], this: impl FnOnce() -> T) -> T {
+fn run_during<T>(started: &mut [Box<dyn Service>], this: impl FnOnce() -> T) -> T {
     let is_over = AtomicBool::new(false);
     std::thread::scope(|scope| {
         for service in started {
@@ -151,7 +151,7 @@ impl Drop for Over<'_> {
 fn look_after(service: &mut dyn Service, is_over: &AtomicBool, show: impl Fn(Health)) {
     let mut told: Vec<String> = Vec::new();
     while !is_over.load(Ordering::Relaxed) {
-        let health = service.look();
+        let health = service.health_check();
         let (name, found) = (service.name(), &health.problems);
         for problem in found.iter().filter(|problem| !told.contains(problem)) {
             tracing::warn!("backend {name}: {problem}");
@@ -161,7 +161,7 @@ fn look_after(service: &mut dyn Service, is_over: &AtomicBool, show: impl Fn(Hea
         }
         told.clone_from(found);
         show(health);
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
     }
 }
 
@@ -227,7 +227,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(1));
         }
 
-        fn look(&mut self) -> Health {
+        fn health_check(&mut self) -> Health {
             let notes = vec![Note { code: Code::NODE_CHANGED, number: 7 }];
             Health { problems: vec!["slow".to_owned()], notes, ..Health::default() }
         }
@@ -290,7 +290,7 @@ mod tests {
             while end.wait(&cycles) {
                 written.lock().unwrap().push("cycles begin".to_owned());
                 until(|| !end.is_wanted() || cycles.load(Ordering::Relaxed));
-                std::thread::sleep(2 * LOOK);
+                std::thread::sleep(2 * POLL_INTERVAL);
                 written.lock().unwrap().push("cycles end".to_owned());
                 end.set_closed();
             }

@@ -5,7 +5,7 @@ use super::clock::CycleClock;
 use super::frames::FrameSender;
 use super::gate::Gate;
 use super::histogram::{Counts, Histogram};
-use super::lanes::{Lanes, Numbers};
+use super::lanes::{CommandQueues, Numbers};
 use super::realtime::{self, Processor};
 use super::samples::SampleSender;
 use super::trials::TrialSlot;
@@ -143,7 +143,7 @@ pub struct CycleThread {
     /// Trial of an axis that is tuned, if any, and the source of the numbers of its commands.
     pub trials: (TrialSlot, Numbers),
     /// Queues of commands.
-    pub lanes: Lanes,
+    pub lanes: CommandQueues,
     /// Sends events.
     pub events: Producer<StampedEvent>,
     /// Sends complete cycles to the recorder.

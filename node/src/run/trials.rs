@@ -58,19 +58,19 @@ impl TuningWatch for Watch {
 
 /// A trial with its progress.
 #[derive(Debug)]
-struct Tried {
+struct RunningTrial {
     trial: Trial,
     watch: Arc<Watch>,
 }
 
 /// End at which trials are begun and collected.
 #[derive(Debug)]
-pub struct TrialDesk(Mutex<Desk>);
+pub struct TrialSender(Mutex<TrialChannel>);
 
 #[derive(Debug)]
-struct Desk {
-    to: Producer<Box<Tried>>,
-    from: Consumer<Box<Tried>>,
+struct TrialChannel {
+    to: Producer<Box<RunningTrial>>,
+    from: Consumer<Box<RunningTrial>>,
     /// Index of its axis, and the receiver of the current trial.
     waiting: Option<(u16, oneshot::Sender<Trial>)>,
 }
@@ -78,19 +78,19 @@ struct Desk {
 /// End in the cycle thread.
 #[derive(Debug)]
 pub struct TrialSlot {
-    coming: Consumer<Box<Tried>>,
-    going: Producer<Box<Tried>>,
-    tried: Option<Box<Tried>>,
+    coming: Consumer<Box<RunningTrial>>,
+    going: Producer<Box<RunningTrial>>,
+    tried: Option<Box<RunningTrial>>,
 }
 
 /// Creates both ends.
-pub fn trials() -> (TrialDesk, TrialSlot) {
+pub fn trials() -> (TrialSender, TrialSlot) {
     let ((to, coming), (going, from)) = (RingBuffer::new(1), RingBuffer::new(1));
-    (TrialDesk(Mutex::new(Desk { to, from, waiting: None })), TrialSlot { coming, going, tried: None })
+    (TrialSender(Mutex::new(TrialChannel { to, from, waiting: None })), TrialSlot { coming, going, tried: None })
 }
 
-impl TrialDesk {
-    fn desk(&self) -> MutexGuard<'_, Desk> {
+impl TrialSender {
+    fn desk(&self) -> MutexGuard<'_, TrialChannel> {
         // Between two complete steps the rings are valid.
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -112,7 +112,7 @@ impl TrialDesk {
         let watch = Arc::<Watch>::default();
         let (axis, (answer, answered)) = (trial.setting().axis, oneshot::channel());
         // No trial is running, so the ring is empty.
-        let pushed = desk.to.push(Box::new(Tried { trial, watch: Arc::clone(&watch) }));
+        let pushed = desk.to.push(Box::new(RunningTrial { trial, watch: Arc::clone(&watch) }));
         if pushed.is_ok() {
             desk.waiting = Some((axis, answer));
         }
@@ -148,7 +148,7 @@ impl TrialSlot {
         if self.tried.is_none() {
             self.tried = self.coming.pop().ok();
         }
-        let Tried { trial, watch } = &mut **self.tried.as_mut()?;
+        let RunningTrial { trial, watch } = &mut **self.tried.as_mut()?;
         let axis = trial.setting().axis;
         // For an axis at standstill, or while it is being switched on, a halt has no visible effect.
         if stops.iter().any(|command| stops_axis(&command.action, axis)) {
@@ -216,7 +216,7 @@ mod tests {
         machine: Machine,
         plant: Plant,
         slot: TrialSlot,
-        desk: TrialDesk,
+        desk: TrialSender,
         numbers: Numbers,
         actions: Vec<Action>,
     }

@@ -12,7 +12,7 @@ use crate::tune::{Bounds, Ended, Findings, Setting, Stop, Subject, Trial};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Source;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_ros::surface::host::{Busy, GateState, Host, TuneOrder, Tuned, Tuning, Untuned};
+use lineshaft_ros::surface::host::{SubmitError, GateState, Host, TuneOrder, TuningResult, Tuning, TuningFailure};
 use std::sync::Arc;
 use tokio::sync::oneshot;
 
@@ -62,22 +62,22 @@ pub(super) fn begin(handle: &Handle, real: &[bool], order: &TuneOrder) -> Result
     let subject = Subject::of(axis, &in_force(place));
     let setting = Setting::of(config, &axis.name, in_force, &bounds).map_err(|unfit| unfit.to_string())?;
     if (real.len() != config.axes.len() || real.contains(&true)) && !order.real {
-        return Err(format!("{}; `real` permits that", setting.asks_for_leave(axis)));
+        return Err(format!("{}; `real` permits that", setting.permission_question(axis)));
     }
     let (watch, back) = handle.begin_trial(setting, Source::Ros)?;
     let config = config.clone();
     let found = async move {
-        let gone = || Untuned { code: Code::DISABLED, message: "the machine has stopped".to_owned() };
+        let gone = || TuningFailure { code: Code::DISABLED, message: "the machine has stopped".to_owned() };
         let trial = back.await.map_err(|_| gone())?;
         let failed =
-            |_| Err(Untuned { code: Code::NOT_TUNED, message: "the computation has failed; this is a bug".to_owned() });
+            |_| Err(TuningFailure { code: Code::NOT_TUNED, message: "the computation has failed; this is a bug".to_owned() });
         tokio::task::spawn_blocking(move || find(&trial, subject, &config)).await.unwrap_or_else(failed)
     };
     Ok(Tuning { watch, found: Box::pin(found) })
 }
 
 /// Evaluates a finished trial.
-fn find(trial: &Trial, subject: Subject, config: &MachineConfig) -> Result<Tuned, Untuned> {
+fn find(trial: &Trial, subject: Subject, config: &MachineConfig) -> Result<TuningResult, TuningFailure> {
     let setting = trial.setting();
     let ended = trial.ended().unwrap_or(Ended::Late);
     if let Some(message) = ended.sentence(config, setting) {
@@ -86,15 +86,15 @@ fn find(trial: &Trial, subject: Subject, config: &MachineConfig) -> Result<Tuned
             Ended::NotHomed => Code::HOMING_REQUIRED,
             Ended::Stopped(Stop::Cancel) => Code::CANCELLED,
             Ended::Stopped(Stop::Halt) => Code::HALTED,
-            Ended::Stopped(Stop::NoRoom) => Busy::Full.code(),
+            Ended::Stopped(Stop::NoRoom) => SubmitError::Full.code(),
             Ended::Stopped(Stop::NoCycles) => Code::NOT_ACTIVE,
             _ => Code::NOT_TUNED,
         };
-        return Err(Untuned { code, message: format!("{}: {message}", subject.axis) });
+        return Err(TuningFailure { code, message: format!("{}: {message}", subject.axis) });
     }
     let name = subject.axis.clone();
-    let refused = |refusal| Untuned { code: Code::NOT_TUNED, message: format!("{name}: {refusal}") };
+    let refused = |refusal| TuningFailure { code: Code::NOT_TUNED, message: format!("{name}: {refusal}") };
     let findings = Findings::find(subject, trial.record(), &setting.wish, &setting.before).map_err(refused)?;
     let gains = findings.gains.iter().map(|gain| (gain.key, gain.new)).collect();
-    Ok(Tuned { report: findings.text(), gains })
+    Ok(TuningResult { report: findings.text(), gains })
 }

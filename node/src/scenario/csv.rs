@@ -3,7 +3,7 @@
 //! The first row has the names of the columns; fields are separated by commas and may be in quotes. A file written with
 //! `--csv` can be read back.
 
-use super::ruler::{ALL_WHOLE, Ruler, is_exact};
+use super::ruler::{ALL_WHOLE, ValueFormat, is_exact};
 use crate::document::{Place, Problems, Value};
 use lineshaft_core::signal::{Type, Value as Number};
 use lineshaft_core::unit::excerpt;
@@ -15,7 +15,7 @@ use std::path::Path;
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Reads `{file, column}`; the file is relative to `folder`, and its problems are added to `all`.
-pub(super) fn read(value: &Value<'_>, folder: &Path, ruler: &Ruler, all: &Problems) -> Option<Vec<Number>> {
+pub(super) fn read(value: &Value<'_>, folder: &Path, ruler: &ValueFormat, all: &Problems) -> Option<Vec<Number>> {
     let mut map = value.map("csv")?;
     let (file, column) = (map.required("file"), map.required("column"));
     let name = file.as_ref().and_then(|file| file.text());
@@ -71,7 +71,7 @@ fn plain(field: &str) -> &str {
     field.strip_prefix('"').and_then(|field| field.strip_suffix('"')).unwrap_or(field)
 }
 
-fn rows(text: &str, index: usize, ruler: &Ruler, problems: &Problems) -> Vec<Number> {
+fn rows(text: &str, index: usize, ruler: &ValueFormat, problems: &Problems) -> Vec<Number> {
     let mut rows = Vec::new();
     for (line, row) in text.trim_end().lines().enumerate().skip(1) {
         let before: usize = row.split(',').take(index).map(|field| field.chars().count() + 1).sum();
@@ -90,7 +90,7 @@ fn rows(text: &str, index: usize, ruler: &Ruler, problems: &Problems) -> Vec<Num
     rows
 }
 
-fn number(field: &str, ruler: &Ruler) -> Option<Number> {
+fn number(field: &str, ruler: &ValueFormat) -> Option<Number> {
     let (low, high) = ruler.range;
     match ruler.kind {
         Type::Real => field.parse().ok().filter(|value: &f64| value.is_finite()).map(Number::Real),
@@ -102,7 +102,7 @@ fn number(field: &str, ruler: &Ruler) -> Option<Number> {
     }
 }
 
-fn expected(ruler: &Ruler) -> String {
+fn expected(ruler: &ValueFormat) -> String {
     match (ruler.kind, ruler.range) {
         _ if ruler.in_f64 => "a whole number, beyond +-2^53 one that an f64 holds,".to_owned(),
         (Type::Real, _) => "a finite number".to_owned(),

@@ -19,7 +19,7 @@ mod ramp;
 
 use super::moment::{Moment, positive_cycles};
 use super::names::Names;
-use super::ruler::{ALL_WHOLE, Ruler};
+use super::ruler::{ALL_WHOLE, ValueFormat};
 use super::{csv, moment};
 use crate::document::{Map, Place, Problems, Value};
 use lineshaft_core::config::{IoKind, MemoryKind};
@@ -240,12 +240,12 @@ impl Reader<'_> {
     }
 
     /// Returns the ruler of a signal; values of a memory cell are limited by its type.
-    fn ruler(&self, signal: Signal, target: Target) -> Ruler {
-        let ruler = Ruler::of(self.names, signal);
+    fn ruler(&self, signal: Signal, target: Target) -> ValueFormat {
+        let ruler = ValueFormat::of(self.names, signal);
         let Target::Memory(index) = target else { return ruler };
         let kind = self.names.config.memory.get(usize::from(index)).map(|memory| memory.kind);
         let range = kind.and_then(MemoryKind::whole_range).unwrap_or(ALL_WHOLE);
-        Ruler { in_f64: kind == Some(MemoryKind::I64), ..ruler.within(range) }
+        ValueFormat { in_f64: kind == Some(MemoryKind::I64), ..ruler.within(range) }
     }
 
     fn start(&self, value: &Value<'_>) -> Option<u64> {
@@ -311,7 +311,7 @@ impl Reader<'_> {
         }
     }
 
-    fn source(&self, map: &mut Map<'_>, ruler: Option<&Ruler>) -> Option<Source> {
+    fn source(&self, map: &mut Map<'_>, ruler: Option<&ValueFormat>) -> Option<Source> {
         let given = ["values", "csv", "ramp", "sine"].map(|key| map.optional(key));
         if given.iter().flatten().count() != 1 {
             map.refuse("one of values, csv, ramp, sine is expected", None);
@@ -355,11 +355,11 @@ impl Reader<'_> {
         None
     }
 
-    fn ramp(&self, value: &Value<'_>, ruler: &Ruler) -> Option<Ramp> {
+    fn ramp(&self, value: &Value<'_>, ruler: &ValueFormat) -> Option<Ramp> {
         let mut map = value.map("ramp")?;
         let wrap = map.optional("wrap");
         // For a counter, from and until are values of the sum, which does not wrap.
-        let bounds = if wrap.is_some() { Ruler { in_f64: false, ..ruler.within(ALL_WHOLE) } } else { *ruler };
+        let bounds = if wrap.is_some() { ValueFormat { in_f64: false, ..ruler.within(ALL_WHOLE) } } else { *ruler };
         let from = map.optional("from").map_or(Some(zero(ruler)), |value| bounds.read(&value));
         let per_cycle = map.required("per_cycle").and_then(|value| value.fraction());
         let until = map.optional("until").map(|value| (bounds.read(&value), value));
@@ -394,7 +394,7 @@ impl Reader<'_> {
 
     /// Converts start and step to a common denominator; returns `None` if a sum could exceed 128 bits within the
     /// scenario.
-    fn exact_ramp(&self, from: Number, per_cycle: Fraction, ruler: &Ruler) -> Option<Ramp> {
+    fn exact_ramp(&self, from: Number, per_cycle: Fraction, ruler: &ValueFormat) -> Option<Ramp> {
         let from = exact(from)?;
         let denominator = from.denom().checked_mul(*per_cycle.denom())?;
         let start = from.numer().checked_mul(*per_cycle.denom())?;
@@ -404,7 +404,7 @@ impl Reader<'_> {
         Some(Ramp { start, step, denominator, end: None, wrap: None, is_real: ruler.kind == Type::Real })
     }
 
-    fn sine(&self, value: &Value<'_>, ruler: &Ruler) -> Option<Sine> {
+    fn sine(&self, value: &Value<'_>, ruler: &ValueFormat) -> Option<Sine> {
         let mut map = value.map("sine")?;
         let mean = map.optional("mean").map_or(Some(zero(ruler)), |value| ruler.read(&value));
         let amplitude = map.required("amplitude").and_then(|value| ruler.read(&value));
@@ -442,16 +442,16 @@ impl Reader<'_> {
 }
 
 /// Returns the ruler without ranges in which some integers are not exact in a command.
-fn all_exact(ruler: &Ruler) -> Ruler {
+fn all_exact(ruler: &ValueFormat) -> ValueFormat {
     if ruler.in_f64 { ruler.within(EXACT) } else { *ruler }
 }
 
-fn zero(ruler: &Ruler) -> Number {
+fn zero(ruler: &ValueFormat) -> Number {
     if ruler.kind == Type::Real { Number::Real(0.0) } else { Number::Int(0) }
 }
 
 /// Reads a list of values; it must not be empty.
-pub(super) fn rows(values: &Value<'_>, ruler: &Ruler) -> Option<Vec<Number>> {
+pub(super) fn rows(values: &Value<'_>, ruler: &ValueFormat) -> Option<Vec<Number>> {
     let items = values.list()?;
     if items.is_empty() {
         values.refuse(format!("{} is empty; one value or more is expected", values.label()), None);

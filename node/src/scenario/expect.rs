@@ -14,7 +14,7 @@ use super::moment::{Moment, positive_cycles, text};
 use super::names::{Names, did_you_mean, nearest};
 use super::predicate::{Predicate, Probe};
 use super::refusal::contains;
-use super::ruler::{self, Ruler};
+use super::ruler::{self, ValueFormat};
 use super::step::{Step, Trigger};
 use crate::document::{Map, Place, Value};
 use lineshaft_core::config::MachineConfig;
@@ -115,7 +115,7 @@ pub(super) fn times(count: u64) -> String {
 
 impl Filter {
     /// Whether an event counts.
-    pub(super) fn takes(&self, event: &Event, config: &MachineConfig) -> bool {
+    pub(super) fn matches(&self, event: &Event, config: &MachineConfig) -> bool {
         self.kind.is_none_or(|kind| kind == event.kind)
             && self.source.is_none_or(|source| source == event.source)
             && self.severity.is_none_or(|severity| severity == event.severity)
@@ -335,7 +335,7 @@ impl Reader<'_> {
             _ => None,
         };
         let Some(scale) = scale else { return value.integer(i64::MIN..=i64::MAX) };
-        match Ruler::of_positions(scale).read(value)? {
+        match ValueFormat::of_positions(scale).read(value)? {
             Number::Int(position) => Some(position),
             Number::Real(_) => None,
         }

@@ -2,7 +2,7 @@
 
 use super::moment;
 use super::names::{Names, did_you_mean, nearest};
-use super::ruler::Ruler;
+use super::ruler::ValueFormat;
 use crate::document::{Map, Value};
 use lineshaft_core::config::IoKind;
 use lineshaft_core::drive::{Edge, Emergency, Latch, inputs};
@@ -229,7 +229,7 @@ fn latched(value: &Value<'_>, object: Object, names: &Names<'_>) -> Option<i64> 
         value.refuse(sentence, Some("give `age`, or name the encoder or axis".to_owned()));
         return None;
     };
-    whole(value, Ruler::of_positions(scale))
+    whole(value, ValueFormat::of_positions(scale))
 }
 
 /// Converts an absent value to `Some(None)`, and a wrong one to `None`.
@@ -293,7 +293,7 @@ fn input(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         }
         Some((IoKind::AnalogInput, place)) => {
             let signal = names.signal(key)?;
-            Ruler::of(names, signal).read(level).map(|volts| Injection::Analog { place, volts: volts.to_f64() })
+            ValueFormat::of(names, signal).read(level).map(|volts| Injection::Analog { place, volts: volts.to_f64() })
         }
         _ => {
             key.refuse(format!("{} is no input", key.peek().unwrap_or_default()), None);
@@ -357,7 +357,7 @@ fn encoder_jump(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     map.finish();
     let (axis, by) = (axis?, by?);
     if let Some(encoder) = names.config.encoders.iter().position(|entry| Some(entry.name.as_str()) == axis.peek()) {
-        let by = whole(&by, Ruler::of_positions(names.config.encoders[encoder].scale))?;
+        let by = whole(&by, ValueFormat::of_positions(names.config.encoders[encoder].scale))?;
         if let Some(which) = which {
             which.refuse("drive is for an axis; this is an entry of encoders", Some("leave it out".to_owned()));
             return None;
@@ -365,7 +365,7 @@ fn encoder_jump(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
         return Some(Injection::EncoderJump { encoder, by });
     }
     let (drive, index) = which_drive(&axis, which.as_ref(), names)?;
-    let by = whole(&by, Ruler::of_positions(names.config.axes[index].scale))?;
+    let by = whole(&by, ValueFormat::of_positions(names.config.axes[index].scale))?;
     Some(Injection::DriveJump { drive, by })
 }
 
@@ -454,18 +454,18 @@ fn encoder_slip(value: &Value<'_>, names: &Names<'_>) -> Option<Injection> {
     let (axis, by) = (axis?, by?);
     match encoder(&axis, names)? {
         Encoder::Entry(encoder) => {
-            let by = whole(&by, Ruler::of_positions(names.config.encoders[encoder].scale))?;
+            let by = whole(&by, ValueFormat::of_positions(names.config.encoders[encoder].scale))?;
             Some(Injection::Slip { encoder, by })
         }
         Encoder::Drive(drive) => {
             let index = names.config.find_axis(axis.text()?).ok()?.0;
-            let by = whole(&by, Ruler::of_positions(names.config.axes[usize::from(index)].scale))?;
+            let by = whole(&by, ValueFormat::of_positions(names.config.axes[usize::from(index)].scale))?;
             Some(Injection::DriveJump { drive, by })
         }
     }
 }
 
-fn whole(value: &Value<'_>, ruler: Ruler) -> Option<i64> {
+fn whole(value: &Value<'_>, ruler: ValueFormat) -> Option<i64> {
     match ruler.read(value)? {
         Number::Int(number) => Some(number),
         Number::Real(_) => None,

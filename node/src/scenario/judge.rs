@@ -81,7 +81,7 @@ impl Expectation {
     }
 
     /// Evaluates a cycle; cycles before a step are stored until it has fired.
-    pub(super) fn judge(&self, record: &mut Record, seen: &Seen<'_>, last: u64) {
+    pub(super) fn evaluate(&self, record: &mut Record, seen: &Seen<'_>, last: u64) {
         let Some(base) = self.base(seen.fired) else {
             if self.back() > 0 {
                 // The oldest sample is reused, so that its values need no new memory.
@@ -112,7 +112,7 @@ impl Expectation {
             Claim::Condition { predicate, .. } => predicate.look(seen.machine, &mut sample.values),
             Claim::Events { filter, .. } => {
                 let events = seen.machine.events().iter();
-                sample.events = events.filter(|event| filter.takes(event, seen.machine.config())).count() as u64;
+                sample.events = events.filter(|event| filter.matches(event, seen.machine.config())).count() as u64;
             }
         }
     }

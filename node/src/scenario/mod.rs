@@ -63,7 +63,7 @@ use names::Names;
 use std::path::Path;
 use std::sync::Arc;
 use step::Step;
-use verb::{Act, Deed, Ids};
+use verb::{Act, Effect, Ids};
 
 /// A scenario without errors, for the cell with which it was read. A clone is another handle to the same scenario.
 #[derive(Clone, Debug)]
@@ -94,7 +94,7 @@ struct Plan {
 impl Scenario {
     /// Returns true if a step activates or deactivates the machine.
     pub fn switches_activity(&self) -> bool {
-        let switches = |act: &Act| matches!(act.deed, Deed::Command(Action::Activate | Action::Deactivate));
+        let switches = |act: &Act| matches!(act.deed, Effect::Command(Action::Activate | Action::Deactivate));
         self.0.acts.iter().any(switches)
     }
 
@@ -165,7 +165,7 @@ impl Scenario {
         let plan = &self.0;
         let drives = plan.drives.iter().map(|drive| (drive.place, "drive"));
         let injects =
-            plan.acts.iter().filter(|act| matches!(act.deed, Deed::Inject(_) | Deed::Command(Action::PowerCycle)));
+            plan.acts.iter().filter(|act| matches!(act.deed, Effect::Inject(_) | Effect::Command(Action::PowerCycle)));
         let (place, what) = drives.chain(injects.map(|act| (act.place, "inject"))).min()?;
         let (file, Place { line, col }) = (&plan.file, place);
         Some(format!("{file}:{line}:{col}: {what} needs a simulated plant, run with --sim"))

@@ -5,7 +5,7 @@ use super::moment::text;
 use super::player::MOST_HELD;
 use super::refusal::Refusal;
 use super::report::Failure;
-use super::verb::Deed;
+use super::verb::Effect;
 use crate::document::Place;
 use lineshaft_core::code::Code;
 use lineshaft_core::event::{Event, Number};
@@ -39,18 +39,18 @@ pub(super) struct Outcome {
 }
 
 /// Whether the answer is the one that the step expects.
-pub(super) fn is_expected(answer: &Answer, wanted: Option<&Refusal>, deed: Option<&Deed>, plan: &Plan) -> bool {
+pub(super) fn is_expected(answer: &Answer, wanted: Option<&Refusal>, deed: Option<&Effect>, plan: &Plan) -> bool {
     match (answer, wanted) {
         (Answer::Accepted, None) => true,
         // The message was compared when the scenario was read.
-        (Answer::Refused(_), Some(_)) if matches!(deed, Some(Deed::Refused(_))) => true,
+        (Answer::Refused(_), Some(_)) if matches!(deed, Some(Effect::Refused(_))) => true,
         (Answer::Refused(event), Some(wanted)) => names(event, wanted, deed, plan),
         _ => false,
     }
 }
 
 /// Whether the message, the parameter or the code matches the expected refusal.
-fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> bool {
+fn names(event: &Event, wanted: &Refusal, deed: Option<&Effect>, plan: &Plan) -> bool {
     // For a function it is the number of a field, which the message names.
     let number = event.parameter.filter(|_| !matches!(event.source, Object::Function(_)));
     let row = number.and_then(|row| ROWS.get(usize::from(row)));
@@ -64,7 +64,7 @@ fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> b
 pub(super) struct Source<'a> {
     place: Place,
     verb: &'a str,
-    deed: Option<&'a Deed>,
+    deed: Option<&'a Effect>,
     /// Message of a request that was refused before it became a command.
     refusal: Option<&'a str>,
     /// Refusal that the step expects.
@@ -77,7 +77,7 @@ impl<'a> Source<'a> {
         match plan.acts.get(index) {
             Some(act) => {
                 let step = plan.steps.iter().find(|step| step.acts.contains(&index));
-                let refusal = if let Deed::Refused(sentence) = &act.deed { Some(sentence.as_str()) } else { None };
+                let refusal = if let Effect::Refused(sentence) = &act.deed { Some(sentence.as_str()) } else { None };
                 let wanted = step.and_then(|step| step.refused.as_ref());
                 Self { place: act.place, verb: &act.verb, deed: Some(&act.deed), refusal, wanted }
             }
@@ -149,8 +149,8 @@ fn said(event: &Event, source: &Source<'_>, plan: &Plan) -> String {
 
 /// Replaces the number of a goal that is not active by its ID; the number was assigned by the run, and the scenario has
 /// only the ID.
-fn by_id(event: &Event, deed: Option<&Deed>, plan: &Plan) -> Option<String> {
-    let Some(Deed::Cancel(place)) = deed else { return None };
+fn by_id(event: &Event, deed: Option<&Effect>, plan: &Plan) -> Option<String> {
+    let Some(Effect::Cancel(place)) = deed else { return None };
     let id = plan.ids.get(*place).filter(|_| event.code == Code::UNKNOWN_GOAL)?;
     let Number::Count(goal) = event.asked else { return None };
     let number = format!("goal {goal} ");

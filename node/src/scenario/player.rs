@@ -11,7 +11,7 @@ use super::drive::Target;
 use super::judge::{End, Record, Seen};
 use super::outcome::{self, Answer, Outcome};
 use super::step::{Step, Trigger};
-use super::verb::Deed;
+use super::verb::Effect;
 use super::{Plan, Report, Scenario, moment};
 use crate::scenario::report::Failure;
 use lineshaft_core::command::{Action, Command, Commands, Setpoints, Source};
@@ -168,16 +168,16 @@ impl Player {
         for outcome in step.acts.clone() {
             let Some(act) = plan.acts.get(outcome) else { continue };
             let action = match &act.deed {
-                Deed::Command(action) => action.clone(),
-                Deed::Refused(sentence) => Action::Refuse(sentence.as_str().into()),
-                Deed::Cancel(id) => Action::Cancel { goal: self.goals.get(*id).copied().unwrap_or(0) },
-                Deed::Inject(injection) => {
+                Effect::Command(action) => action.clone(),
+                Effect::Refused(sentence) => Action::Refuse(sentence.as_str().into()),
+                Effect::Cancel(id) => Action::Cancel { goal: self.goals.get(*id).copied().unwrap_or(0) },
+                Effect::Inject(injection) => {
                     if !plant.as_deref_mut().is_some_and(|plant| injection.apply(plant)) {
                         self.outcomes[outcome].note(self.cycle, Answer::NotInjected, false);
                     }
                     continue;
                 }
-                Deed::Stream(setpoints) => {
+                Effect::Stream(setpoints) => {
                     self.stream.take(setpoints);
                     continue;
                 }
@@ -251,7 +251,7 @@ impl Player {
         self.judge_conditions(machine, plan);
         let seen = Seen { cycle: self.cycle, machine, fired: &self.fired };
         for (expectation, record) in plan.expectations.iter().zip(&mut self.records) {
-            expectation.judge(record, &seen, plan.cycles - 1);
+            expectation.evaluate(record, &seen, plan.cycles - 1);
         }
         for (memory, drive) in self.memory.iter_mut().zip(&plan.drives) {
             *memory = Some(machine.board().value(drive.signal, drive.kind));

@@ -6,7 +6,7 @@
 //! Source   contract section 5
 
 use super::names::Names;
-use super::ruler::{self, Ruler};
+use super::ruler::{self, ValueFormat};
 use crate::document::{Map, Value};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::Storage;
@@ -19,7 +19,7 @@ use std::slice::Iter;
 pub(super) struct Probe {
     name: String,
     source: Source,
-    pub ruler: Ruler,
+    pub ruler: ValueFormat,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,7 @@ impl Probe {
         let mask = mask.map(|value| (value.integer(1..=i64::MAX), value));
         let signal = signal?;
         let entry = names.directory.entry(signal);
-        let ruler = Ruler::of(names, signal);
+        let ruler = ValueFormat::of(names, signal);
         let probe = Self { name: entry.name.clone(), source: Source::Signal(signal, entry.kind), ruler };
         match (mask, others) {
             (None, [None, None]) => Some(probe),
@@ -75,7 +75,7 @@ impl Probe {
             value.refuse(sentence, Some(format!("write `signal: {object}.{signal}`")));
             return None;
         }
-        let ruler = Ruler::of_parameter(row, scale);
+        let ruler = ValueFormat::of_parameter(row, scale);
         Some(Self { name: name.to_owned(), source: Source::Parameter(axis, place), ruler })
     }
 
@@ -88,7 +88,7 @@ impl Probe {
             return None;
         }
         let name = format!("{} & {mask:#x}", self.name);
-        let ruler = Ruler { mask: Some(mask), ..self.ruler };
+        let ruler = ValueFormat { mask: Some(mask), ..self.ruler };
         Some(Self { name, source: Source::Masked(signal, kind, mask), ruler })
     }
 
@@ -113,12 +113,12 @@ impl Probe {
 
     /// Returns the ruler of the sum with another signal. A memory cell has no unit: its number is in the unit of the
     /// signal to which it is added. `has_no_unit`: all terms so far are memory cells.
-    fn common_ruler(&self, other: Signal, value: &Value<'_>, names: &Names<'_>, has_no_unit: bool) -> Option<Ruler> {
-        let (mine, theirs) = (&self.ruler, Ruler::of(names, other));
+    fn common_ruler(&self, other: Signal, value: &Value<'_>, names: &Names<'_>, has_no_unit: bool) -> Option<ValueFormat> {
+        let (mine, theirs) = (&self.ruler, ValueFormat::of(names, other));
         let entry = names.directory.entry(other);
         let is_real = mine.kind == Type::Real || entry.kind == Type::Real;
         let kind = if is_real { Type::Real } else { Type::Int };
-        let plain = Ruler {
+        let plain = ValueFormat {
             kind,
             measure: mine.measure,
             scale: mine.scale,
@@ -130,12 +130,12 @@ impl Probe {
         };
         if theirs.measure != mine.measure {
             if has_no_unit {
-                return Some(Ruler { measure: theirs.measure, scale: theirs.scale, ..plain });
+                return Some(ValueFormat { measure: theirs.measure, scale: theirs.scale, ..plain });
             }
             if names.is_number_in_memory(other) {
                 return Some(plain);
             }
-            let unit = |ruler: &Ruler| match ruler.measure.unit() {
+            let unit = |ruler: &ValueFormat| match ruler.measure.unit() {
                 "" => "no unit",
                 unit => unit,
             };
@@ -146,7 +146,7 @@ impl Probe {
             return None;
         }
         // A length has no meaning for a sum of two scales, so that only increments remain.
-        Some(Ruler { scale: mine.scale.filter(|_| mine.scale == theirs.scale), ..plain })
+        Some(ValueFormat { scale: mine.scale.filter(|_| mine.scale == theirs.scale), ..plain })
     }
 
     /// Reads key `within`; refuses it for values without an order.
@@ -278,7 +278,7 @@ impl Check {
     }
 
     /// Returns the check as text.
-    pub(super) fn text(&self, ruler: &Ruler) -> String {
+    pub(super) fn text(&self, ruler: &ValueFormat) -> String {
         let text = |number: &Number| ruler.text(*number);
         match self {
             Self::Is { value, within: None } => text(value),

@@ -19,7 +19,7 @@ use lineshaft_core::unit::{
 
 /// Format of the values of a signal, or of the difference of two.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ruler {
+pub(super) struct ValueFormat {
     pub kind: Type,
     pub measure: Measure,
     pub scale: Option<Scale>,
@@ -38,7 +38,7 @@ pub(super) struct Ruler {
 /// Range of integers without narrower limits.
 pub(super) const ALL_WHOLE: (i64, i64) = (i64::MIN, i64::MAX);
 
-impl Ruler {
+impl ValueFormat {
     pub(super) fn of(names: &Names<'_>, signal: Signal) -> Self {
         let entry = names.directory.entry(signal);
         Self {

@@ -117,7 +117,7 @@ pub fn simulate_with(
         }
         None => None,
     };
-    let mut keeper = store.map(|store| Keeper::new(store, &machine));
+    let mut keeper = store.map(|store| StoreWriter::new(store, &machine));
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut player = Player::new(scenario);
     let mut sequence = 0;
@@ -196,14 +196,14 @@ fn line(cycle: u64, event: &Event, commands: Commands<'_>, config: &MachineConfi
 }
 
 /// Writes the stored parameter values (layer User) to the disk after each cycle.
-struct Keeper {
+struct StoreWriter {
     store: Store,
     image: ParameterImage,
     /// Last state of layer User.
     seen: (Vec<AxisParameters>, MachineParameters),
 }
 
-impl Keeper {
+impl StoreWriter {
     fn new(store: Store, machine: &Machine) -> Self {
         let image = machine.parameter_image();
         Self { store, seen: (image.user.clone(), image.machine[1]), image }

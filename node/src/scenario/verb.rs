@@ -94,14 +94,14 @@ const DIRECTIONS: [(&str, u8); 4] = [("shortest", 0), ("positive", 1), ("negativ
 pub(super) struct Act {
     pub place: Place,
     pub verb: String,
-    pub deed: Deed,
+    pub deed: Effect,
     /// Index of its ID among the IDs of the scenario.
     pub id: Option<usize>,
 }
 
 /// Effect of an act.
 #[derive(Clone, Debug)]
-pub(super) enum Deed {
+pub(super) enum Effect {
     Command(Action),
     /// A request that is invalid in itself, with the error message, as the step expects.
     Refused(String),
@@ -193,7 +193,7 @@ impl Reader<'_> {
         };
         let Some(name) = verb.text() else { return };
         let place = verb.place();
-        let mut add = |deed: Option<Deed>, id: Option<usize>| {
+        let mut add = |deed: Option<Effect>, id: Option<usize>| {
             acts.extend(deed.map(|deed| Act { place, verb: name.to_owned(), deed, id }));
         };
         match name {
@@ -262,17 +262,17 @@ impl Reader<'_> {
     }
 
     /// Converts the result of a request: to a command, or to a refusal that the step expects.
-    fn settle(&self, value: &Value<'_>, result: Result<Action, RequestError>) -> Option<Deed> {
-        self.settle_as(value, result.map(Deed::Command))
+    fn to_command(&self, value: &Value<'_>, result: Result<Action, RequestError>) -> Option<Effect> {
+        self.settle_as(value, result.map(Effect::Command))
     }
 
-    fn settle_as(&self, value: &Value<'_>, result: Result<Deed, RequestError>) -> Option<Deed> {
+    fn settle_as(&self, value: &Value<'_>, result: Result<Effect, RequestError>) -> Option<Effect> {
         let sentence = match result {
             Ok(deed) => return Some(deed),
             Err(error) => error.to_string(),
         };
         match self.refused {
-            Some(wanted) if wanted.fits(Code::BAD_REQUEST, &[&sentence], &[]) => return Some(Deed::Refused(sentence)),
+            Some(wanted) if wanted.fits(Code::BAD_REQUEST, &[&sentence], &[]) => return Some(Effect::Refused(sentence)),
             Some(wanted) => {
                 let code = Code::BAD_REQUEST.0;
                 value.refuse(sentence, Some(format!("`refused` asks for {wanted}; this has code {code}")));
@@ -282,14 +282,14 @@ impl Reader<'_> {
         None
     }
 
-    fn axes(&self, value: &Value<'_>, action: fn(AxisSet) -> Action) -> Option<Deed> {
+    fn axes(&self, value: &Value<'_>, action: fn(AxisSet) -> Action) -> Option<Effect> {
         let mut map = value.map(value.label())?;
         let axes = map.optional("axes");
         map.finish();
         self.axis_set(value, axes, action)
     }
 
-    fn reset_parameters(&self, value: &Value<'_>) -> Option<Deed> {
+    fn reset_parameters(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("reset_parameters")?;
         let axes = map.optional("axes");
         let layer = map.optional("layer").map_or(Some(Layer::User), |layer| layer.choice(Layer::NAMES));
@@ -304,18 +304,18 @@ impl Reader<'_> {
         value: &Value<'_>,
         axes: Option<Value<'_>>,
         action: impl FnOnce(AxisSet) -> Action,
-    ) -> Option<Deed> {
+    ) -> Option<Effect> {
         let items = axes.as_ref().map_or(Some(Vec::new()), |axes| axes.list())?;
         let names: Vec<_> = items.iter().map(|item| item.text()).collect();
         let names: Vec<&str> = names.into_iter().collect::<Option<_>>()?;
-        self.settle(axes.as_ref().unwrap_or(value), self.names.config.find_axes(&names).map(action))
+        self.to_command(axes.as_ref().unwrap_or(value), self.names.config.find_axes(&names).map(action))
     }
 
     fn scale(&self, axis: Option<&Value<'_>>) -> Option<Scale> {
         self.names.config.find_axis(axis?.peek()?).ok().map(|(_, axis)| axis.scale)
     }
 
-    fn move_axis(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+    fn move_axis(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
         let Some(mut map) = value.map("move_axis") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let axis = map.required("axis");
@@ -331,7 +331,7 @@ impl Reader<'_> {
         let deed = (|| {
             let units = match Units::from_number(units?) {
                 Ok(units) => units,
-                Err(error) => return self.settle(value, Err(error)),
+                Err(error) => return self.to_command(value, Err(error)),
             };
             let request = MoveRequest {
                 axis: axis?.text()?.to_owned(),
@@ -345,19 +345,19 @@ impl Reader<'_> {
             let config = self.names.config;
             let resolved =
                 if self.recorded { config.resolve_recorded_move(&request) } else { config.resolve_move(&request) };
-            self.settle(value, resolved.map(Action::Move))
+            self.to_command(value, resolved.map(Action::Move))
         })();
         (deed, id.flatten())
     }
 
-    fn cancel(&mut self, value: &Value<'_>) -> Option<Deed> {
+    fn cancel(&mut self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("cancel")?;
         let id = map.required("id");
         map.finish();
         let id = id?;
         let place = self.ids.place(id.text()?);
         self.ids.open.push((place, id.place()));
-        Some(Deed::Cancel(place))
+        Some(Effect::Cancel(place))
     }
 
     /// Refuses a verb without effect, because success would mean that something was executed. Returns false for a
@@ -371,7 +371,7 @@ impl Reader<'_> {
         true
     }
 
-    fn set_parameters(&self, value: &Value<'_>) -> Option<Deed> {
+    fn set_parameters(&self, value: &Value<'_>) -> Option<Effect> {
         let entries = value.entries()?;
         if entries.is_empty() {
             value.refuse("set_parameters is empty; `axis.key: value` is expected", None);
@@ -392,7 +392,7 @@ impl Reader<'_> {
                     is_good = false;
                 }
                 Some(Err(error)) => {
-                    let deed = self.settle(input, Err(error));
+                    let deed = self.to_command(input, Err(error));
                     is_good &= deed.is_some();
                     refused = refused.or(deed);
                 }
@@ -401,7 +401,7 @@ impl Reader<'_> {
         if !is_good {
             return None;
         }
-        refused.or_else(|| Some(Deed::Command(Action::SetParameters(changes.into()))))
+        refused.or_else(|| Some(Effect::Command(Action::SetParameters(changes.into()))))
     }
 
     /// Reads a parameter change from a name and a value; returns `None` if the value is invalid, which is reported.
@@ -414,7 +414,7 @@ impl Reader<'_> {
         Some(self.names.config.resolve_parameter(name, &input))
     }
 
-    fn set_memory(&self, value: &Value<'_>) -> Option<Deed> {
+    fn set_memory(&self, value: &Value<'_>) -> Option<Effect> {
         let entries = value.entries()?;
         if entries.is_empty() {
             // A value that is no mapping has been reported already.
@@ -426,7 +426,7 @@ impl Reader<'_> {
         // All entries are read, so that every problem is reported.
         let values: Vec<_> = entries.iter().map(|(key, value)| self.set_cell(key, value)).collect();
         let values: Vec<_> = values.into_iter().collect::<Option<_>>()?;
-        Some(Deed::Command(Action::SetMemory(values.into())))
+        Some(Effect::Command(Action::SetMemory(values.into())))
     }
 
     fn set_cell(&self, key: &Value<'_>, value: &Value<'_>) -> Option<MemoryValue> {
@@ -440,25 +440,25 @@ impl Reader<'_> {
         memory_value(value, memory[index].kind).map(|value| MemoryValue { index: index as u16, value })
     }
 
-    fn inject(&self, value: &Value<'_>) -> Option<Deed> {
+    fn inject(&self, value: &Value<'_>) -> Option<Effect> {
         let entries = if value.is_map() { value.entries()? } else { Vec::new() };
         if let [(kind, arguments)] = entries.as_slice()
             && kind.peek() == Some("power_cycle")
         {
             arguments.map("power_cycle")?.finish();
-            return Some(Deed::Command(Action::PowerCycle));
+            return Some(Effect::Command(Action::PowerCycle));
         }
         if self.refused.is_some() {
             value.refuse("inject is never refused; leave `refused` out of this step", None);
         }
-        inject::read(value, self.names).map(Deed::Inject)
+        inject::read(value, self.names).map(Effect::Inject)
     }
 }
 
 /// Reads a verb without arguments.
-fn nothing(value: &Value<'_>, action: Action) -> Option<Deed> {
+fn nothing(value: &Value<'_>, action: Action) -> Option<Effect> {
     value.map(value.label())?.finish();
-    Some(Deed::Command(action))
+    Some(Effect::Command(action))
 }
 
 /// Reads a choice by name or number; 0 if it is absent.

@@ -72,7 +72,7 @@ impl Starter {
             files.push(WholeFile::write(path, text.as_bytes(), None).map_err(|error| refused(path, &error))?);
         }
         for (file, path) in files.into_iter().zip(&self.paths) {
-            file.take_place().map_err(|error| format!("{}: cannot be replaced: {error}", path.display()))?;
+            file.replace().map_err(|error| format!("{}: cannot be replaced: {error}", path.display()))?;
         }
         Ok(())
     }

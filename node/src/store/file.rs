@@ -38,13 +38,13 @@ pub(super) enum Present {
 
 /// The valid file, and its text.
 #[derive(Debug)]
-pub(super) struct Found {
+pub(super) struct StoredFiles {
     pub text: Option<(PathBuf, String)>,
     pub present: Present,
 }
 
 /// Result of reading a file.
-enum Look {
+enum ReadResult {
     Missing,
     Good(String),
     Damaged(String),
@@ -83,12 +83,12 @@ impl Files {
     }
 
     /// Returns the valid file. Reports damage.
-    pub(super) fn find(&self) -> Result<Found, StoreError> {
+    pub(super) fn find(&self) -> Result<StoredFiles, StoreError> {
         let current = match look(&self.current)? {
-            Look::Good(text) => {
-                return Ok(Found { text: Some((self.current.clone(), text)), present: Present::Good });
+            ReadResult::Good(text) => {
+                return Ok(StoredFiles { text: Some((self.current.clone(), text)), present: Present::Good });
             }
-            Look::Missing => {
+            ReadResult::Missing => {
                 if self.previous.exists() {
                     tracing::warn!(
                         "{} is not there, so nothing is saved; {} is the generation before, and goes with the next save",
@@ -96,32 +96,32 @@ impl Files {
                         self.previous.display()
                     );
                 }
-                return Ok(Found { text: None, present: Present::Missing });
+                return Ok(StoredFiles { text: None, present: Present::Missing });
             }
-            Look::Damaged(reason) => reason,
+            ReadResult::Damaged(reason) => reason,
         };
         let before = match look(&self.previous)? {
-            Look::Good(text) => {
+            ReadResult::Good(text) => {
                 let generation = text::generation_of(&text).unwrap_or(0);
                 tracing::warn!(
                     "{}: it is damaged: {current}; the generation before, {}, is used: number {generation}",
                     self.current.display(),
                     self.previous.display()
                 );
-                return Ok(Found { text: Some((self.previous.clone(), text)), present: Present::Damaged });
+                return Ok(StoredFiles { text: Some((self.previous.clone(), text)), present: Present::Damaged });
             }
-            Look::Missing => "There is no generation before".to_owned(),
-            Look::Damaged(reason) => format!("The generation before, {}, too: {reason}", self.previous.display()),
+            ReadResult::Missing => "There is no generation before".to_owned(),
+            ReadResult::Damaged(reason) => format!("The generation before, {}, too: {reason}", self.previous.display()),
         };
         Err(StoreError::Damaged { path: self.current.clone(), current, before })
     }
 
     /// Returns the present state of the current file, with its text or the reason why it is invalid.
-    pub(super) fn again(&self) -> (Present, Result<String, String>) {
+    pub(super) fn reread(&self) -> (Present, Result<String, String>) {
         match look(&self.current) {
-            Ok(Look::Missing) => (Present::Missing, Err("it is not there".to_owned())),
-            Ok(Look::Good(text)) => (Present::Good, Ok(text)),
-            Ok(Look::Damaged(reason)) => (Present::Damaged, Err(reason)),
+            Ok(ReadResult::Missing) => (Present::Missing, Err("it is not there".to_owned())),
+            Ok(ReadResult::Good(text)) => (Present::Good, Ok(text)),
+            Ok(ReadResult::Damaged(reason)) => (Present::Damaged, Err(reason)),
             Err(error) => (Present::Damaged, Err(error.to_string())),
         }
     }
@@ -187,22 +187,22 @@ impl Files {
     }
 }
 
-fn look(path: &Path) -> Result<Look, StoreError> {
+fn look(path: &Path) -> Result<ReadResult, StoreError> {
     let mut bytes = Vec::new();
     let read = open_file(path).and_then(|file| file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes));
     match read {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Look::Missing),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(ReadResult::Missing),
         // The user must fix the permissions.
         Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
             return Err(StoreError::Place { path: path.to_owned(), reason: format!("it cannot be read: {error}") });
         }
-        Err(error) => return Ok(Look::Damaged(format!("it cannot be read: {error}"))),
+        Err(error) => return Ok(ReadResult::Damaged(format!("it cannot be read: {error}"))),
         Ok(_) => {}
     }
     if bytes.len() > MAX_BYTES {
-        return Ok(Look::Damaged(format!("it is longer than {MAX_BYTES} bytes")));
+        return Ok(ReadResult::Damaged(format!("it is longer than {MAX_BYTES} bytes")));
     }
-    Ok(text::checked(bytes).map_or_else(Look::Damaged, Look::Good))
+    Ok(text::checked(bytes).map_or_else(ReadResult::Damaged, ReadResult::Good))
 }
 
 /// Returns the target of a symbolic link whose target does not exist.

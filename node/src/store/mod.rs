@@ -14,7 +14,7 @@ mod read;
 mod text;
 
 use crate::document::Problems;
-use file::{Files, Found, Present};
+use file::{Files, StoredFiles, Present};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::parameter::{AxisParameters, MachineParameters};
 use std::fs::{File, TryLockError};
@@ -118,7 +118,7 @@ impl Store {
     ///
     /// # Errors
     /// Returns the same errors, except for use by another program.
-    pub fn open_beside(path: &Path) -> Result<Self, StoreError> {
+    pub fn open_read_only_if_used(path: &Path) -> Result<Self, StoreError> {
         match Self::open(path) {
             Err(StoreError::InUse(_)) => {
                 Self::read(Files::of(path)?, Err("another program keeps its own there".into()))
@@ -128,7 +128,7 @@ impl Store {
     }
 
     fn read(files: Files, lock: Result<File, String>) -> Result<Self, StoreError> {
-        let Found { text, present } = files.find()?;
+        let StoredFiles { text, present } = files.find()?;
         let (body, generation) = text.as_ref().map_or((text::body(&[]), 0), |(_, text)| {
             (text::body_of(text).to_owned(), text::generation_of(text).unwrap_or(0))
         });
@@ -202,7 +202,7 @@ impl Store {
 
     /// Reads the file again, because another program may have changed, damaged or deleted it.
     fn look_again(&mut self) {
-        let (present, found) = self.files.again();
+        let (present, found) = self.files.reread();
         let path = self.path().display();
         let known = self.found.as_ref().filter(|(path, _)| path == self.path()).map(|(_, text)| text);
         match (present, found) {

@@ -315,7 +315,7 @@ fn two_programs_do_not_write_one_store() {
         refused
             .ends_with("p.yaml: another program keeps its parameters there; end it, or name another file with --store")
     );
-    let mut beside = Store::open_beside(&bench.path("p.yaml")).unwrap();
+    let mut beside = Store::open_read_only_if_used(&bench.path("p.yaml")).unwrap();
     let mut config = bench.config.clone();
     beside.load(&mut config).unwrap();
     assert_eq!(config.axes[0].saved.unwrap().in_position_window, 1);

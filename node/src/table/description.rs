@@ -56,7 +56,7 @@ impl Description {
         let plan = match Plan::new(&segments, is_cyclic) {
             Ok(plan) => plan,
             Err(error) => {
-                blame(&items, &error).unwrap_or(list).refuse(error.to_string(), None);
+                offending_value(&items, &error).unwrap_or(list).refuse(error.to_string(), None);
                 return None;
             }
         };
@@ -151,7 +151,7 @@ fn segment(item: &Value<'_>) -> Option<Segment> {
 }
 
 /// Returns the value that makes a plan invalid.
-fn blame<'d>(items: &[Value<'d>], error: &PlanError) -> Option<Value<'d>> {
+fn offending_value<'d>(items: &[Value<'d>], error: &PlanError) -> Option<Value<'d>> {
     let (segment, key) = match *error {
         PlanError::Empty => return None,
         PlanError::NotFinite { segment, name, .. } => (segment, name),

@@ -16,7 +16,7 @@ const PARTS: u32 = 256;
 const PARTS_OF_SPLINE: u32 = 16;
 
 /// Replaces a maximum by a larger absolute value.
-fn meet(peak: &mut Peak, value: f64, at: f64) {
+fn raise_to(peak: &mut Peak, value: f64, at: f64) {
     if value.abs() > peak.value {
         *peak = Peak { value: value.abs(), at };
     }
@@ -168,7 +168,7 @@ impl Points {
         let mut sides = [Peak::default(); 2];
         for (x, at) in self.along(spline, PARTS_OF_SPLINE) {
             let [faster, slower] = &mut sides;
-            meet(if at.a * at.v >= 0.0 { faster } else { slower }, at.a, x);
+            raise_to(if at.a * at.v >= 0.0 { faster } else { slower }, at.a, x);
         }
         let [acceleration, deceleration] = with_largest(sides, peaks.a);
         Extremes { velocity: peaks.v, acceleration, deceleration, jerk: peaks.j, jumps: Vec::new() }
@@ -178,7 +178,7 @@ impl Points {
         let [velocity, acceleration, jerk] = self.derivatives();
         let mut found = Extremes::default();
         let slopes: Vec<f64> = velocity.iter().map(|(_, slope)| *slope).collect();
-        velocity.iter().for_each(|(x, v)| meet(&mut found.velocity, *v, *x));
+        velocity.iter().for_each(|(x, v)| raise_to(&mut found.velocity, *v, *x));
         // In a cyclic table the first bend is before the first line, otherwise after it.
         let offset = usize::from(!self.is_cyclic);
         for (nth, (x, a)) in acceleration.iter().enumerate() {
@@ -186,9 +186,9 @@ impl Points {
             let behind = line(nth + offset);
             let before = (nth + offset).checked_sub(1).map_or_else(|| slopes.last().copied().unwrap_or(0.0), line);
             let side = if a * (before + behind) < 0.0 { &mut found.deceleration } else { &mut found.acceleration };
-            meet(side, *a, *x);
+            raise_to(side, *a, *x);
         }
-        jerk.iter().for_each(|(x, j)| meet(&mut found.jerk, *j, *x));
+        jerk.iter().for_each(|(x, j)| raise_to(&mut found.jerk, *j, *x));
         found
     }
 }
@@ -256,7 +256,7 @@ fn planned(description: &Description) -> Extremes {
         let mut found = Peak::default();
         for span in description.spans() {
             let (value, at) = peak_within(span, |x| amount(plan, x, is_faster));
-            meet(&mut found, value, at);
+            raise_to(&mut found, value, at);
         }
         found
     });

@@ -9,7 +9,7 @@
 
 use super::findings::{Answer, Findings};
 use super::text::{decibel, frequency, rounded, share};
-use crate::recording::plot::{Axis, Chart, Curve, Look, Panel, Pin, Problem, Spacing, Target, draw_chart, replace};
+use crate::recording::plot::{Axis, Chart, Curve, LineStyle, Panel, MeasureMark, Problem, Spacing, Target, draw_chart, replace};
 use lineshaft_tune::{Bode, Point, Record, retrace};
 use std::path::Path;
 
@@ -34,7 +34,7 @@ const STEP_SHOWN: (f64, f64) = (-0.3, 1.8);
 const AIR: f64 = 0.08;
 
 /// Name, line style and behaviour of one set of loops.
-type Side<'a> = (&'static str, Look, &'a Answer);
+type Side<'a> = (&'static str, LineStyle, &'a Answer);
 
 /// Draws the findings of a record.
 ///
@@ -53,8 +53,8 @@ pub fn write_plot(findings: &Findings, record: &Record, path: &Path) -> Result<(
 }
 
 fn chart(findings: &Findings, record: &Record) -> Chart {
-    let before = findings.before.as_ref().ok().map(|answer| ("before", Look::Old, answer));
-    let after = findings.after.as_ref().ok().map(|answer| ("after", Look::New, answer));
+    let before = findings.before.as_ref().ok().map(|answer| ("before", LineStyle::Old, answer));
+    let after = findings.after.as_ref().ok().map(|answer| ("after", LineStyle::New, answer));
     let sides: Vec<Side<'_>> = [before, after].into_iter().flatten().collect();
     let mut panels = Vec::new();
     if !sides.is_empty() {
@@ -133,20 +133,20 @@ fn response(sides: &[Side<'_>]) -> [Panel; 2] {
 }
 
 /// Returns the marks of crossover and gain margin, and of phase margin.
-fn pins(bode: &Bode) -> (Vec<Pin>, Vec<Pin>) {
+fn pins(bode: &Bode) -> (Vec<MeasureMark>, Vec<MeasureMark>) {
     let turned = turned(bode);
     let at = bode.at_phase_margin().map(|point| turned(&point));
     let mut gains = Vec::new();
     if bode.margins.crossover > 0.0 {
         let place = (bode.margins.crossover, 0.0);
-        gains.push(Pin { from: place, to: place, text: frequency(bode.margins.crossover) });
+        gains.push(MeasureMark { from: place, to: place, text: frequency(bode.margins.crossover) });
     }
-    gains.extend(bode.at_gain_margin().map(|point| Pin {
+    gains.extend(bode.at_gain_margin().map(|point| MeasureMark {
         from: (point.frequency, 0.0),
         to: (point.frequency, point.open_gain),
         text: decibel(bode.margins.gain),
     }));
-    let phases = at.map(|point| Pin {
+    let phases = at.map(|point| MeasureMark {
         from: (point.frequency, -180.0),
         to: (point.frequency, point.open_phase),
         text: format!("{:.0} deg", bode.margins.phase),
@@ -171,7 +171,7 @@ fn step(findings: &Findings, sides: &[Side<'_>]) -> Panel {
     let (scale, unit) = time_unit(end);
     let mut curves = vec![Curve {
         name: "target".to_owned(),
-        look: Look::Asked,
+        look: LineStyle::Demanded,
         points: [(lead, 0.0), (0.0, 0.0), (0.0, distance), (end, distance)].map(|(t, y)| (t * scale, y)).to_vec(),
     }];
     curves.extend(sides.iter().map(|(name, look, answer)| {
@@ -223,11 +223,11 @@ fn fit(findings: &Findings, record: &Record) -> Option<[Panel; 2]> {
     let curve = |name: &str, look, points: Vec<(f64, f64)>| Curve { name: name.to_owned(), look, points };
     let over_time = |values: &mut dyn Iterator<Item = f64>| values.enumerate().map(|(k, y)| (time(k), y)).collect();
     let ways = vec![
-        curve("measured", Look::New, over_time(&mut measured().map(|way| way * per))),
-        curve("modelled", Look::Other, over_time(&mut modelled.iter().map(|way| way * per))),
+        curve("measured", LineStyle::New, over_time(&mut measured().map(|way| way * per))),
+        curve("modelled", LineStyle::Other, over_time(&mut modelled.iter().map(|way| way * per))),
     ];
     let left = over_time(&mut measured().zip(&modelled).map(|(way, model)| way - model));
-    let left = vec![curve("measured - modelled", Look::Other, left)];
+    let left = vec![curve("measured - modelled", LineStyle::Other, left)];
     let mean = left.iter().flat_map(|curve| &curve.points).map(|point| point.1 * point.1).sum::<f64>();
     let mean = (mean / record.positions.len() as f64).sqrt();
     let panel = |label: String, curves: Vec<Curve>, lines, height, is_joined| {

@@ -222,7 +222,7 @@ impl Setting {
     }
 
     /// Returns the question for permission to move a real drive, with the motion that follows.
-    pub fn asks_for_leave(&self, axis: &AxisConfig) -> String {
+    pub fn permission_question(&self, axis: &AxisConfig) -> String {
         let Permitted { travel, margin, velocity, command, .. } = self.permitted;
         let (way, rate) = (axis.scale.format_increments((travel + margin) as i64), axis.scale.format_rate(velocity, 1));
         let effort = match self.permitted.takes {

@@ -279,7 +279,7 @@ impl Trial {
             return self.end(Ended::Failed(failure));
         }
         match self.phase {
-            Phase::Begin if let Some(why) = self.hindrance(machine, state) => {
+            Phase::Begin if let Some(why) = self.start_refusal(machine, state) => {
                 self.phase = Phase::Over(why);
                 None
             }
@@ -337,7 +337,7 @@ impl Trial {
     }
 
     /// Returns the reason why the trial must not begin.
-    fn hindrance(&self, machine: &Machine, state: i64) -> Option<Ended> {
+    fn start_refusal(&self, machine: &Machine, state: i64) -> Option<Ended> {
         if let Some(why) = self.stopped {
             return Some(Ended::Stopped(why));
         }

@@ -63,7 +63,7 @@ pub fn label(object: Object, dictionary: Option<&Dictionary>) -> String {
 ///
 /// # Errors
 /// The object is write-only.
-pub fn readable(object: Object, dictionary: Option<&Dictionary>) -> Result<(), Refusal> {
+pub fn check_readable(object: Object, dictionary: Option<&Dictionary>) -> Result<(), Refusal> {
     let access = dictionary.and_then(|dictionary| dictionary.entry(object)).map(|entry| entry.access);
     match access.filter(|access| !access.is_readable()) {
         Some(access) => Err(Refusal::Access { label: label(object, dictionary), verb: "read", access: access.name() }),
@@ -216,9 +216,9 @@ mod tests {
 
     #[test]
     fn without_a_dictionary_nothing_is_forbidden() {
-        assert_eq!((readable(of(0x6041), None), writable(of(0x6041), None)), (Ok(()), Ok(())));
+        assert_eq!((check_readable(of(0x6041), None), writable(of(0x6041), None)), (Ok(()), Ok(())));
         assert_eq!(type_of(of(0x6041), None, None), Ok(None));
-        assert_eq!(readable(of(0x6041), Some(&known())), Ok(()));
+        assert_eq!(check_readable(of(0x6041), Some(&known())), Ok(()));
         let value = decoded(of(0x6064), &[1, 0], DataType::Integer32, None).unwrap_err().to_string();
         assert_eq!(value, "6064h:00: INTEGER32 has 4 bytes, not 2");
     }

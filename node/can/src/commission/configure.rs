@@ -63,7 +63,7 @@ impl Session {
         values: &[(Object, Vec<u8>)],
         progress: &mut dyn FnMut(usize, usize),
     ) -> Result<Configured, CommissionError> {
-        self.refuse_enabled(node)?;
+        self.check_not_enabled(node)?;
         let mut done = Configured::default();
         let mut pdos: BTreeMap<(u16, u16), Pdo<'_>> = BTreeMap::new();
         let mut profiles = BTreeMap::new();
@@ -77,7 +77,7 @@ impl Session {
             } else {
                 done.compared += 1;
                 if self.differs(node, *object, data)? {
-                    self.write_alone(node, *object, data)?;
+                    self.write_object(node, *object, data)?;
                     done.written.push(*object);
                 }
                 progress(done.compared, values.len());
@@ -113,7 +113,7 @@ impl Session {
 
     /// Returns the profile in a device type object. If a further logical device has none, the profile of the first one applies.
     fn profile(&mut self, node: NodeId, device_type: Object) -> Result<Option<u16>, CommissionError> {
-        let own = self.number(node, device_type.index, device_type.sub)?.and_then(acts::profile);
+        let own = self.number(node, device_type.index, device_type.sub)?.and_then(acts::profile_number);
         if own.is_some() || device_type == objects::DEVICE_TYPE {
             return Ok(own);
         }
@@ -132,7 +132,7 @@ impl Session {
     ///
     /// # Errors
     /// Vendor or product code differ, or the device does not answer.
-    pub fn refuse_others(
+    pub fn check_identity(
         &mut self,
         node: NodeId,
         vendor: Option<u32>,
@@ -147,7 +147,7 @@ impl Session {
         Ok(())
     }
 
-    fn refuse_enabled(&mut self, node: NodeId) -> Result<(), CommissionError> {
+    fn check_not_enabled(&mut self, node: NodeId) -> Result<(), CommissionError> {
         let Some(status) = self.number(node, objects::STATUS_WORD.index, 0)?.map(|status| status as u16) else {
             return Ok(());
         };
@@ -162,16 +162,16 @@ impl Session {
 
     /// Returns true if the object of the device has another value, or cannot be read.
     fn differs(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<bool, CommissionError> {
-        Ok(self.optional(node, object)?.is_none_or(|present| present != data))
+        Ok(self.read_optional(node, object)?.is_none_or(|present| present != data))
     }
 
     /// Writes an object that belongs to no PDO, and disables the object on which it depends meanwhile.
-    fn write_alone(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<(), CommissionError> {
+    fn write_object(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<(), CommissionError> {
         let period = objects::CYCLE_PERIOD;
         match object {
             // 1019h can change only while the period 1006h is 0.
             objects::SYNC_OVERFLOW => {
-                let present = self.optional(node, period)?.filter(|present| present.iter().any(|byte| *byte != 0));
+                let present = self.read_optional(node, period)?.filter(|present| present.iter().any(|byte| *byte != 0));
                 let Some(present) = present else { return self.write(node, object, data) };
                 self.write(node, period, &[0; 4])?;
                 self.write(node, object, data)?;

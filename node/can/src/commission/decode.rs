@@ -9,13 +9,13 @@ use super::allowed::label;
 use super::exchange::Exchange;
 use super::words::{drive_state, error, hex, nmt_state, register};
 use crate::eds::{DataType, Dictionary, Direction, Mapped, Value};
-use crate::{Frame, Id, Life, NmtState, NodeId};
+use crate::{Frame, Id, SignOfLife, NmtState, NodeId};
 use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 
 /// PDO of an identifier.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Carried {
+pub struct AssignedPdo {
     /// Node that sends or receives it.
     pub node: NodeId,
     /// Direction, from the view of the device.
@@ -30,19 +30,19 @@ pub struct Carried {
 #[derive(Clone, Debug, Default)]
 pub struct Decoder {
     dictionaries: BTreeMap<NodeId, Dictionary>,
-    pdos: BTreeMap<Id, Carried>,
+    pdos: BTreeMap<Id, AssignedPdo>,
     exchanges: BTreeMap<NodeId, Exchange>,
 }
 
 impl Decoder {
     /// Adds the dictionary of a node, and its PDOs, except those that were assigned before.
-    pub fn know(&mut self, node: NodeId, dictionary: Dictionary) {
+    pub fn add_dictionary(&mut self, node: NodeId, dictionary: Dictionary) {
         for direction in [Direction::Receive, Direction::Transmit] {
             for number in 1..=4 {
                 let Ok(pdo) = dictionary.pdo_mapping(direction, number) else { continue };
                 let id = u16::try_from(pdo.cob_id.id()).ok().and_then(|id| Id::new(id).ok());
                 if let Some(id) = id.filter(|_| pdo.cob_id.is_valid() && !pdo.cob_id.is_extended()) {
-                    self.pdos.entry(id).or_insert(Carried { node, direction, number, mapped: pdo.mapped });
+                    self.pdos.entry(id).or_insert(AssignedPdo { node, direction, number, mapped: pdo.mapped });
                 }
             }
         }
@@ -50,12 +50,12 @@ impl Decoder {
     }
 
     /// Assigns a PDO to an identifier.
-    pub fn carry(&mut self, id: Id, pdo: Carried) {
+    pub fn assign_pdo(&mut self, id: Id, pdo: AssignedPdo) {
         self.pdos.insert(id, pdo);
     }
 
     /// Returns true if a frame is from or to the node.
-    pub fn concerns(&self, frame: &Frame, node: NodeId) -> bool {
+    pub fn is_of_node(&self, frame: &Frame, node: NodeId) -> bool {
         match (frame.id(), frame.bytes()) {
             (Id::NMT, [_, of]) => *of == 0 || *of == node.get(),
             (id, _) => self.pdos.get(&id).map_or_else(|| owner(id), |pdo| Some(pdo.node)) == Some(node),
@@ -66,7 +66,7 @@ impl Decoder {
     pub fn words(&mut self, frame: &Frame) -> String {
         let id = frame.id();
         if let Some(pdo) = self.pdos.get(&id) {
-            return if frame.is_remote() { format!("{} is asked for", name(pdo)) } else { self.carried(pdo, frame) };
+            return if frame.is_remote() { format!("{} is asked for", name(pdo)) } else { self.pdo_text(pdo, frame) };
         }
         match (id.get(), owner(id)) {
             _ if id == Id::LSS_MASTER => lss("LSS master", frame.bytes()),
@@ -93,7 +93,7 @@ impl Decoder {
             0x080 => emergency(node, frame.bytes()),
             0x580 => self.exchanges.entry(node).or_default().response(node, frame, known),
             0x600 => self.exchanges.entry(node).or_default().request(node, frame, known),
-            0x700 => life(node, frame),
+            0x700 => heartbeat_text(node, frame),
             function => {
                 let number = (function - 0x180) / 0x100 + 1;
                 let is_told = function & 0x80 != 0;
@@ -103,7 +103,7 @@ impl Decoder {
     }
 
     /// Returns a PDO with its values as text.
-    fn carried(&self, pdo: &Carried, frame: &Frame) -> String {
+    fn pdo_text(&self, pdo: &AssignedPdo, frame: &Frame) -> String {
         let known = self.dictionaries.get(&pdo.node);
         let mut wide = [0; 8];
         for (to, from) in wide.iter_mut().zip(frame.bytes()) {
@@ -124,13 +124,13 @@ impl Decoder {
                 continue;
             }
             let data_type = known.and_then(|known| known.entry(*object)).map(|entry| entry.data_type);
-            values.push(format!("{} {}", label(*object, known), shown(object.index, value, bits, data_type)));
+            values.push(format!("{} {}", label(*object, known), value_text(object.index, value, bits, data_type)));
         }
         if values.is_empty() { name(pdo) } else { format!("{}: {}", name(pdo), values.join(", ")) }
     }
 }
 
-fn name(pdo: &Carried) -> String {
+fn name(pdo: &AssignedPdo) -> String {
     let letter = if pdo.direction == Direction::Transmit { 'T' } else { 'R' };
     format!("{letter}PDO {} of node {}", pdo.number, pdo.node.get())
 }
@@ -142,7 +142,7 @@ fn owner(id: Id) -> Option<NodeId> {
 }
 
 /// Returns a value of a PDO as text. Words of bits are shown in hexadecimal.
-fn shown(index: u16, value: u64, bits: u32, data_type: Option<DataType>) -> String {
+fn value_text(index: u16, value: u64, bits: u32, data_type: Option<DataType>) -> String {
     let digits = bits.div_ceil(4) as usize;
     let word = format!("{value:0digits$X}h");
     match index {
@@ -171,12 +171,12 @@ fn nmt(bytes: &[u8]) -> String {
     }
 }
 
-fn life(node: NodeId, frame: &Frame) -> String {
+fn heartbeat_text(node: NodeId, frame: &Frame) -> String {
     let node = node.get();
-    match Life::of(frame) {
-        Some(Life { state: NmtState::BootUp, toggle: false }) => format!("node {node} has booted"),
-        Some(Life { state, toggle: false }) => format!("node {node} is {}", nmt_state(state)),
-        Some(Life { state, toggle: true }) => format!("node {node} is {} (toggle 1)", nmt_state(state)),
+    match SignOfLife::of(frame) {
+        Some(SignOfLife { state: NmtState::BootUp, toggle: false }) => format!("node {node} has booted"),
+        Some(SignOfLife { state, toggle: false }) => format!("node {node} is {}", nmt_state(state)),
+        Some(SignOfLife { state, toggle: true }) => format!("node {node} is {} (toggle 1)", nmt_state(state)),
         None => format!("node {node} shows no state that is known"),
     }
 }
@@ -240,7 +240,7 @@ mod tests {
     fn knowing() -> Decoder {
         let mut decoder = Decoder::default();
         let known = eds::parse(include_bytes!("../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
-        decoder.know(node(), known);
+        decoder.add_dictionary(node(), known);
         decoder
     }
 
@@ -303,19 +303,19 @@ mod tests {
             Mapped { object: Object { index: 0x6064, sub: 0 }, bits: 32 },
         ];
         let id = Id::new(0x1F0).unwrap();
-        decoder.carry(id, Carried { node: node(), direction: Direction::Transmit, number: 1, mapped });
+        decoder.assign_pdo(id, AssignedPdo { node: node(), direction: Direction::Transmit, number: 1, mapped });
         assert_eq!(decoder.words(&frame(0x1F0, &[9, 1, 0, 0, 0])), "TPDO 1 of node 3: 6064h:00 00000001h");
-        assert!(decoder.concerns(&frame(0x1F0, &[]), node()));
+        assert!(decoder.is_of_node(&frame(0x1F0, &[]), node()));
     }
 
     #[test]
     fn frames_of_a_node_are_told_from_others() {
         let decoder = knowing();
         for (id, bytes) in [(0x183, &[][..]), (0x603, &[]), (0x703, &[5]), (0x083, &[]), (0, &[1, 0]), (0, &[1, 3])] {
-            assert!(decoder.concerns(&frame(id, bytes), node()), "{id:X}");
+            assert!(decoder.is_of_node(&frame(id, bytes), node()), "{id:X}");
         }
         for (id, bytes) in [(0x184, &[][..]), (0x080, &[]), (0, &[1, 4]), (0x7E5, &[]), (0x683, &[])] {
-            assert!(!decoder.concerns(&frame(id, bytes), node()), "{id:X}");
+            assert!(!decoder.is_of_node(&frame(id, bytes), node()), "{id:X}");
         }
     }
 

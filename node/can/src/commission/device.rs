@@ -73,7 +73,7 @@ pub struct Drive {
 
 /// NMT state of a device, as its heartbeat reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Heard {
+pub enum ReportedState {
     /// Reported state.
     State(NmtState),
     /// The device has no heartbeat.
@@ -84,7 +84,7 @@ pub enum Heard {
 
 impl Session {
     /// Reads an object that the device may lack.
-    pub(super) fn optional(&mut self, node: NodeId, object: Object) -> Result<Option<Vec<u8>>, CommissionError> {
+    pub(super) fn read_optional(&mut self, node: NodeId, object: Object) -> Result<Option<Vec<u8>>, CommissionError> {
         match self.read(node, object) {
             Ok(data) => Ok(Some(data)),
             Err(error) if error.is_refusal() => Ok(None),
@@ -94,7 +94,7 @@ impl Session {
 
     /// Reads a number of up to 4 bytes that the device may lack.
     pub(super) fn number(&mut self, node: NodeId, index: u16, sub: u8) -> Result<Option<u32>, CommissionError> {
-        Ok(self.optional(node, Object { index, sub })?.and_then(|data| number(&data)))
+        Ok(self.read_optional(node, Object { index, sub })?.and_then(|data| number(&data)))
     }
 
     /// Reads the identity of a device.
@@ -108,7 +108,7 @@ impl Session {
             *place = self.number(node, 0x1018, sub)?;
         }
         for (index, place) in (0x1008..).zip(&mut device.texts) {
-            *place = self.optional(node, Object { index, sub: 0 })?.map(|data| text(&data));
+            *place = self.read_optional(node, Object { index, sub: 0 })?.map(|data| text(&data));
         }
         device.register = self.number(node, 0x1001, 0)?;
         device.heartbeat_ms = self.number(node, objects::PRODUCER_HEARTBEAT.index, 0)?;
@@ -153,12 +153,12 @@ impl Session {
     ///
     /// # Errors
     /// The bus connection is lost.
-    pub fn heard(&mut self, node: NodeId, heartbeat_ms: Option<u32>) -> Result<Heard, CommissionError> {
+    pub fn nmt_state(&mut self, node: NodeId, heartbeat_ms: Option<u32>) -> Result<ReportedState, CommissionError> {
         if let Some(state) = self.state(node) {
-            return Ok(Heard::State(state));
+            return Ok(ReportedState::State(state));
         }
-        let Some(time) = heartbeat_ms.filter(|time| *time > 0) else { return Ok(Heard::None) };
+        let Some(time) = heartbeat_ms.filter(|time| *time > 0) else { return Ok(ReportedState::None) };
         let time = (Duration::from_millis(time.into()) * 2).min(PATIENCE);
-        Ok(self.hear(node, time, |_| true)?.map_or(Heard::Silent, Heard::State))
+        Ok(self.wait_for_state(node, time, |_| true)?.map_or(ReportedState::Silent, ReportedState::State))
     }
 }

@@ -57,7 +57,7 @@ impl Exchange {
             0x60..=0x7F => format!("asks for more of {}", self.label(known)),
             0x80 => self.abort(bytes, known),
             0xA1 => format!("has all of {}", self.label(known)),
-            0xA2 => self.acknowledged(bytes, Block::Server, known),
+            0xA2 => self.block_acknowledgement(bytes, Block::Server, known),
             0xA3 => {
                 (self.block, self.last) = (Some(Block::Server), None);
                 format!("asks for the blocks of {}", self.label(known))
@@ -105,7 +105,7 @@ impl Exchange {
             }
             0x80 => self.abort(bytes, known),
             0xA1 => format!("has all of {}", self.label(known)),
-            0xA2 => self.acknowledged(bytes, Block::Client, known),
+            0xA2 => self.block_acknowledgement(bytes, Block::Client, known),
             0xA0..=0xBF => {
                 self.name(bytes);
                 (self.block, self.last) = (Some(Block::Client), None);
@@ -150,7 +150,7 @@ impl Exchange {
     }
 
     /// Handles the acknowledgement of a block. `sender` sends the next block, unless the transfer is complete.
-    fn acknowledged(&mut self, [_, sequence, ..]: [u8; 8], sender: Block, known: Option<&Dictionary>) -> String {
+    fn block_acknowledgement(&mut self, [_, sequence, ..]: [u8; 8], sender: Block, known: Option<&Dictionary>) -> String {
         self.block = (self.last != Some(sequence)).then_some(sender);
         self.last = None;
         format!("has {sequence} segments of a block of {}", self.label(known))

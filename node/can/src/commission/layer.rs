@@ -19,19 +19,19 @@ impl Session {
     /// The device that was found no longer answers; the bus connection is lost.
     pub fn search(&mut self, progress: &mut dyn FnMut(usize, usize)) -> Result<Option<Identity>, CommissionError> {
         let patience = ANSWER.min(Duration::from_nanos(self.timeout_ns()));
-        self.send(&LssCommand::Wait.frame())?;
+        self.send(&LssCommand::SwitchToWaiting.frame())?;
         let mut scan = FastScan::default();
         let mut asked = 0;
         let outcome = loop {
-            self.send(&scan.question())?;
+            self.send(&scan.next_question())?;
             asked += 1;
             progress(asked, FastScan::QUESTIONS);
-            let is_answered = self.answer(patience, |frame| FastScan::is_answer(frame).then_some(()))?.is_some();
+            let is_answered = self.wait_for_answer(patience, |frame| FastScan::is_answer(frame).then_some(()))?.is_some();
             if let Some(outcome) = scan.next(is_answered) {
                 break outcome;
             }
         };
-        self.send(&LssCommand::Wait.frame())?;
+        self.send(&LssCommand::SwitchToWaiting.frame())?;
         match outcome {
             Outcome::Found(identity) => Ok(Some(identity)),
             Outcome::Nobody => Ok(None),
@@ -43,18 +43,18 @@ impl Session {
     ///
     /// # Errors
     /// No device has the identity; the device refuses or does not answer; the bus connection is lost.
-    pub fn set_layer(&mut self, identity: Identity, command: LssCommand) -> Result<(), CommissionError> {
-        self.send(&LssCommand::Wait.frame())?;
+    pub fn send_lss_command(&mut self, identity: Identity, command: LssCommand) -> Result<(), CommissionError> {
+        self.send(&LssCommand::SwitchToWaiting.frame())?;
         let time = Duration::from_nanos(self.timeout_ns());
         for frame in select(identity) {
             self.send(&frame)?;
         }
-        if self.answer(time, |frame| is_selected(frame).then_some(()))?.is_none() {
+        if self.wait_for_answer(time, |frame| is_selected(frame).then_some(()))?.is_none() {
             return Err(CommissionError::Nobody(identity));
         }
         self.send(&command.frame())?;
-        let answer: Option<Result<(), LssError>> = self.answer(time, |frame| command.answered(frame))?;
-        self.send(&LssCommand::Wait.frame())?;
+        let answer: Option<Result<(), LssError>> = self.wait_for_answer(time, |frame| command.result_of(frame))?;
+        self.send(&LssCommand::SwitchToWaiting.frame())?;
         match answer {
             Some(done) => done.map_err(CommissionError::Lss),
             None => Err(CommissionError::SilentLss(self.timeout_ns() / 1_000_000)),
@@ -62,7 +62,7 @@ impl Session {
     }
 
     /// Listens until a frame is an answer, or the time has passed.
-    fn answer<T>(&mut self, time: Duration, is_it: impl Fn(&Frame) -> Option<T>) -> Result<Option<T>, CommissionError> {
+    fn wait_for_answer<T>(&mut self, time: Duration, is_it: impl Fn(&Frame) -> Option<T>) -> Result<Option<T>, CommissionError> {
         let begin = self.elapsed();
         let mut answer = None;
         self.listen(|now, frame| {

@@ -18,11 +18,11 @@ mod scan;
 mod session;
 pub mod words;
 
-pub use allowed::{Refusal, decoded, encoded, label, readable, type_of, writable};
+pub use allowed::{Refusal, decoded, encoded, label, check_readable, type_of, writable};
 pub use configure::Configured;
-pub use decode::{Carried, Decoder};
-pub use device::{Device, Drive, Heard};
+pub use decode::{AssignedPdo, Decoder};
+pub use device::{Device, Drive, ReportedState};
 pub use object::{ObjectError, parse as object};
-pub use pdos::PdoSeen;
-pub use scan::{Found, Scan};
+pub use pdos::PdoConfiguration;
+pub use scan::{FoundNode, Scan};
 pub use session::{CommissionError, LONGEST, Progress, Session};

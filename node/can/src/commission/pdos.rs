@@ -18,7 +18,7 @@ const MOST_MAPPED: u32 = 64;
 
 /// PDO configuration of a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PdoSeen {
+pub struct PdoConfiguration {
     /// Direction, from the view of the device.
     pub direction: Direction,
     /// PDO number, from 1.
@@ -40,7 +40,7 @@ impl Session {
     ///
     /// # Errors
     /// The device does not answer; the bus connection is lost.
-    pub fn pdos(&mut self, node: NodeId) -> Result<Vec<PdoSeen>, CommissionError> {
+    pub fn pdos(&mut self, node: NodeId) -> Result<Vec<PdoConfiguration>, CommissionError> {
         let mut pdos = Vec::new();
         for (direction, communication, mapping) in
             [(Direction::Receive, 0x1400, 0x1600), (Direction::Transmit, 0x1800, 0x1A00_u16)]
@@ -62,7 +62,7 @@ impl Session {
         direction: Direction,
         offset: u16,
         (communication, mapping): (u16, u16),
-    ) -> Result<Option<PdoSeen>, CommissionError> {
+    ) -> Result<Option<PdoConfiguration>, CommissionError> {
         let Some(cob_id) = self.number(node, communication, 1)? else { return Ok(None) };
         let transmission = self.number(node, communication, 2)?.map(|kind| kind as u8);
         let (inhibit, event_timer) = (self.number(node, communication, 3)?, self.number(node, communication, 5)?);
@@ -74,6 +74,6 @@ impl Session {
             mapped.push(Mapped { object: Object { index: u16::from_le_bytes([low, high]), sub: of }, bits });
         }
         let cob_id = CobId(cob_id);
-        Ok(Some(PdoSeen { direction, number: offset + 1, cob_id, transmission, inhibit, event_timer, mapped }))
+        Ok(Some(PdoConfiguration { direction, number: offset + 1, cob_id, transmission, inhibit, event_timer, mapped }))
     }
 }

@@ -15,9 +15,9 @@ use std::thread;
 use std::time::Duration;
 
 /// Bytes of the longest name, with room for a whole last segment.
-const ROOM: usize = 256 + 7;
+const NAME_CAPACITY: usize = 256 + 7;
 /// Time between two polls of the bus.
-const LOOK: Duration = Duration::from_micros(200);
+const POLL_PERIOD: Duration = Duration::from_micros(200);
 /// Objects that are read, in this order.
 const ASKED: [Object; 6] = [
     objects::DEVICE_TYPE,
@@ -43,7 +43,7 @@ pub struct Scan {
 
 /// Node that was found. A value that it does not report is `None`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Found {
+pub struct FoundNode {
     /// Node ID.
     pub node: NodeId,
     /// NMT state, if the node has reported it.
@@ -60,7 +60,7 @@ pub struct Found {
 
 /// Node that is being queried.
 struct Asked {
-    found: Found,
+    found: FoundNode,
     client: Client,
     /// Place in [`ASKED`] of the object that is read next.
     next: usize,
@@ -68,22 +68,22 @@ struct Asked {
 }
 
 impl Asked {
-    fn is_over(&self) -> bool {
+    fn is_finished(&self) -> bool {
         self.next >= ASKED.len() && self.client.is_idle()
     }
 
     /// Starts to read the next object.
-    fn go_on(&mut self, now_ns: u64) {
+    fn start_next_read(&mut self, now_ns: u64) {
         if self.client.is_idle()
             && let Some(object) = ASKED.get(self.next)
         {
             // The client is idle and accepts the transfer.
-            drop(self.client.upload(*object, Vec::with_capacity(ROOM), false, now_ns));
+            drop(self.client.upload(*object, Vec::with_capacity(NAME_CAPACITY), false, now_ns));
             self.next += 1;
         }
     }
 
-    fn take(&mut self, Transfer { object, data, result }: Transfer) {
+    fn handle_result(&mut self, Transfer { object, data, result }: Transfer) {
         match result {
             // There is no node, or it no longer answers.
             Err(SdoError::Silent(..)) => self.next = ASKED.len(),
@@ -109,13 +109,13 @@ impl Session {
     ///
     /// # Errors
     /// The bus connection is lost.
-    pub fn scan(&mut self, scan: Scan, progress: &mut dyn FnMut(usize, usize)) -> Result<Vec<Found>, CommissionError> {
+    pub fn scan(&mut self, scan: Scan, progress: &mut dyn FnMut(usize, usize)) -> Result<Vec<FoundNode>, CommissionError> {
         let began = self.elapsed();
         let nodes = (scan.from.get()..=scan.to.get()).filter_map(NodeId::new);
         let mut all: Vec<Asked> = (0_u32..)
             .zip(nodes)
             .map(|(place, node)| Asked {
-                found: Found { node, state: None, device_type: None, identity: [None; 4], name: None, answers: false },
+                found: FoundNode { node, state: None, device_type: None, identity: [None; 4], name: None, answers: false },
                 client: Client::new(node.sdo_request(), node.sdo_response(), self.timeout_ns()),
                 next: 0,
                 begins: began + scan.gap * place,
@@ -125,12 +125,12 @@ impl Session {
             let now_ns = self.now_ns();
             for asked in all.iter_mut().filter(|asked| Duration::from_nanos(now_ns) >= asked.begins) {
                 if let Some(done) = asked.client.tick(now_ns) {
-                    asked.take(done);
+                    asked.handle_result(done);
                 }
-                if asked.is_over() {
+                if asked.is_finished() {
                     continue;
                 }
-                asked.go_on(now_ns);
+                asked.start_next_read(now_ns);
                 while let Some(frame) = asked.client.next_frame() {
                     self.send(&frame)?;
                 }
@@ -142,19 +142,19 @@ impl Session {
                 if let Some(asked) = of
                     && let Some(done) = asked.client.receive(frame, now_ns)
                 {
-                    asked.take(done);
+                    asked.handle_result(done);
                 }
             }
-            let done = all.iter().filter(|asked| asked.is_over()).count();
+            let done = all.iter().filter(|asked| asked.is_finished()).count();
             progress(done, all.len());
             if done == all.len() && self.elapsed() - began >= scan.least {
                 break;
             }
             if frame.is_none() {
-                thread::sleep(LOOK);
+                thread::sleep(POLL_PERIOD);
             }
         }
-        let found = all.into_iter().map(|asked| Found { state: self.state(asked.found.node), ..asked.found });
+        let found = all.into_iter().map(|asked| FoundNode { state: self.state(asked.found.node), ..asked.found });
         Ok(found.filter(|found| found.answers || found.state.is_some()).collect())
     }
 }

@@ -7,7 +7,7 @@
 use crate::lss::{Identity, LssError};
 use crate::sdo::{Abort, Client, Object, SdoError};
 use crate::transport::{Transport, TransportError};
-use crate::{Frame, Life, NmtCommand, NmtState, NodeId};
+use crate::{Frame, SignOfLife, NmtCommand, NmtState, NodeId};
 use std::collections::BTreeMap;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -17,11 +17,11 @@ pub const LONGEST: usize = 16 << 20;
 /// Bytes of a segment, by which the last one may exceed the object.
 const FILL: usize = 7;
 /// Time between two polls of the bus.
-const LOOK: Duration = Duration::from_micros(200);
+const POLL_PERIOD: Duration = Duration::from_micros(200);
 /// Longest time for which the send queue may be full.
-const FULL: Duration = Duration::from_secs(2);
+const FULL_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time that the last frame may need until it is on the bus.
-const LEAVE: Duration = Duration::from_millis(30);
+const DRAIN_TIME: Duration = Duration::from_millis(30);
 
 /// Reason why a request failed.
 #[derive(Debug, thiserror::Error)]
@@ -122,7 +122,7 @@ impl Session {
         let began = Instant::now();
         loop {
             match self.transport.send(frame) {
-                Err(TransportError::Full(_)) if began.elapsed() < FULL => thread::sleep(LOOK),
+                Err(TransportError::Full(_)) if began.elapsed() < FULL_TIMEOUT => thread::sleep(POLL_PERIOD),
                 done => return Ok(done?),
             }
         }
@@ -137,7 +137,7 @@ impl Session {
         let Some(frame) = self.transport.receive()? else { return Ok(None) };
         let of = u8::try_from(frame.id().get() & 0x7F).ok().and_then(NodeId::new);
         if let Some(node) = of.filter(|node| node.heartbeat() == frame.id())
-            && let Some(life) = Life::of(&frame)
+            && let Some(life) = SignOfLife::of(&frame)
         {
             self.states.insert(node, life.state);
         }
@@ -155,7 +155,7 @@ impl Session {
                 return Ok(());
             }
             if frame.is_none() {
-                thread::sleep(LOOK);
+                thread::sleep(POLL_PERIOD);
             }
         }
     }
@@ -164,7 +164,7 @@ impl Session {
     ///
     /// # Errors
     /// The bus connection is lost.
-    pub fn hear(
+    pub fn wait_for_state(
         &mut self,
         node: NodeId,
         time: Duration,
@@ -174,7 +174,7 @@ impl Session {
         let mut heard = None;
         self.listen(|_, frame| {
             let of_node = frame.filter(|frame| frame.id() == node.heartbeat());
-            heard = of_node.and_then(Life::of).map(|life| life.state).filter(|state| is_wanted(*state));
+            heard = of_node.and_then(SignOfLife::of).map(|life| life.state).filter(|state| is_wanted(*state));
             heard.is_none() && began.elapsed() < time
         })?;
         Ok(heard)
@@ -286,7 +286,7 @@ impl Session {
                 progress(bytes, of);
             }
             if frame.is_none() {
-                thread::sleep(LOOK);
+                thread::sleep(POLL_PERIOD);
             }
         }
     }
@@ -296,8 +296,8 @@ impl Drop for Session {
     fn drop(&mut self) {
         // A queued frame would be lost when the transport is closed.
         let began = Instant::now();
-        while began.elapsed() < LEAVE && self.transport.flush().is_ok() {
-            thread::sleep(LOOK);
+        while began.elapsed() < DRAIN_TIME && self.transport.flush().is_ok() {
+            thread::sleep(POLL_PERIOD);
         }
         self.transport.close();
     }

@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_become_words() {
+    fn numbers_have_texts_of_standard() {
         assert_eq!(modes(0x1A5), "pp, pv, hm, csp, csv");
         assert_eq!(modes(0x0001_0000), "bit 16 of the vendor");
         assert_eq!(modes(0x001F_0080), "csp, bits 16 to 20 of the vendor");

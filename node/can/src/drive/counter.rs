@@ -7,7 +7,7 @@
 
 /// Accumulated changes of a position word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counter {
+pub struct PositionCounter {
     /// Number of upper bits that the word does not use.
     unused_bits: u32,
     word: Option<i32>,
@@ -15,26 +15,26 @@ pub struct Counter {
     epoch: u32,
 }
 
-impl Default for Counter {
+impl Default for PositionCounter {
     fn default() -> Self {
         Self::of_bits(i32::BITS)
     }
 }
 
-impl Counter {
+impl PositionCounter {
     /// Creates a counter for words of 1 to 32 bits.
     pub fn of_bits(bits: u32) -> Self {
         Self { unused_bits: i32::BITS - bits.clamp(1, i32::BITS), word: None, count: 0, epoch: 0 }
     }
 
     /// Returns the signed difference between two words, the shorter distance around the word.
-    fn way(self, from: i32, to: i32) -> i64 {
+    fn wrapped_difference(self, from: i32, to: i32) -> i64 {
         i64::from(to.wrapping_sub(from) << self.unused_bits >> self.unused_bits)
     }
 
     /// Adds the change to a new word and returns it.
-    pub fn take(&mut self, word: i32) -> i64 {
-        let change = self.word.map(|last| self.way(last, word));
+    pub fn update(&mut self, word: i32) -> i64 {
+        let change = self.word.map(|last| self.wrapped_difference(last, word));
         self.word = Some(word);
         match change {
             // Cannot overflow in practice: steps of at most 2^31 counts do not reach 2^63.
@@ -45,15 +45,15 @@ impl Counter {
     }
 
     /// Starts a new epoch: the next word belongs to another coordinate system.
-    pub fn begin_anew(&mut self) {
+    pub fn start_epoch(&mut self) {
         if self.word.take().is_some() {
             self.epoch = self.epoch.wrapping_add(1);
         }
     }
 
     /// Returns the count at another word of the same coordinate system, by the shorter distance; `None` before the first word.
-    pub fn locate(self, word: i32) -> Option<i64> {
-        self.word.map(|last| self.count.wrapping_add(self.way(last, word)))
+    pub fn count_at(self, word: i32) -> Option<i64> {
+        self.word.map(|last| self.count.wrapping_add(self.wrapped_difference(last, word)))
     }
 
     /// Returns the accumulated count.
@@ -73,31 +73,31 @@ mod tests {
 
     #[test]
     fn a_word_that_wraps_is_counted_on() {
-        let mut counter = Counter::default();
-        assert_eq!((counter.take(i32::MAX - 1), counter.count()), (0, i64::from(i32::MAX) - 1));
-        assert_eq!((counter.take(i32::MIN + 1), counter.count()), (3, i64::from(i32::MAX) + 2));
-        assert_eq!((counter.take(i32::MAX), counter.count()), (-2, i64::from(i32::MAX)));
+        let mut counter = PositionCounter::default();
+        assert_eq!((counter.update(i32::MAX - 1), counter.count()), (0, i64::from(i32::MAX) - 1));
+        assert_eq!((counter.update(i32::MIN + 1), counter.count()), (3, i64::from(i32::MAX) + 2));
+        assert_eq!((counter.update(i32::MAX), counter.count()), (-2, i64::from(i32::MAX)));
         assert_eq!(counter.epoch(), 0);
-        assert_eq!(counter.locate(i32::MIN), Some(i64::from(i32::MAX) + 1));
+        assert_eq!(counter.count_at(i32::MIN), Some(i64::from(i32::MAX) + 1));
     }
 
     /// Proves: MACS-CAN-12
     #[test]
     fn a_word_of_16_bits_wraps_at_its_own_end() {
-        let mut counter = Counter::of_bits(16);
-        assert_eq!((counter.take(0x7FFF), counter.count()), (0, 0x7FFF));
-        assert_eq!((counter.take(-0x8000), counter.count()), (1, 0x8000));
-        assert_eq!((counter.take(0x7FFE), counter.count()), (-2, 0x7FFE));
-        assert_eq!(counter.locate(-0x7FFF), Some(0x8001));
+        let mut counter = PositionCounter::of_bits(16);
+        assert_eq!((counter.update(0x7FFF), counter.count()), (0, 0x7FFF));
+        assert_eq!((counter.update(-0x8000), counter.count()), (1, 0x8000));
+        assert_eq!((counter.update(0x7FFE), counter.count()), (-2, 0x7FFE));
+        assert_eq!(counter.count_at(-0x7FFF), Some(0x8001));
     }
 
     #[test]
     fn a_new_coordinate_is_no_motion() {
-        let mut counter = Counter::default();
-        counter.begin_anew();
+        let mut counter = PositionCounter::default();
+        counter.start_epoch();
         assert_eq!(counter.epoch(), 0, "nothing was counted before");
-        counter.take(500);
-        counter.begin_anew();
-        assert_eq!((counter.take(0), counter.count(), counter.epoch()), (0, 0, 1));
+        counter.update(500);
+        counter.start_epoch();
+        assert_eq!((counter.update(0), counter.count(), counter.epoch()), (0, 0, 1));
     }
 }

@@ -4,13 +4,13 @@
 //! Refuses  numbers that the table lacks; types whose process data the source does not describe
 //! Source   MACS-CAN-01, -02, -08, -11, -12, -13, A-51, A-53
 
-use super::layout::{Asked, Field, Layout, LayoutError, ModeBySdo, Pdo, Told, Transmission};
+use super::layout::{CommandedValue, Field, Layout, LayoutError, ModeBySdo, Pdo, ReportedValue, Transmission};
 use super::objects;
 use crate::NodeId;
 use crate::sdo::Object;
 
 /// Dummy entry of 16 bits for unused process data (CiA 301, data type 0006h).
-const UNUSED: Object = Object { index: 0x0006, sub: 0 };
+const DUMMY_U16: Object = Object { index: 0x0006, sub: 0 };
 
 /// Kind of drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +70,7 @@ impl DriveType {
     }
 
     /// Returns the reason why the drive type is not supported; `None` if it is supported.
-    pub fn refusal(self) -> Option<&'static str> {
+    pub fn unsupported_reason(self) -> Option<&'static str> {
         if !self.controlled {
             return Some("nothing here writes a control word that the axis leaves alone");
         }
@@ -90,15 +90,15 @@ impl DriveType {
     /// Cannot fail: the fields fit in PDO 1.
     pub fn layout(self, node: NodeId) -> Result<Layout, LayoutError> {
         let asked = [
-            Field { word: Asked::Control, object: objects::CONTROL_WORD, bits: 16 },
-            Field { word: Asked::Velocity, object: objects::TARGET_VELOCITY, bits: 32 },
+            Field { word: CommandedValue::Control, object: objects::CONTROL_WORD, bits: 16 },
+            Field { word: CommandedValue::Velocity, object: objects::TARGET_VELOCITY, bits: 32 },
             // Latch control: the latch is not used.
-            Field { word: Asked::Nothing, object: UNUSED, bits: 16 },
+            Field { word: CommandedValue::Nothing, object: DUMMY_U16, bits: 16 },
         ];
-        let position = |bits| Field { word: Told::Position, object: objects::POSITION, bits };
+        let position = |bits| Field { word: ReportedValue::Position, object: objects::POSITION, bits };
         // Position and status of the latch.
-        let unused = Field { word: Told::Nothing, object: UNUSED, bits: 16 };
-        let status = Field { word: Told::Status, object: objects::STATUS_WORD, bits: 16 };
+        let unused = Field { word: ReportedValue::Nothing, object: DUMMY_U16, bits: 16 };
+        let status = Field { word: ReportedValue::Status, object: objects::STATUS_WORD, bits: 16 };
         let (asked, told) = match self.kind {
             Kind::Akd => (asked.to_vec(), vec![status, position(16), unused, unused]),
             _ => (asked.into_iter().take(2).collect(), vec![status, position(32)]),
@@ -127,7 +127,7 @@ mod tests {
     ///
     /// Proves: MACS-O-55, MACS-CAN-01, MACS-CAN-02
     #[test]
-    fn numbers_decode() {
+    fn drivetype_numbers_are_decoded() {
         for (value, expected) in [
             (-110, kind(Kind::Danfoss, false, false)),
             (13, kind(Kind::Akd, true, true)),
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn types_without_words_are_refused() {
-        let is_refused = |value| DriveType::decode(value).unwrap().refusal().is_some();
+        let is_refused = |value| DriveType::decode(value).unwrap().unsupported_reason().is_some();
         assert_eq!([2, -3, 4, 11, 13].map(is_refused), [false; 5]);
         assert_eq!([1, 5, 10, 12, 91, 102, -113].map(is_refused), [true; 7]);
     }

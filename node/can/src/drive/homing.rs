@@ -27,7 +27,7 @@ enum Stage {
 /// State of the homing setup.
 #[derive(Clone, Debug)]
 pub struct HomingSetup {
-    order: Option<HomingOrder>,
+    command: Option<HomingOrder>,
     at: usize,
     stage: Stage,
     factor: VelocityFactor,
@@ -42,18 +42,18 @@ const STEPS: [Object; 4] =
 impl HomingSetup {
     /// Creates a setup without a homing command.
     pub fn new(factor: VelocityFactor) -> Self {
-        Self { order: None, at: 0, stage: Stage::Next, factor, room: Some(Vec::with_capacity(LONGEST)) }
+        Self { command: None, at: 0, stage: Stage::Next, factor, room: Some(Vec::with_capacity(LONGEST)) }
     }
 
     /// Returns the mode that may be commanded: mode homing only after all objects are written, before that `before`, the previous mode.
-    pub fn allow(&mut self, mode: Mode, before: i8) -> i8 {
+    pub fn allowed_mode(&mut self, mode: Mode, before: i8) -> i8 {
         let Mode::Homing(order) = mode else {
-            self.order = None;
+            self.command = None;
             return mode.number();
         };
-        if self.order != Some(order) {
+        if self.command != Some(order) {
             // The answer of a pending write still arrives, but it does not belong to this command.
-            (self.order, self.at) = (Some(order), 0);
+            (self.command, self.at) = (Some(order), 0);
             if self.stage == Stage::Refused {
                 self.stage = Stage::Next;
             }
@@ -64,7 +64,7 @@ impl HomingSetup {
     /// Returns the object that is to be written now, with its data.
     pub fn next_object(&mut self) -> Option<(Object, Vec<u8>)> {
         let object = *STEPS.get(self.at)?;
-        let order = self.order.filter(|_| self.stage == Stage::Next)?;
+        let order = self.command.filter(|_| self.stage == Stage::Next)?;
         let mut data = self.room.take()?;
         data.clear();
         let speed = |value: f64| u32::try_from(self.factor.to_drive(value)).unwrap_or(u32::MAX).max(1).to_le_bytes();
@@ -79,17 +79,17 @@ impl HomingSetup {
     }
 
     /// Returns the data of a write that could not be started; it is repeated.
-    pub fn give_back(&mut self, data: Vec<u8>) {
+    pub fn return_buffer(&mut self, data: Vec<u8>) {
         (self.room, self.stage) = (Some(data), Stage::Next);
     }
 
     /// Returns true if the answer to a write of this object is pending.
-    pub fn awaits(&self, object: Object) -> bool {
+    pub fn is_pending(&self, object: Object) -> bool {
         self.stage == Stage::Asked && STEPS.contains(&object)
     }
 
     /// Handles the answer to a write.
-    pub fn take(&mut self, object: Object, data: Vec<u8>, is_good: bool) {
+    pub fn handle_answer(&mut self, object: Object, data: Vec<u8>, is_good: bool) {
         self.room = Some(data);
         let is_of_step = STEPS.get(self.at) == Some(&object);
         self.stage = match (is_of_step, is_good) {
@@ -114,8 +114,8 @@ mod tests {
     /// Writes the next object and passes the answer.
     fn answer(setup: &mut HomingSetup, is_good: bool) -> (Object, Vec<u8>) {
         let (object, data) = setup.next_object().expect("something is next");
-        assert!(setup.awaits(object) && setup.next_object().is_none(), "one at a time");
-        setup.take(object, data.clone(), is_good);
+        assert!(setup.is_pending(object) && setup.next_object().is_none(), "one at a time");
+        setup.handle_answer(object, data.clone(), is_good);
         (object, data)
     }
 
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn mode_6_is_asked_for_once_all_is_written() {
         let mut setup = HomingSetup::new(VelocityFactor::default());
-        assert_eq!((setup.allow(Mode::Position, 0), setup.next_object()), (8, None));
+        assert_eq!((setup.allowed_mode(Mode::Position, 0), setup.next_object()), (8, None));
         let expected = [
             (objects::HOMING_METHOD, vec![0xFD]),
             (objects::HOMING_SEARCH, 20_000_u32.to_le_bytes().to_vec()),
@@ -131,23 +131,23 @@ mod tests {
             (objects::HOMING_ACCELERATION, 500_000_u32.to_le_bytes().to_vec()),
         ];
         for written in expected {
-            assert_eq!(setup.allow(Mode::Homing(ORDER), 8), 8);
+            assert_eq!(setup.allowed_mode(Mode::Homing(ORDER), 8), 8);
             assert_eq!(answer(&mut setup, true), written);
         }
-        assert_eq!((setup.allow(Mode::Homing(ORDER), 8), setup.next_object()), (6, None));
-        assert_eq!(setup.allow(Mode::Position, 6), 8);
-        assert_eq!(setup.allow(Mode::Homing(ORDER), 8), 8, "a second homing is set up anew");
+        assert_eq!((setup.allowed_mode(Mode::Homing(ORDER), 8), setup.next_object()), (6, None));
+        assert_eq!(setup.allowed_mode(Mode::Position, 6), 8);
+        assert_eq!(setup.allowed_mode(Mode::Homing(ORDER), 8), 8, "a second homing is set up anew");
     }
 
     #[test]
     fn a_refused_object_keeps_mode_6_away() {
         let mut setup = HomingSetup::new(VelocityFactor::default());
-        setup.allow(Mode::Homing(ORDER), 8);
+        setup.allowed_mode(Mode::Homing(ORDER), 8);
         answer(&mut setup, false);
-        assert_eq!((setup.next_object(), setup.allow(Mode::Homing(ORDER), 8)), (None, 8));
+        assert_eq!((setup.next_object(), setup.allowed_mode(Mode::Homing(ORDER), 8)), (None, 8));
         let other = HomingOrder { method: 17, ..ORDER };
-        setup.allow(Mode::Position, 8);
-        setup.allow(Mode::Homing(other), 8);
+        setup.allowed_mode(Mode::Position, 8);
+        setup.allowed_mode(Mode::Homing(other), 8);
         assert_eq!(answer(&mut setup, true).1, [17]);
     }
 
@@ -155,12 +155,12 @@ mod tests {
     #[test]
     fn another_order_begins_anew() {
         let mut setup = HomingSetup::new(VelocityFactor::default());
-        setup.allow(Mode::Homing(ORDER), 8);
+        setup.allowed_mode(Mode::Homing(ORDER), 8);
         answer(&mut setup, true);
         let (object, data) = setup.next_object().unwrap();
-        setup.allow(Mode::Homing(HomingOrder { method: 17, ..ORDER }), 8);
+        setup.allowed_mode(Mode::Homing(HomingOrder { method: 17, ..ORDER }), 8);
         assert_eq!(setup.next_object(), None, "its answer has not come");
-        setup.take(object, data, true);
+        setup.handle_answer(object, data, true);
         assert_eq!(answer(&mut setup, true), (objects::HOMING_METHOD, vec![17]));
     }
 }

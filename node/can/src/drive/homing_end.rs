@@ -35,7 +35,7 @@ pub struct HomingEnd {
     is_used: bool,
     most_cycles: u32,
     /// Number of cycles after which a homing method without motion has set its zero.
-    instant_cycles: u32,
+    method_without_motion_cycles: u32,
     /// Number of cycles since such a method was started; 0: none was started.
     instant: u32,
     stage: Stage,
@@ -45,7 +45,7 @@ impl HomingEnd {
     /// Creates the state without homing. `is_used`: the mode is written by SDO. The drive has `most_cycles` to return to its cyclic mode. A
     /// method without motion has set its zero after `instant_cycles`.
     pub fn new(is_used: bool, most_cycles: u32, instant_cycles: u32) -> Self {
-        Self { is_used, most_cycles, instant_cycles, instant: 0, stage: Stage::None }
+        Self { is_used, most_cycles, method_without_motion_cycles: instant_cycles, instant: 0, stage: Stage::None }
     }
 
     /// Returns true if the mode is written by SDO, so that a drive in a mode other than that of the axis could jump.
@@ -60,17 +60,17 @@ impl HomingEnd {
 
     /// Counts a cycle in which a method without motion (35, 37) is started. The drive may still report the bits of an earlier homing. They
     /// are hidden at first and count after `instant_cycles`.
-    pub fn note_instant(&mut self) {
+    pub fn count_method_without_motion(&mut self) {
         if self.is_used && self.stage == Stage::None {
             self.instant = self.instant.saturating_add(1);
-            if self.instant > self.instant_cycles {
+            if self.instant > self.method_without_motion_cycles {
                 self.stage = Stage::Attained;
             }
         }
     }
 
     /// Records that the drive reports a new zero while homing is commanded.
-    pub fn note_zero(&mut self) {
+    pub fn record_zero(&mut self) {
         if self.is_used && self.stage == Stage::None {
             self.stage = Stage::Attained;
         }
@@ -82,11 +82,11 @@ impl HomingEnd {
         if !starts {
             self.clear();
         }
-        if self.holds() { cyclic } else { mode }
+        if self.is_pending() { cyclic } else { mode }
     }
 
     /// Updates the return to the cyclic mode in this cycle.
-    pub fn note_return(&mut self, is_settled: bool, is_refused: bool) {
+    pub fn update_return(&mut self, is_settled: bool, is_refused: bool) {
         let Stage::Returns(cycles) = self.stage else { return };
         self.stage = match () {
             () if is_refused || cycles >= self.most_cycles => Stage::Failed,
@@ -96,12 +96,12 @@ impl HomingEnd {
     }
 
     /// Returns true if homing is finished in the drive, but not yet reported to the axis.
-    pub fn holds(&self) -> bool {
+    pub fn is_pending(&self) -> bool {
         matches!(self.stage, Stage::Returns(_) | Stage::Over | Stage::Failed)
     }
 
     /// Returns mode (as the axis numbers it) and status word as the axis sees them.
-    pub fn show(&mut self, mode: i8, status: u16) -> (i8, u16) {
+    pub fn reported_state(&mut self, mode: i8, status: u16) -> (i8, u16) {
         if self.stage == Stage::Attained && status & HOMED == HOMED {
             self.stage = Stage::Returns(0);
         }
@@ -124,16 +124,16 @@ mod tests {
     #[test]
     fn zero_is_shown_once_the_drive_is_back_in_its_cyclic_mode() {
         let mut end = HomingEnd::new(true, 5, 3);
-        assert_eq!((end.command(6, 8, true), end.show(6, 0x0237)), (6, (6, 0x0237)));
-        end.note_zero();
-        assert_eq!((end.show(6, 0x1237), end.command(6, 8, true)), ((6, 0x1237), 6), "it moves to its zero");
-        assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x0237), 8));
-        end.note_return(false, false);
-        assert_eq!(end.show(0, 0x1637), (6, 0x0237));
-        end.note_return(true, false);
-        assert_eq!((end.show(8, 0x3237), end.command(6, 8, true)), ((6, 0x1637), 8));
+        assert_eq!((end.command(6, 8, true), end.reported_state(6, 0x0237)), (6, (6, 0x0237)));
+        end.record_zero();
+        assert_eq!((end.reported_state(6, 0x1237), end.command(6, 8, true)), ((6, 0x1237), 6), "it moves to its zero");
+        assert_eq!((end.reported_state(6, 0x1637), end.command(6, 8, true)), ((6, 0x0237), 8));
+        end.update_return(false, false);
+        assert_eq!(end.reported_state(0, 0x1637), (6, 0x0237));
+        end.update_return(true, false);
+        assert_eq!((end.reported_state(8, 0x3237), end.command(6, 8, true)), ((6, 0x1637), 8));
         // The axis has its zero and commands its own mode.
-        assert_eq!((end.command(8, 8, false), end.show(8, 0x1237)), (8, (8, 0x1237)));
+        assert_eq!((end.command(8, 8, false), end.reported_state(8, 0x1237)), (8, (8, 0x1237)));
     }
 
     /// Bits 10 and 12 are still set from an earlier homing.
@@ -141,25 +141,25 @@ mod tests {
     fn method_that_takes_no_time_is_over_in_the_cyclic_mode_too() {
         let mut end = HomingEnd::new(true, 5, 3);
         for cycle in 0..3 {
-            end.note_instant();
-            assert_eq!((end.command(6, 8, true), end.show(6, 0x1637)), (6, (6, 0x0237)), "{cycle}");
+            end.count_method_without_motion();
+            assert_eq!((end.command(6, 8, true), end.reported_state(6, 0x1637)), (6, (6, 0x0237)), "{cycle}");
         }
-        end.note_instant();
-        assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x0237), 8));
-        end.note_return(true, false);
-        assert_eq!(end.show(8, 0x3237), (6, 0x1637));
+        end.count_method_without_motion();
+        assert_eq!((end.reported_state(6, 0x1637), end.command(6, 8, true)), ((6, 0x0237), 8));
+        end.update_return(true, false);
+        assert_eq!(end.reported_state(8, 0x3237), (6, 0x1637));
     }
 
     #[test]
     fn drive_that_does_not_return_shows_a_homing_error() {
         for (cycles, is_refused) in [(1, true), (6, false)] {
             let mut end = HomingEnd::new(true, 5, 3);
-            end.note_zero();
+            end.record_zero();
             for cycle in 0..cycles {
-                assert_eq!(end.show(6, 0x1637), (6, 0x0237), "{cycle}");
-                end.note_return(false, is_refused);
+                assert_eq!(end.reported_state(6, 0x1637), (6, 0x0237), "{cycle}");
+                end.update_return(false, is_refused);
             }
-            assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x2237), 8));
+            assert_eq!((end.reported_state(6, 0x1637), end.command(6, 8, true)), ((6, 0x2237), 8));
             assert_eq!(end.command(6, 8, false), 6, "the next homing begins");
         }
     }
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn nothing_is_held_back_from_a_drive_whose_mode_is_mapped() {
         let mut end = HomingEnd::new(false, 5, 3);
-        end.note_zero();
-        assert_eq!((end.show(6, 0x1637), end.command(6, 8, true)), ((6, 0x1637), 6));
+        end.record_zero();
+        assert_eq!((end.reported_state(6, 0x1637), end.command(6, 8, true)), ((6, 0x1637), 6));
     }
 }

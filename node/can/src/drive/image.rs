@@ -29,7 +29,7 @@ impl<W: Copy> Image<W> {
     }
 
     /// Stores a frame; returns false if it is too short.
-    pub fn take(&mut self, frame: &Frame) -> bool {
+    pub fn update(&mut self, frame: &Frame) -> bool {
         let bytes = frame.bytes();
         if bytes.len() < usize::from(self.length) || frame.is_remote() {
             return false;
@@ -88,11 +88,11 @@ mod tests {
     fn a_frame_is_read_by_its_fields() {
         let mut image = image(&[16, 32, 8]);
         let frame = Frame::data(image.id(), &[0x37, 0x16, 0xFE, 0xFF, 0xFF, 0xFF, 8]).unwrap();
-        assert!(image.take(&frame));
+        assert!(image.update(&frame));
         assert_eq!(image.values().collect::<Vec<_>>(), [(0, 0x1637), (1, -2), (2, 8)]);
         assert_eq!(image.frame(|word| [0x1637, -2, 8][word]), frame);
-        assert!(!image.take(&Frame::data(image.id(), &[0; 6]).unwrap()), "too short");
-        assert!(!image.take(&Frame::remote(image.id(), 8).unwrap()));
+        assert!(!image.update(&Frame::data(image.id(), &[0; 6]).unwrap()), "too short");
+        assert!(!image.update(&Frame::remote(image.id(), 8).unwrap()));
         assert_eq!(image.values().nth(1), Some((1, -2)), "it changes nothing");
     }
 
@@ -101,7 +101,7 @@ mod tests {
         fn each_value_comes_back(values: [i64; 4], bits in prop::sample::select(vec![[1_u32, 7, 8, 16], [8, 8, 16, 32], [3, 13, 40, 8]])) {
             let mut image = image(&bits);
             let frame = image.frame(|word| values[word]);
-            prop_assert!(image.take(&frame));
+            prop_assert!(image.update(&frame));
             for ((word, value), bits) in image.values().zip(bits) {
                 prop_assert_eq!(value, values[word] << (64 - bits) >> (64 - bits));
             }

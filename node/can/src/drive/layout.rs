@@ -11,7 +11,7 @@
 use super::mode::DriveMode;
 use super::objects;
 use super::probe::{self, Probes, Slot};
-use crate::config::{Analog, Terminals};
+use crate::config::{AnalogTerminal, Terminals};
 use crate::eds::{Dictionary, Direction, Entry};
 use crate::sdo::Object;
 use crate::{Id, NodeId};
@@ -24,7 +24,7 @@ const ROOM: u32 = 64;
 
 /// Value that a device reports in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Told {
+pub enum ReportedValue {
     /// Status word.
     Status,
     /// Position, in counts.
@@ -53,7 +53,7 @@ pub enum Told {
 
 /// Value that is commanded in a PDO.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum CommandedValue {
     /// Control word.
     Control,
     /// Target position, in counts.
@@ -85,23 +85,23 @@ pub struct Field<W> {
     pub bits: u32,
 }
 
-impl Field<Told> {
-    const fn told(word: Told, object: Object, bits: u32) -> Self {
+impl Field<ReportedValue> {
+    const fn told(word: ReportedValue, object: Object, bits: u32) -> Self {
         Self { word, object, bits }
     }
 
     /// Returns true if an object of the dictionary has the type and the access of this field: a readable integer of its length.
-    pub(crate) fn suits(&self, entry: &Entry) -> bool {
+    pub(crate) fn matches_entry(&self, entry: &Entry) -> bool {
         entry.data_type.may_be_integer(self.bits) && entry.access.is_readable()
     }
 }
 
 /// Objects that a drive sends on change if it can, although no cell needs them.
-pub(crate) const OPTIONAL: [Field<Told>; 2] =
-    [Field::told(Told::Inputs, objects::DIGITAL_INPUTS, 32), Field::told(Told::Fault, objects::ERROR_CODE, 16)];
+pub(crate) const OPTIONAL: [Field<ReportedValue>; 2] =
+    [Field::told(ReportedValue::Inputs, objects::DIGITAL_INPUTS, 32), Field::told(ReportedValue::Fault, objects::ERROR_CODE, 16)];
 
-impl Field<Asked> {
-    const fn asked(word: Asked, object: Object, bits: u32) -> Self {
+impl Field<CommandedValue> {
+    const fn asked(word: CommandedValue, object: Object, bits: u32) -> Self {
         Self { word, object, bits }
     }
 }
@@ -157,9 +157,9 @@ impl<W> Pdo<W> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// PDOs that the device receives.
-    pub asked: Vec<Pdo<Asked>>,
+    pub asked: Vec<Pdo<CommandedValue>>,
     /// PDOs that the device sends.
-    pub told: Vec<Pdo<Told>>,
+    pub told: Vec<Pdo<ReportedValue>>,
     /// Objects of the mode of operation that are exchanged by SDO instead.
     pub mode_by_sdo: ModeBySdo,
 }
@@ -211,7 +211,7 @@ impl Unmapped {
         let known = dictionary?;
         match known.entry(object) {
             None => Some(Self::Missing),
-            Some(entry) if entry.is_mappable || known.carrier(direction, object).is_some() => None,
+            Some(entry) if entry.is_mappable || known.find_pdo_with(direction, object).is_some() => None,
             Some(_) => Some(Self::NotMappable),
         }
     }
@@ -272,14 +272,14 @@ impl Layout {
         dictionary: Option<&Dictionary>,
     ) -> Result<Self, LayoutError> {
         let mut asked = vec![
-            Field::asked(Asked::Control, objects::CONTROL_WORD, 16),
+            Field::asked(CommandedValue::Control, objects::CONTROL_WORD, 16),
             mode.target(),
-            Field::asked(Asked::Mode, objects::MODE, 8),
+            Field::asked(CommandedValue::Mode, objects::MODE, 8),
         ];
         let mut each_sync = vec![
-            Field::told(Told::Status, objects::STATUS_WORD, 16),
-            Field::told(Told::Position, objects::POSITION, 32),
-            Field::told(Told::Mode, objects::MODE_DISPLAY, 8),
+            Field::told(ReportedValue::Status, objects::STATUS_WORD, 16),
+            Field::told(ReportedValue::Position, objects::POSITION, 32),
+            Field::told(ReportedValue::Mode, objects::MODE_DISPLAY, 8),
         ];
         let [inputs, fault] = OPTIONAL;
         let mut seldom = vec![inputs, fault];
@@ -287,8 +287,8 @@ impl Layout {
             |object: Object| dictionary.is_some_and(|known| known.entry(object).is_none_or(|entry| !entry.is_mappable));
         let mode_by_sdo = ModeBySdo { writes: goes_by_sdo(objects::MODE), reads: goes_by_sdo(objects::MODE_DISPLAY) };
         let unmapped = |direction, object| Some((object, Unmapped::of(dictionary, direction, object)?));
-        asked.retain(|field| field.word != Asked::Mode || !mode_by_sdo.writes);
-        each_sync.retain(|field| field.word != Told::Mode || !mode_by_sdo.reads);
+        asked.retain(|field| field.word != CommandedValue::Mode || !mode_by_sdo.writes);
+        each_sync.retain(|field| field.word != ReportedValue::Mode || !mode_by_sdo.reads);
         let received = asked.iter().map(|field| (Direction::Receive, field.object));
         let mut needed = received.chain(each_sync.iter().map(|field| (Direction::Transmit, field.object)));
         if let Some((object, why)) = needed.find_map(|(direction, object)| unmapped(direction, object)) {
@@ -296,9 +296,9 @@ impl Layout {
         }
         let has_inputs = !terminals.digital_inputs.is_empty();
         if !terminals.digital_outputs.is_empty() {
-            asked.push(Field::asked(Asked::Outputs, objects::DIGITAL_OUTPUTS, 32));
+            asked.push(Field::asked(CommandedValue::Outputs, objects::DIGITAL_OUTPUTS, 32));
         }
-        let outputs = asked.iter().find(|field| field.word == Asked::Outputs);
+        let outputs = asked.iter().find(|field| field.word == CommandedValue::Outputs);
         let used = [
             outputs.map(|field| (Direction::Receive, field.object)),
             has_inputs.then_some((Direction::Transmit, inputs.object)),
@@ -313,33 +313,33 @@ impl Layout {
                 let needed = LayoutError::NotMappable(object, why, mode.name());
                 return Err(if is_for_torque { needed } else { LayoutError::NoTorque(why) });
             }
-            each_sync.push(Field::told(Told::Torque, objects::TORQUE, 16));
+            each_sync.push(Field::told(ReportedValue::Torque, objects::TORQUE, 16));
         }
         if has_inputs {
             // Inputs of the machine are read in each cycle.
             seldom.retain(|field| *field != inputs);
         }
         // An optional object of another type or access is left out, and `check` reports a warning.
-        let is_sent = |field: &Field<Told>| {
+        let is_sent = |field: &Field<ReportedValue>| {
             let entry = dictionary.and_then(|known| known.entry(field.object));
-            entry.is_some_and(|entry| entry.is_mappable && field.suits(entry))
+            entry.is_some_and(|entry| entry.is_mappable && field.matches_entry(entry))
         };
         let seldom: Vec<_> = seldom.into_iter().filter(is_sent).collect();
         for slot in probe::slots(extras.probes) {
             let [position, count] = probe::objects_of(slot);
             check_probe(slot, dictionary)?;
             // 6 bytes after 2, 6, 7 or 8 bytes: both fields are in one PDO and belong to the same capture.
-            each_sync.push(Field::told(Told::Captured(slot), position, 32));
-            each_sync.push(Field::told(Told::Captures(slot), count, 16));
+            each_sync.push(Field::told(ReportedValue::Captured(slot), position, 32));
+            each_sync.push(Field::told(ReportedValue::Captures(slot), count, 16));
         }
         // Added last: after 4 bytes, a PDO would have room for a position but not for its count.
         if has_inputs {
             each_sync.push(inputs);
         }
-        let mut told = packed(&each_sync, Transmission::EachSync, 1, |number| node.tpdo(number))?;
+        let mut told = pack(&each_sync, Transmission::EachSync, 1, |number| node.tpdo(number))?;
         let next = told.len() as u8 + 1;
-        told.extend(packed(&seldom, Transmission::OnChange, next, |number| node.tpdo(number))?);
-        let asked = packed(&asked, Transmission::EachSync, 1, |number| node.rpdo(number))?;
+        told.extend(pack(&seldom, Transmission::OnChange, next, |number| node.tpdo(number))?);
+        let asked = pack(&asked, Transmission::EachSync, 1, |number| node.rpdo(number))?;
         Ok(Self { asked, told, mode_by_sdo })
     }
 
@@ -351,21 +351,21 @@ impl Layout {
     pub fn module(node: NodeId, terminals: &Terminals) -> Result<Self, LayoutError> {
         let Terminals { digital_inputs, digital_outputs, analog_inputs, analog_outputs, .. } = terminals;
         let digital = |used: &[Terminal]| used.iter().map(|terminal| terminal.address / 8).max();
-        let analog = |used: &[Analog]| used.iter().map(|analog| analog.terminal.address).max();
+        let analog = |used: &[AnalogTerminal]| used.iter().map(|analog| analog.terminal.address).max();
         let told = [
-            (fields(digital(digital_inputs), Told::Digital, objects::MODULE_INPUTS, 8), 1),
-            (fields(analog(analog_inputs), Told::Analog, objects::MODULE_ANALOG_INPUTS, 16), 2),
+            (fields(digital(digital_inputs), ReportedValue::Digital, objects::MODULE_INPUTS, 8), 1),
+            (fields(analog(analog_inputs), ReportedValue::Analog, objects::MODULE_ANALOG_INPUTS, 16), 2),
         ];
         let asked = [
-            (fields(digital(digital_outputs), Asked::Digital, objects::MODULE_OUTPUTS, 8), 1),
-            (fields(analog(analog_outputs), Asked::Analog, objects::MODULE_ANALOG_OUTPUTS, 16), 2),
+            (fields(digital(digital_outputs), CommandedValue::Digital, objects::MODULE_OUTPUTS, 8), 1),
+            (fields(analog(analog_outputs), CommandedValue::Analog, objects::MODULE_ANALOG_OUTPUTS, 16), 2),
         ];
         let mut layout = Self { asked: Vec::new(), told: Vec::new(), mode_by_sdo: ModeBySdo::default() };
         for (fields, first) in told {
-            layout.told.extend(packed(&fields, Transmission::EachSync, first, |number| node.tpdo(number))?);
+            layout.told.extend(pack(&fields, Transmission::EachSync, first, |number| node.tpdo(number))?);
         }
         for (fields, first) in asked {
-            layout.asked.extend(packed(&fields, Transmission::EachSync, first, |number| node.rpdo(number))?);
+            layout.asked.extend(pack(&fields, Transmission::EachSync, first, |number| node.rpdo(number))?);
         }
         Ok(layout)
     }
@@ -375,8 +375,8 @@ impl Layout {
     /// # Errors
     /// Cannot fail: the position fits.
     pub fn encoder(node: NodeId) -> Result<Self, LayoutError> {
-        let position = [Field::told(Told::Encoder, objects::ENCODER_POSITION, 32)];
-        let told = packed(&position, Transmission::EachSync, 2, |number| node.tpdo(number))?;
+        let position = [Field::told(ReportedValue::Encoder, objects::ENCODER_POSITION, 32)];
+        let told = pack(&position, Transmission::EachSync, 2, |number| node.tpdo(number))?;
         Ok(Self { asked: Vec::new(), told, mode_by_sdo: ModeBySdo::default() })
     }
 }
@@ -407,7 +407,7 @@ fn fields<W>(last: Option<u16>, word: fn(u8) -> W, first: Object, bits: u32) -> 
 }
 
 /// Packs fields in their order, as many in each PDO as fit.
-fn packed<W: Copy>(
+fn pack<W: Copy>(
     fields: &[Field<W>],
     transmission: Transmission,
     first: u8,
@@ -436,8 +436,8 @@ mod tests {
         NodeId::new(3).expect("1 to 127")
     }
 
-    fn told(layout: &Layout) -> Vec<(u8, u16, u8, Vec<Told>)> {
-        let of = |pdo: &Pdo<Told>| {
+    fn told(layout: &Layout) -> Vec<(u8, u16, u8, Vec<ReportedValue>)> {
+        let of = |pdo: &Pdo<ReportedValue>| {
             let words = pdo.fields.iter().map(|field| field.word).collect();
             (pdo.number, pdo.id.get(), pdo.transmission.number(), words)
         };
@@ -448,7 +448,7 @@ mod tests {
     #[test]
     fn without_a_dictionary_only_what_is_needed_is_mapped() {
         let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), None).unwrap();
-        assert_eq!(told(&layout), [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode])]);
+        assert_eq!(told(&layout), [(1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode])]);
         let [asked] = layout.asked.as_slice() else { panic!("{:?}", layout.asked) };
         assert_eq!((asked.number, asked.id.get(), asked.bytes()), (1, 0x203, 7));
         let objects: Vec<_> = asked.fields.iter().map(|field| field.object.index).collect();
@@ -464,8 +464,8 @@ mod tests {
         let known = eds::parse(text, Some(3)).unwrap();
         let layout =
             Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known)).unwrap();
-        let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
-        assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![Told::Inputs, Told::Fault])]);
+        let cyclic = (1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode]);
+        assert_eq!(told(&layout), [cyclic, (2, 0x283, 255, vec![ReportedValue::Inputs, ReportedValue::Fault])]);
     }
 
     /// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). With entries of `io`, 60FDh is required, and `check` refuses its type.
@@ -480,16 +480,16 @@ mod tests {
                 Layout::plan(node(), DriveMode::Csp, Extras::default(), terminals, Some(&known)).unwrap()
             };
             let needed = plan(&Terminals { digital_inputs: vec![terminal(16)], ..Terminals::default() });
-            assert_eq!(told(&needed)[1], (2, 0x283, 1, vec![Told::Inputs]), "{section}");
+            assert_eq!(told(&needed)[1], (2, 0x283, 1, vec![ReportedValue::Inputs]), "{section}");
             told(&plan(&Terminals::default())).swap_remove(1)
         };
-        let both = (2, 0x283, 255, vec![Told::Inputs, Told::Fault]);
+        let both = (2, 0x283, 255, vec![ReportedValue::Inputs, ReportedValue::Fault]);
         assert_eq!(seldom("60FD", "DataType=0x0007", "DataType=0x0004"), both, "the sign makes no difference");
         for (from, to) in [("DataType=0x0007", "DataType=0x0006"), ("AccessType=ro", "AccessType=wo")] {
-            assert_eq!(seldom("60FD", from, to), (2, 0x283, 255, vec![Told::Fault]), "{to}");
+            assert_eq!(seldom("60FD", from, to), (2, 0x283, 255, vec![ReportedValue::Fault]), "{to}");
         }
         for (from, to) in [("DataType=0x0006", "DataType=0x0007"), ("AccessType=ro", "AccessType=wo")] {
-            assert_eq!(seldom("603F", from, to), (2, 0x283, 255, vec![Told::Inputs]), "{to}");
+            assert_eq!(seldom("603F", from, to), (2, 0x283, 255, vec![ReportedValue::Inputs]), "{to}");
         }
     }
 
@@ -501,8 +501,8 @@ mod tests {
             let layout = plan(None).unwrap();
             let words: Vec<_> = layout.asked[0].fields.iter().map(|field| (field.object.index, field.bits)).collect();
             assert_eq!(words, [(0x6040, 16), (0x6071, 16), (0x6060, 8)]);
-            let cyclic = (1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]);
-            assert_eq!(told(&layout), [cyclic, (2, 0x283, 1, vec![Told::Torque])]);
+            let cyclic = (1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode]);
+            assert_eq!(told(&layout), [cyclic, (2, 0x283, 1, vec![ReportedValue::Torque])]);
             let known = dictionary_without(&["6077"]);
             let refused = LayoutError::NotMappable(objects::TORQUE, Unmapped::NotMappable, mode.name());
             assert_eq!(plan(Some(&known)).err(), Some(refused));
@@ -513,9 +513,9 @@ mod tests {
     #[test]
     fn a_pdo_is_filled_to_its_last_bit() {
         let lengths = |bits: &[u32]| {
-            let field = |bits: &u32| Field::told(Told::Status, objects::STATUS_WORD, *bits);
+            let field = |bits: &u32| Field::told(ReportedValue::Status, objects::STATUS_WORD, *bits);
             let fields: Vec<_> = bits.iter().map(field).collect();
-            packed(&fields, Transmission::EachSync, 1, |number| node().tpdo(number))
+            pack(&fields, Transmission::EachSync, 1, |number| node().tpdo(number))
                 .map(|pdos| pdos.iter().map(Pdo::bits).collect::<Vec<_>>())
         };
         assert_eq!(lengths(&[32, 32, 8]), Ok(vec![64, 8]));
@@ -673,11 +673,11 @@ mod tests {
                         continue;
                     };
                     for pdo in &layout.told {
-                        let slots = |of: fn(&Told) -> Option<Slot>| {
+                        let slots = |of: fn(&ReportedValue) -> Option<Slot>| {
                             pdo.fields.iter().filter_map(|field| of(&field.word)).collect::<Vec<_>>()
                         };
-                        let caught = slots(|word| if let Told::Captured(slot) = word { Some(*slot) } else { None });
-                        let counts = slots(|word| if let Told::Captures(slot) = word { Some(*slot) } else { None });
+                        let caught = slots(|word| if let ReportedValue::Captured(slot) = word { Some(*slot) } else { None });
+                        let counts = slots(|word| if let ReportedValue::Captures(slot) = word { Some(*slot) } else { None });
                         assert_eq!(caught, counts, "{:?}", told(&layout));
                     }
                 }
@@ -701,8 +701,8 @@ mod tests {
         let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
         let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known)).unwrap();
-        let cyclic = [(1, 0x183, 1, vec![Told::Status, Told::Position, Told::Mode]), (2, 0x283, 1, vec![Told::Inputs])];
-        assert_eq!(told(&layout), [cyclic.as_slice(), &[(3, 0x383, 255, vec![Told::Fault])]].concat());
+        let cyclic = [(1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode]), (2, 0x283, 1, vec![ReportedValue::Inputs])];
+        assert_eq!(told(&layout), [cyclic.as_slice(), &[(3, 0x383, 255, vec![ReportedValue::Fault])]].concat());
         let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.bytes())).collect();
         assert_eq!(asked, [(1, 7), (2, 4)]);
         let at = text.find("[60FD]").unwrap();
@@ -716,7 +716,7 @@ mod tests {
     /// Digital inputs and outputs are in PDO 1, analog ones from PDO 2, four in each (CiA 401).
     #[test]
     fn a_module_has_its_default_pdos() {
-        let analog = |address| Analog { terminal: terminal(address), full_scale: 10.0 };
+        let analog = |address| AnalogTerminal { terminal: terminal(address), volts_at_full_scale: 10.0 };
         let terminals = Terminals {
             digital_inputs: vec![terminal(12), terminal(3)],
             digital_outputs: vec![terminal(63)],
@@ -725,14 +725,14 @@ mod tests {
             ..Terminals::default()
         };
         let layout = Layout::module(node(), &terminals).unwrap();
-        let analog = |from, to| (from..to).map(Told::Analog).collect::<Vec<_>>();
+        let analog = |from, to| (from..to).map(ReportedValue::Analog).collect::<Vec<_>>();
         let expected = [
-            (1, 0x183, 1, vec![Told::Digital(0), Told::Digital(1)]),
+            (1, 0x183, 1, vec![ReportedValue::Digital(0), ReportedValue::Digital(1)]),
             (2, 0x283, 1, analog(0, 4)),
             (3, 0x383, 1, analog(4, 5)),
         ];
         assert_eq!(told(&layout), expected);
-        let objects = |pdo: &Pdo<Asked>| pdo.fields.iter().map(|field| field.object.to_string()).collect::<Vec<_>>();
+        let objects = |pdo: &Pdo<CommandedValue>| pdo.fields.iter().map(|field| field.object.to_string()).collect::<Vec<_>>();
         let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.id.get(), objects(pdo))).collect();
         let numbers: Vec<_> = asked.iter().map(|(number, id, objects)| (*number, *id, objects.len())).collect();
         assert_eq!(numbers, [(1, 0x203, 8), (2, 0x303, 4), (3, 0x403, 4), (4, 0x503, 4)]);
@@ -743,7 +743,7 @@ mod tests {
     #[test]
     fn an_encoder_tells_its_position_in_pdo_2() {
         let layout = Layout::encoder(node()).unwrap();
-        assert_eq!((told(&layout), layout.asked.len()), (vec![(2, 0x283, 1, vec![Told::Encoder])], 0));
+        assert_eq!((told(&layout), layout.asked.len()), (vec![(2, 0x283, 1, vec![ReportedValue::Encoder])], 0));
         assert_eq!(layout.told[0].fields[0].object.to_string(), "6004h:00");
     }
 }

@@ -11,7 +11,7 @@ pub mod mode_exchange;
 pub mod objects;
 pub mod probe;
 
-pub use counter::Counter;
+pub use counter::PositionCounter;
 pub use drive_type::DriveType;
 pub use homing::HomingSetup;
 pub use homing_end::HomingEnd;

@@ -6,7 +6,7 @@
 //! Writes   the control word with the bits of the mode
 //! Source   CiA 402-2 (modes pp, vl, pv, tq, ip, csp, csv, cst)
 
-use super::layout::{Asked, Field};
+use super::layout::{CommandedValue, Field};
 use super::objects;
 use lineshaft_core::drive::{DriveState, Interface, control, level_cycles};
 
@@ -54,7 +54,7 @@ impl DriveMode {
     ];
 
     /// Returns the default mode of an interface; `None` if CAN does not support the interface.
-    pub fn usual(interface: Interface) -> Option<Self> {
+    pub fn default_of(interface: Interface) -> Option<Self> {
         match interface {
             Interface::Position => Some(Self::Csp),
             Interface::Velocity => Some(Self::Csv),
@@ -94,7 +94,7 @@ impl DriveMode {
     }
 
     /// Converts between the mode number of the drive and that of the axis, in both directions.
-    pub fn across(self, number: i8) -> i8 {
+    pub fn convert_number(self, number: i8) -> i8 {
         let (own, cyclic) = (self.number(), self.interface().mode().number());
         match number {
             _ if number == own => cyclic,
@@ -104,13 +104,13 @@ impl DriveMode {
     }
 
     /// Returns the target field of the PDO.
-    pub(super) fn target(self) -> Field<Asked> {
+    pub(super) fn target(self) -> Field<CommandedValue> {
         let (word, object, bits) = match self {
-            Self::Pp | Self::Csp => (Asked::Position, objects::TARGET_POSITION, 32),
-            Self::Ip => (Asked::Position, objects::INTERPOLATION_POSITION, 32),
-            Self::Pv | Self::Csv => (Asked::Velocity, objects::TARGET_VELOCITY, 32),
-            Self::Tq | Self::Cst => (Asked::Torque, objects::TARGET_TORQUE, 16),
-            Self::Vl => (Asked::Velocity, objects::VL_TARGET_VELOCITY, 16),
+            Self::Pp | Self::Csp => (CommandedValue::Position, objects::TARGET_POSITION, 32),
+            Self::Ip => (CommandedValue::Position, objects::INTERPOLATION_POSITION, 32),
+            Self::Pv | Self::Csv => (CommandedValue::Velocity, objects::TARGET_VELOCITY, 32),
+            Self::Tq | Self::Cst => (CommandedValue::Torque, objects::TARGET_TORQUE, 16),
+            Self::Vl => (CommandedValue::Velocity, objects::VL_TARGET_VELOCITY, 16),
         };
         Field { word, object, bits }
     }
@@ -232,18 +232,18 @@ impl Handshake {
                 self.waits = self.waits.saturating_add(1);
                 self.level = self.level.saturating_add(1);
                 if self.level >= self.level_cycles {
-                    self.give(position, true);
+                    self.transfer(position, true);
                 }
             }
             (false, false) if is_wanted => {
                 self.waits = 0;
-                self.give(position, false);
+                self.transfer(position, false);
             }
             (false, _) => (self.level, self.waits) = (0, 0),
         }
     }
 
-    fn give(&mut self, position: i64, is_old: bool) {
+    fn transfer(&mut self, position: i64, is_old: bool) {
         (self.setpoint, self.is_given, self.has_begun) = (position, true, true);
         (self.is_old, self.level) = (is_old, 0);
     }
@@ -261,7 +261,7 @@ mod tests {
     /// Numbers of 6060h; the axis uses 8, 9, 10 and 2.
     #[test]
     fn each_mode_has_its_number_and_that_of_the_axis() {
-        let numbers = DriveMode::NAMES.map(|(name, mode)| (name, mode.number(), mode.across(mode.number())));
+        let numbers = DriveMode::NAMES.map(|(name, mode)| (name, mode.number(), mode.convert_number(mode.number())));
         let expected = [
             ("pp", 1, 8),
             ("vl", 2, 2),
@@ -274,10 +274,10 @@ mod tests {
         ];
         assert_eq!(numbers, expected);
         // A drive in csp instead of pp is not in its mode; homing has the same number in all.
-        assert_eq!([DriveMode::Pp.across(8), DriveMode::Pp.across(6), DriveMode::Pp.across(0)], [1, 6, 0]);
+        assert_eq!([DriveMode::Pp.convert_number(8), DriveMode::Pp.convert_number(6), DriveMode::Pp.convert_number(0)], [1, 6, 0]);
         for (name, mode) in DriveMode::NAMES {
             assert_eq!(
-                (mode.name(), DriveMode::usual(mode.interface()).unwrap().interface()),
+                (mode.name(), DriveMode::default_of(mode.interface()).unwrap().interface()),
                 (name, mode.interface())
             );
         }

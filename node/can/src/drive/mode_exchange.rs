@@ -106,7 +106,7 @@ impl ModeExchange {
     }
 
     /// Clears all that was written and read, because the drive is started.
-    pub fn begin_anew(&mut self) {
+    pub fn reset(&mut self) {
         (self.written, self.known, self.heard, self.refused) = (None, None, None, None);
         (self.counts, self.is_silent, self.due_ns) = (false, false, 0);
     }
@@ -119,13 +119,13 @@ impl ModeExchange {
         (self.commanded, self.refused, self.due_ns) = (mode, None, 0);
         // A PDO changes the mode at once.
         if !self.by_sdo.writes {
-            self.distrust();
+            self.invalidate();
         }
     }
 
     /// Has the mode written and read again: another client may have changed it, and the drive may accept a mode after enabling that it
     /// refused before.
-    pub fn distrust(&mut self) {
+    pub fn invalidate(&mut self) {
         (self.written, self.known, self.heard, self.refused, self.due_ns) = (None, None, None, None, 0);
         if self.stage == Stage::Reads {
             self.counts = false;
@@ -168,12 +168,12 @@ impl ModeExchange {
     }
 
     /// Returns the data of a request that could not be sent; it is repeated.
-    pub fn give_back(&mut self, data: Vec<u8>) {
+    pub fn return_buffer(&mut self, data: Vec<u8>) {
         (self.room, self.stage) = (Some(data), Stage::Idle);
     }
 
     /// Returns true if an answer for this object belongs to the pending request.
-    pub fn awaits(&self, object: Object) -> bool {
+    pub fn is_pending(&self, object: Object) -> bool {
         match self.stage {
             Stage::Idle => false,
             Stage::Writes(_) => object == objects::MODE,
@@ -183,7 +183,7 @@ impl ModeExchange {
 
     /// Handles the answer to the pending request. Returns an error that is to be reported: each refusal, and the first of several requests
     /// without an answer.
-    pub fn take(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
+    pub fn handle_answer(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
         let Transfer { object, data, result } = done;
         let (stage, counts) = (std::mem::take(&mut self.stage), self.counts);
         let first = data.first().copied();
@@ -192,13 +192,13 @@ impl ModeExchange {
             self.is_silent = false;
             match (stage, first) {
                 (Stage::Writes(mode), _) if counts => (self.written, self.due_ns) = (Some(mode), now_ns),
-                (Stage::Reads, Some(mode)) => self.hear(mode.cast_signed(), counts, now_ns),
+                (Stage::Reads, Some(mode)) => self.store_read_mode(mode.cast_signed(), counts, now_ns),
                 _ => {}
             }
             return None;
         };
         self.due_ns = now_ns.saturating_add(POLL_NS);
-        self.note_failed(object, &error);
+        self.record_failure(object, &error);
         let is_refused = matches!(error, SdoError::Refused(..));
         if is_refused && counts {
             self.refused = match stage {
@@ -211,7 +211,7 @@ impl ModeExchange {
     }
 
     /// Stores a mode that was read.
-    fn hear(&mut self, mode: i8, counts: bool, now_ns: u64) {
+    fn store_read_mode(&mut self, mode: i8, counts: bool, now_ns: u64) {
         self.due_ns = now_ns.saturating_add(POLL_NS);
         if let Some(owed) = self.owed.checked_sub(1) {
             // The answer may belong to an earlier request.
@@ -222,14 +222,14 @@ impl ModeExchange {
     }
 
     /// Records the failure of any request to the drive: the answer to one that has timed out may still arrive.
-    pub fn note_failed(&mut self, object: Object, error: &SdoError) {
+    pub fn record_failure(&mut self, object: Object, error: &SdoError) {
         if object == objects::MODE_DISPLAY && matches!(error, SdoError::Silent(..)) {
             self.owed = self.owed.saturating_add(1).min(MOST_OWED);
         }
     }
 
     /// Records a received status word. Returns the mode that is valid from now on, if any.
-    pub fn hear_status(&mut self) -> Option<i8> {
+    pub fn record_status_word(&mut self) -> Option<i8> {
         let (mode, left) = self.heard?;
         let left = left.saturating_sub(1);
         self.heard = (left > 0).then_some((mode, left));
@@ -252,7 +252,7 @@ mod tests {
     fn request(exchange: &mut ModeExchange, now_ns: u64) -> (Object, Vec<u8>) {
         let ModeRequest { object, data, writes } = exchange.next_request(now_ns).expect("a request is due");
         assert_eq!(writes, object == objects::MODE);
-        assert!(exchange.awaits(object) && exchange.next_request(now_ns).is_none(), "one at a time");
+        assert!(exchange.is_pending(object) && exchange.next_request(now_ns).is_none(), "one at a time");
         (object, data)
     }
 
@@ -262,13 +262,13 @@ mod tests {
         if object == objects::MODE_DISPLAY {
             data.push(read.cast_unsigned());
         }
-        assert_eq!(exchange.take(Transfer { object, data, result: Ok(()) }, now_ns), None);
+        assert_eq!(exchange.handle_answer(Transfer { object, data, result: Ok(()) }, now_ns), None);
         object
     }
 
     fn fail(exchange: &mut ModeExchange, now_ns: u64, error: fn(Object) -> SdoError) -> Option<SdoError> {
         let (object, data) = request(exchange, now_ns);
-        exchange.take(Transfer { object, data, result: Err(error(object)) }, now_ns)
+        exchange.handle_answer(Transfer { object, data, result: Err(error(object)) }, now_ns)
     }
 
     fn silent(object: Object) -> SdoError {
@@ -287,14 +287,14 @@ mod tests {
         exchange.command(8);
         let (object, data) = request(&mut exchange, 0);
         assert_eq!((object, data.as_slice()), (objects::MODE, [8].as_slice()));
-        assert_eq!(exchange.take(Transfer { object, data, result: Ok(()) }, 0), None);
+        assert_eq!(exchange.handle_answer(Transfer { object, data, result: Ok(()) }, 0), None);
         assert_eq!(answer(&mut exchange, 0, 3), objects::MODE_DISPLAY);
-        assert_eq!([exchange.hear_status(), exchange.hear_status()], [None, Some(3)]);
+        assert_eq!([exchange.record_status_word(), exchange.record_status_word()], [None, Some(3)]);
         assert!(!exchange.is_settled(8));
         assert_eq!(exchange.next_request(POLL_NS - 1), None, "others have their turn");
         assert_eq!(answer(&mut exchange, POLL_NS, 8), objects::MODE_DISPLAY);
         assert_eq!((exchange.known(), exchange.is_settled(8)), (Some(3), false));
-        assert_eq!([exchange.hear_status(), exchange.hear_status()], [None, Some(8)]);
+        assert_eq!([exchange.record_status_word(), exchange.record_status_word()], [None, Some(8)]);
         assert!(exchange.is_settled(0));
         assert_eq!(exchange.next_request(u64::MAX), None);
     }
@@ -307,13 +307,13 @@ mod tests {
         for _ in 0..2 {
             answer(&mut exchange, 0, 8);
         }
-        assert_eq!((0..2).find_map(|_| exchange.hear_status()), Some(8));
+        assert_eq!((0..2).find_map(|_| exchange.record_status_word()), Some(8));
         assert!(exchange.is_settled(0));
         exchange.command(6);
         let (object, data) = request(&mut exchange, 0);
         exchange.command(8);
         assert_eq!((exchange.known(), exchange.is_settled(8)), (None, false));
-        exchange.take(Transfer { object, data, result: Ok(()) }, 0);
+        exchange.handle_answer(Transfer { object, data, result: Ok(()) }, 0);
         assert!(!exchange.is_settled(8));
         assert_eq!(request(&mut exchange, 0), (objects::MODE, vec![8]), "6 was written last");
     }
@@ -327,14 +327,14 @@ mod tests {
         assert_eq!(fail(&mut exchange, 0, silent), Some(silent(objects::MODE_DISPLAY)));
         assert_eq!(fail(&mut exchange, POLL_NS, silent), None, "reported once");
         // Requests of another client to the same drive.
-        exchange.note_failed(objects::MODE_DISPLAY, &silent(objects::MODE_DISPLAY));
-        exchange.note_failed(objects::POSITION, &silent(objects::POSITION));
+        exchange.record_failure(objects::MODE_DISPLAY, &silent(objects::MODE_DISPLAY));
+        exchange.record_failure(objects::POSITION, &silent(objects::POSITION));
         for at in 2..5 {
             answer(&mut exchange, at * POLL_NS, 8);
-            assert_eq!((0..4).find_map(|_| exchange.hear_status()), None, "read {at}");
+            assert_eq!((0..4).find_map(|_| exchange.record_status_word()), None, "read {at}");
         }
         answer(&mut exchange, 5 * POLL_NS, 8);
-        assert_eq!((0..2).find_map(|_| exchange.hear_status()), Some(8));
+        assert_eq!((0..2).find_map(|_| exchange.record_status_word()), Some(8));
     }
 
     /// A PDO or another client may have changed the mode during a pending read, so its result is not used.
@@ -346,12 +346,12 @@ mod tests {
         exchange.command(6);
         exchange.command(8);
         data.push(8);
-        exchange.take(Transfer { object, data, result: Ok(()) }, 0);
-        assert_eq!((0..4).find_map(|_| exchange.hear_status()), None);
+        exchange.handle_answer(Transfer { object, data, result: Ok(()) }, 0);
+        assert_eq!((0..4).find_map(|_| exchange.record_status_word()), None);
         answer(&mut exchange, POLL_NS, 8);
-        assert_eq!((0..2).find_map(|_| exchange.hear_status()), Some(8));
+        assert_eq!((0..2).find_map(|_| exchange.record_status_word()), Some(8));
         assert!(exchange.is_settled(0));
-        exchange.distrust();
+        exchange.invalidate();
         assert!(!exchange.is_settled(8));
         assert_eq!(answer(&mut exchange, POLL_NS, 8), objects::MODE_DISPLAY, "at once");
     }
@@ -367,7 +367,7 @@ mod tests {
         let mut exchange = ModeExchange::new(BOTH);
         exchange.command(6);
         fail(&mut exchange, 0, refused);
-        exchange.begin_anew();
+        exchange.reset();
         assert_eq!(request(&mut exchange, 0).1, [6]);
     }
 

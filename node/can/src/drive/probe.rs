@@ -61,7 +61,7 @@ pub fn objects_of(slot: Slot) -> [Object; 2] {
 
 /// Meaning of a slot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Caught {
+pub enum SlotMeaning {
     /// Zero pulse of the encoder.
     Index,
     /// Edge of the probe input.
@@ -69,26 +69,26 @@ pub enum Caught {
 }
 
 /// Returns the meaning of a slot.
-pub fn meaning(probes: Probes, slot: Slot) -> Caught {
+pub fn meaning(probes: Probes, slot: Slot) -> SlotMeaning {
     let edge = if slot.is_multiple_of(2) { Edge::Rising } else { Edge::Falling };
     match probes.get(usize::from(slot / 2)) {
-        Some(Some(Probe::Index)) => Caught::Index,
-        _ => Caught::Edge(edge),
+        Some(Some(Probe::Index)) => SlotMeaning::Index,
+        _ => SlotMeaning::Edge(edge),
     }
 }
 
 /// Captures of a slot.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Catch {
+pub struct CaptureCounter {
     count: Option<u16>,
     /// Number of captures since the last [`drain`](Self::drain).
     new: u16,
     position: i32,
 }
 
-impl Catch {
+impl CaptureCounter {
     /// Updates the slot with position and count of the drive.
-    pub fn take(&mut self, position: i32, count: u16) {
+    pub fn update(&mut self, position: i32, count: u16) {
         // Captures before the first update are ignored.
         let new = self.count.replace(count).map_or(0, |before| count.wrapping_sub(before));
         self.new = self.new.saturating_add(new);
@@ -115,17 +115,17 @@ mod tests {
         let indices = |slot| objects_of(slot).map(|object| object.index);
         assert_eq!([indices(0), indices(3)], [[0x60BA, 0x60D5], [0x60BD, 0x60D8]]);
         let probes = [Some(Probe::Falling), Some(Probe::Index)];
-        assert_eq!((meaning(probes, 1), meaning(probes, 2)), (Caught::Edge(Edge::Falling), Caught::Index));
+        assert_eq!((meaning(probes, 1), meaning(probes, 2)), (SlotMeaning::Edge(Edge::Falling), SlotMeaning::Index));
     }
 
     #[test]
     fn what_is_new_is_told_once_and_what_was_between_is_lost() {
-        let mut caught = Catch::default();
-        caught.take(5, 65_534);
+        let mut caught = CaptureCounter::default();
+        caught.update(5, 65_534);
         assert_eq!(caught.drain(), None, "caught before");
-        caught.take(5, 65_535);
+        caught.update(5, 65_535);
         assert_eq!((caught.drain(), caught.drain()), (Some((5, 0)), None));
-        caught.take(-9, 2);
+        caught.update(-9, 2);
         assert_eq!(caught.drain(), Some((-9, 2)), "the count wraps");
     }
 }

@@ -111,7 +111,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn entries_come_back(entries in proptest::collection::vec(
+        fn entries_are_decoded_as_encoded(entries in proptest::collection::vec(
             (any::<u16>(), any::<u8>(), proptest::collection::vec(any::<u8>(), 0..20)), 0..20,
         )) {
             let entries: Vec<_> = entries.into_iter().map(|(index, sub, data)| (Object { index, sub }, data)).collect();

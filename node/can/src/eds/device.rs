@@ -5,7 +5,7 @@
 //! Source   CiA 306-1
 
 use super::ini::{Section, Sections};
-use super::notes::{LAST_NODE, Notes};
+use super::notes::{LAST_NODE, Diagnostics};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -16,7 +16,7 @@ trait Table {
     fn numbers(&mut self) -> Vec<(&'static str, &mut Option<u32>, u32, u32)>;
     fn flags(&mut self) -> Vec<(&'static str, &mut bool)>;
 
-    fn read(&mut self, section: &Section<'_>, notes: &mut Notes) {
+    fn read(&mut self, section: &Section<'_>, notes: &mut Diagnostics) {
         for (key, text) in self.texts() {
             *text = section.get(&key.to_lowercase()).map(|item| item.value.to_owned()).unwrap_or_default();
         }
@@ -205,7 +205,7 @@ impl Table for Commissioning {
 }
 
 impl FileInfo {
-    pub(super) fn of(sections: &Sections<'_>, notes: &mut Notes) -> Self {
+    pub(super) fn of(sections: &Sections<'_>, notes: &mut Diagnostics) -> Self {
         let mut info = Self::default();
         if let Some(section) = sections.get("fileinfo") {
             info.read(section, notes);
@@ -225,7 +225,7 @@ impl DeviceInfo {
         is_in(&self.denied_baud_rates) || (!self.baud_rates.is_empty() && !is_in(&self.baud_rates))
     }
 
-    pub(super) fn of(sections: &Sections<'_>, notes: &mut Notes) -> Self {
+    pub(super) fn of(sections: &Sections<'_>, notes: &mut Diagnostics) -> Self {
         let mut info = Self::default();
         let Some(section) = sections.get("deviceinfo") else {
             notes.warnings.add(None, "the section [DeviceInfo] is missing: vendor and product are not known");
@@ -261,7 +261,7 @@ impl DeviceInfo {
 }
 
 impl Commissioning {
-    pub(super) fn of(sections: &Sections<'_>, notes: &mut Notes) -> Option<Self> {
+    pub(super) fn of(sections: &Sections<'_>, notes: &mut Diagnostics) -> Option<Self> {
         let section = sections.get("devicecomissioning").or_else(|| sections.get("devicecommissioning"))?;
         let mut commissioning = Self::default();
         commissioning.read(section, notes);

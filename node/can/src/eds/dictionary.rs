@@ -5,7 +5,7 @@
 //! Source   CiA 306-1, CiA 301
 
 use super::device::{Commissioning, DeviceInfo, FileInfo};
-use super::object::{Entry, Given, Head};
+use super::object::{Entry, FileValue, IndexDescription};
 use super::problem::{Problems, quoted};
 use super::value::{Value, ValueError};
 use crate::sdo::Object;
@@ -28,7 +28,7 @@ pub struct Dictionary {
     /// Numbers of the data types that can be mapped as dummy entries.
     pub dummies: BTreeSet<u16>,
     pub(super) node_id: Option<u8>,
-    pub(super) heads: BTreeMap<u16, Head>,
+    pub(super) heads: BTreeMap<u16, IndexDescription>,
     pub(super) entries: BTreeMap<Object, Entry>,
     pub(super) warnings: Problems,
 }
@@ -41,7 +41,7 @@ pub enum FindError {
     None(String),
     /// Several objects have the name.
     #[error("the name {} is that of {first} and of {second}: write the index", quoted(.name))]
-    Several {
+    Ambiguous {
         /// Name.
         name: String,
         /// First object with the name.
@@ -90,12 +90,12 @@ impl Dictionary {
     }
 
     /// Returns the description of an index.
-    pub fn head(&self, index: u16) -> Option<&Head> {
+    pub fn index_description(&self, index: u16) -> Option<&IndexDescription> {
         self.heads.get(&index)
     }
 
     /// Returns all indices with their descriptions, in ascending order.
-    pub fn heads(&self) -> impl Iterator<Item = (u16, &Head)> {
+    pub fn heads(&self) -> impl Iterator<Item = (u16, &IndexDescription)> {
         self.heads.iter().map(|(index, head)| (*index, head))
     }
 
@@ -132,11 +132,11 @@ impl Dictionary {
         let first = found.next().ok_or_else(|| FindError::None(name.to_owned()))?;
         match found.next() {
             None => Ok(first),
-            Some(second) => Err(FindError::Several { name: name.to_owned(), first, second }),
+            Some(second) => Err(FindError::Ambiguous { name: name.to_owned(), first, second }),
         }
     }
 
-    fn resolved(&self, object: Object, which: fn(&Entry) -> Option<&Given>) -> Option<Value> {
+    fn resolved(&self, object: Object, which: fn(&Entry) -> Option<&FileValue>) -> Option<Value> {
         let entry = self.entries.get(&object)?;
         which(entry)?.resolved(entry.data_type, self.node_id)
     }
@@ -186,7 +186,7 @@ impl Dictionary {
         if !is_line || Value::parse(entry.data_type, &text).as_ref() != Ok(&value) {
             return Err(ConfigureError::Line(object));
         }
-        entry.parameter = Some(Given::Value(value));
+        entry.parameter = Some(FileValue::Value(value));
         Ok(())
     }
 
@@ -195,7 +195,7 @@ impl Dictionary {
     ///
     /// # Errors
     /// A value needs a node ID, which is unknown.
-    pub fn written(&self) -> Result<Vec<(Object, Vec<u8>)>, ConfigureError> {
+    pub fn configured_values(&self) -> Result<Vec<(Object, Vec<u8>)>, ConfigureError> {
         let mut written = Vec::new();
         for (object, entry) in self.entries().filter(|(_, entry)| entry.is_configurable()) {
             let Some(parameter) = &entry.parameter else { continue };

@@ -9,8 +9,8 @@
 
 use super::data_type::DataType;
 use super::ini::{Item, Section, Sections};
-use super::notes::{Notes, given, said, without_remark};
-use super::object::{Access, Entry, Given, ObjectType};
+use super::notes::{Diagnostics, given, section_text, without_remark};
+use super::object::{Access, Entry, FileValue, ObjectType};
 use super::value::Value;
 
 /// Maximum length of a name, in characters; CiA 306 allows 241.
@@ -23,7 +23,7 @@ const LONGEST_REPEATED: usize = 255;
 const FIRST_DEFINED: u16 = 0x40;
 
 /// Returns the name of an index or of an object.
-pub(super) fn name(section: &Section<'_>, otherwise: &str, notes: &mut Notes) -> String {
+pub(super) fn name(section: &Section<'_>, otherwise: &str, notes: &mut Diagnostics) -> String {
     let Some(item) = section.get("parametername") else {
         let section_name = super::problem::quoted(section.name);
         notes.warnings.add(Some(section.line), format!("the section {section_name} has no ParameterName"));
@@ -48,10 +48,10 @@ pub(super) fn read(
     object_type: ObjectType,
     is_configured: bool,
     sections: &Sections<'_>,
-    notes: &mut Notes,
+    notes: &mut Diagnostics,
 ) -> Option<Entry> {
     // A subindex may be a DOMAIN of its own. For VAR and DOMAIN only the required keys differ.
-    let own = section.get("objecttype").and_then(|item| Notes::checked(item, 0, 9).ok()).and_then(ObjectType::of);
+    let own = section.get("objecttype").and_then(|item| Diagnostics::checked(item, 0, 9).ok()).and_then(ObjectType::of);
     let is_domain = own.unwrap_or(object_type) == ObjectType::Domain;
     let data_type = data_type(section, is_domain, is_configured, sections, notes);
     let access = access(section, is_domain, is_configured, notes);
@@ -73,7 +73,7 @@ pub(super) fn read(
     if let Some(item) = section.get("downloadfile") {
         notes.warning(section, item, "the value is in a file, which is not read: write it with `can sdo write --file`");
     }
-    if entry.has_no_room()
+    if entry.has_inverted_limits()
         && let Some(item) = section.get("lowlimit")
     {
         notes.warning(section, item, "the limit is above HighLimit, and neither of them counts");
@@ -84,7 +84,7 @@ pub(super) fn read(
 
 /// Returns the configuration value of an object. An unreadable value of a configurable object is an error, as the device would keep another
 /// value.
-fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut Notes) -> Option<Given> {
+fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut Diagnostics) -> Option<FileValue> {
     match given(item.value, entry.data_type) {
         Ok(given) => given,
         Err(why) if entry.is_configurable() => {
@@ -100,11 +100,11 @@ fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut N
 
 /// Adds a note about a key without which an object is unusable. It is an error if the configuration gives the object a value, which would
 /// be lost. Otherwise the object is left out with a warning.
-pub(super) fn leave_out(section: &Section<'_>, item: Item<'_>, is_configured: bool, why: &str, notes: &mut Notes) {
+pub(super) fn note_unusable_object(section: &Section<'_>, item: Item<'_>, is_configured: bool, why: &str, notes: &mut Diagnostics) {
     if is_configured {
         notes.error(section, item, why);
     } else {
-        let text = format!("{}: {why}; the object is left out", said(section, item));
+        let text = format!("{}: {why}; the object is left out", section_text(section, item));
         notes.warnings.add(Some(item.line), text);
     }
 }
@@ -124,7 +124,7 @@ fn data_type(
     is_domain: bool,
     is_configured: bool,
     sections: &Sections<'_>,
-    notes: &mut Notes,
+    notes: &mut Diagnostics,
 ) -> Option<DataType> {
     let Some(item) = section.get("datatype") else {
         if is_domain {
@@ -138,14 +138,14 @@ fn data_type(
         notes.warnings.add(Some(section.line), format!("the section {name} has no DataType; the object is left out"));
         return None;
     };
-    match Notes::checked(item, 1, u32::from(u16::MAX)) {
+    match Diagnostics::checked(item, 1, u32::from(u16::MAX)) {
         Ok(number) => {
             let number = number as u16;
-            Some(defined(number, sections).unwrap_or(DataType::of(number)))
+            Some(base_type(number, sections).unwrap_or(DataType::of(number)))
         }
         Err(why) => {
             let why = format!("{why}; allowed is the number of a data type, like 0x0007 for UNSIGNED32");
-            leave_out(section, item, is_configured, &why, notes);
+            note_unusable_object(section, item, is_configured, &why, notes);
             None
         }
     }
@@ -153,16 +153,16 @@ fn data_type(
 
 /// Returns the base type of a type definition. CANFestival defines its own types for objects with limits, in sections such as `[A0]`, whose
 /// subindex 1 contains the base type.
-fn defined(number: u16, sections: &Sections<'_>) -> Option<DataType> {
+fn base_type(number: u16, sections: &Sections<'_>) -> Option<DataType> {
     if number < FIRST_DEFINED {
         return None;
     }
     let section = sections.get(&format!("{number:x}sub1")).or_else(|| sections.get(&format!("{number:04x}sub1")))?;
-    let behind = Notes::checked(section.get("defaultvalue")?, 1, u32::from(FIRST_DEFINED) - 1).ok()?;
+    let behind = Diagnostics::checked(section.get("defaultvalue")?, 1, u32::from(FIRST_DEFINED) - 1).ok()?;
     u16::try_from(behind).ok().map(DataType::of)
 }
 
-fn access(section: &Section<'_>, is_domain: bool, is_configured: bool, notes: &mut Notes) -> Option<Access> {
+fn access(section: &Section<'_>, is_domain: bool, is_configured: bool, notes: &mut Diagnostics) -> Option<Access> {
     let Some(item) = section.get("accesstype") else {
         let (otherwise, name) = (if is_domain { Access::Rw } else { Access::Ro }, super::problem::quoted(section.name));
         if let Some(item) = section.get("parametervalue").filter(|_| !is_domain) {
@@ -181,7 +181,7 @@ fn access(section: &Section<'_>, is_domain: bool, is_configured: bool, notes: &m
     let access = Access::of(without_remark(item.value));
     if access.is_none() {
         let why = "allowed are ro, wo, rw, rwr, rww and const";
-        leave_out(section, item, is_configured, why, notes);
+        note_unusable_object(section, item, is_configured, why, notes);
     }
     access
 }
@@ -193,7 +193,7 @@ pub(super) fn compact(
     names: Option<&Section<'_>>,
     values: Option<&Section<'_>>,
     sections: &Sections<'_>,
-    notes: &mut Notes,
+    notes: &mut Diagnostics,
 ) -> Vec<(u8, Entry)> {
     let Some(count) = notes.number(section, "compactsubobj", 0, 255).filter(|count| *count > 0) else {
         return Vec::new();
@@ -215,7 +215,7 @@ pub(super) fn compact(
         flags: 0,
         low: None,
         high: None,
-        default: Some(Given::Value(Value::Unsigned(u64::from(last)))),
+        default: Some(FileValue::Value(Value::Unsigned(u64::from(last)))),
         parameter: None,
     };
     let mut entries = vec![(0, number_of_entries)];
@@ -233,7 +233,7 @@ pub(super) fn compact(
 }
 
 /// Reports values of `[xxxxValue]` that belong to no object. `compact` are the objects that have used their values.
-pub(super) fn refuse_lost(values: &Section<'_>, compact: &[u8], notes: &mut Notes) {
+pub(super) fn report_unused_values(values: &Section<'_>, compact: &[u8], notes: &mut Diagnostics) {
     let of_object = |key: &str| key.parse().is_ok_and(|sub: u8| compact.contains(&sub) && sub.to_string() == key);
     let taken = |key: &str| key == "nrofentries" || of_object(key);
     for (key, item) in &values.items {

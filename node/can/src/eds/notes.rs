@@ -3,8 +3,8 @@
 use super::data_type::{DataType, Kind};
 use super::ini::{Item, Section};
 use super::number::{number, plus_node_id};
-use super::object::Given;
-use super::problem::{PassedKey, PassedOver, Problems, cut};
+use super::object::FileValue;
+use super::problem::{IgnoredKeyKind, IgnoredKey, Problems, cut};
 use super::value::Value;
 
 /// End of the message about a key that is ignored.
@@ -14,13 +14,13 @@ pub(super) const LAST_NODE: u8 = 127;
 
 /// Errors and warnings of a file.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Notes {
+pub(super) struct Diagnostics {
     pub(super) errors: Problems,
     pub(super) warnings: Problems,
 }
 
 /// Returns `[section] key=value` as written in the file.
-pub(super) fn said(section: &Section<'_>, item: Item<'_>) -> String {
+pub(super) fn section_text(section: &Section<'_>, item: Item<'_>) -> String {
     format!("[{}] {}={}", cut(section.name), cut(item.key), cut(item.value))
 }
 
@@ -30,26 +30,26 @@ pub(super) fn without_remark(value: &str) -> &str {
 }
 
 /// Returns the value or limit that an ignored key gives an object; `None` for any other key.
-fn passed_over(section: &Section<'_>, item: Item<'_>) -> Option<PassedOver> {
+fn passed_over(section: &Section<'_>, item: Item<'_>) -> Option<IgnoredKey> {
     let (digits, rest) = section.name.split_at_checked(4)?;
     let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
     let index = u16::from_str_radix(digits, 16).ok().filter(|_| is_hex)?;
     let key = match item.key.to_ascii_lowercase().as_str() {
-        "defaultvalue" | "parametervalue" => PassedKey::Value,
-        "lowlimit" | "highlimit" => PassedKey::Limit,
-        _ if rest.eq_ignore_ascii_case("value") => PassedKey::Value,
+        "defaultvalue" | "parametervalue" => IgnoredKeyKind::Value,
+        "lowlimit" | "highlimit" => IgnoredKeyKind::Limit,
+        _ if rest.eq_ignore_ascii_case("value") => IgnoredKeyKind::Value,
         _ => return None,
     };
-    Some(PassedOver { index, key })
+    Some(IgnoredKey { index, key })
 }
 
-impl Notes {
+impl Diagnostics {
     pub(super) fn error(&mut self, section: &Section<'_>, item: Item<'_>, why: &str) {
-        self.errors.add(Some(item.line), format!("{}: {why}", said(section, item)));
+        self.errors.add(Some(item.line), format!("{}: {why}", section_text(section, item)));
     }
 
     pub(super) fn warning(&mut self, section: &Section<'_>, item: Item<'_>, why: &str) {
-        let text = format!("{}: {why}{PASSED_OVER}", said(section, item));
+        let text = format!("{}: {why}{PASSED_OVER}", section_text(section, item));
         self.warnings.add_of(Some(item.line), text, passed_over(section, item));
     }
 
@@ -78,7 +78,7 @@ impl Notes {
     }
 
     /// Returns a value of a type; `None` if the key is missing, and with a warning if it is invalid.
-    pub(super) fn given(&mut self, section: &Section<'_>, key: &str, data_type: DataType) -> Option<Given> {
+    pub(super) fn given(&mut self, section: &Section<'_>, key: &str, data_type: DataType) -> Option<FileValue> {
         let item = section.get(key)?;
         match given(item.value, data_type) {
             Ok(given) => given,
@@ -91,7 +91,7 @@ impl Notes {
 }
 
 /// Parses a value; `None` if there is only a comment.
-pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<Given>, String> {
+pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<FileValue>, String> {
     let kind = data_type.kind();
     let text = if matches!(kind, Kind::Visible | Kind::Unicode) { text } else { without_remark(text) };
     if text.is_empty() {
@@ -103,7 +103,7 @@ pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<Given>, St
         let plus = plus?;
         // A value that fits for the maximum node ID fits for all node IDs.
         Value::of_number(data_type, i128::from(plus) + i128::from(LAST_NODE)).map_err(|error| error.to_string())?;
-        return Ok(Some(Given::NodeId { plus }));
+        return Ok(Some(FileValue::NodeId { plus }));
     }
-    Value::read(data_type, text).map(|value| Some(Given::Value(value))).map_err(|error| error.to_string())
+    Value::read(data_type, text).map(|value| Some(FileValue::Value(value))).map_err(|error| error.to_string())
 }

@@ -100,7 +100,7 @@ impl Access {
 
 /// Value as the file gives it.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Given {
+pub enum FileValue {
     /// A fixed value.
     Value(Value),
     /// `$NODEID` plus a number; fits the data type for every node ID.
@@ -110,7 +110,7 @@ pub enum Given {
     },
 }
 
-impl Given {
+impl FileValue {
     /// Returns the value for a node; `None` if it depends on the node and the node is unknown.
     pub fn resolved(&self, data_type: DataType, node_id: Option<u8>) -> Option<Value> {
         match self {
@@ -122,7 +122,7 @@ impl Given {
 
 /// Description of an index.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Head {
+pub struct IndexDescription {
     /// Name of the index.
     pub name: String,
     /// Object type.
@@ -143,13 +143,13 @@ pub struct Entry {
     /// `ObjFlags`: bit 0, tools must not write the object with a configuration; bit 1, tools must not read it with a scan.
     pub flags: u32,
     /// Minimum value.
-    pub low: Option<Given>,
+    pub low: Option<FileValue>,
     /// Maximum value.
-    pub high: Option<Given>,
+    pub high: Option<FileValue>,
     /// Default value, before any write.
-    pub default: Option<Given>,
+    pub default: Option<FileValue>,
     /// Value of the device configuration.
-    pub parameter: Option<Given>,
+    pub parameter: Option<FileValue>,
 }
 
 impl Entry {
@@ -159,8 +159,8 @@ impl Entry {
     }
 
     /// Returns true if the minimum value exceeds the maximum value.
-    pub(super) fn has_no_room(&self) -> bool {
-        let (Some(Given::Value(low)), Some(Given::Value(high))) = (&self.low, &self.high) else { return false };
+    pub(super) fn has_inverted_limits(&self) -> bool {
+        let (Some(FileValue::Value(low)), Some(FileValue::Value(high))) = (&self.low, &self.high) else { return false };
         let order = match (low, high) {
             (Value::Real32(low), Value::Real32(high)) => low.partial_cmp(high),
             (Value::Real64(low), Value::Real64(high)) => low.partial_cmp(high),
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_value_of_the_node_needs_the_node() {
-        let given = Given::NodeId { plus: 0x180 };
+        let given = FileValue::NodeId { plus: 0x180 };
         assert_eq!(given.resolved(DataType::Unsigned32, None), None);
         assert_eq!(given.resolved(DataType::Unsigned32, Some(5)), Some(Value::Unsigned(0x185)));
     }

@@ -129,7 +129,7 @@ impl Dictionary {
     }
 
     /// Returns the number of the first PDO, from 1, whose mapping in the file lists an object.
-    pub fn carrier(&self, direction: Direction, object: Object) -> Option<u16> {
+    pub fn find_pdo_with(&self, direction: Direction, object: Object) -> Option<u16> {
         let (_, first) = direction.first();
         let carries = |number: &u16| {
             let mapped = self.mapped(first.saturating_add(number.saturating_sub(1)));

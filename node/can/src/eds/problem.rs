@@ -9,7 +9,7 @@ const MOST_QUOTED: usize = 60;
 
 /// Kind of an ignored key of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum PassedKey {
+pub enum IgnoredKeyKind {
     /// DefaultValue, ParameterValue, or a value of `[xxxxValue]`.
     Value,
     /// LowLimit, HighLimit.
@@ -18,11 +18,11 @@ pub enum PassedKey {
 
 /// Value or limit of an object that was ignored with a warning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct PassedOver {
+pub struct IgnoredKey {
     /// Index of the object.
     pub index: u16,
     /// Kind of the key.
-    pub key: PassedKey,
+    pub key: IgnoredKeyKind,
 }
 
 /// Error or warning.
@@ -33,7 +33,7 @@ pub struct Problem {
     /// Message.
     pub text: String,
     /// Value or limit that was ignored, if that is the problem.
-    pub passed_over: Option<PassedOver>,
+    pub passed_over: Option<IgnoredKey>,
 }
 
 impl fmt::Display for Problem {
@@ -57,7 +57,7 @@ impl Problems {
         self.add_of(line, text, None);
     }
 
-    pub(super) fn add_of(&mut self, line: Option<usize>, text: impl Into<String>, passed_over: Option<PassedOver>) {
+    pub(super) fn add_of(&mut self, line: Option<usize>, text: impl Into<String>, passed_over: Option<IgnoredKey>) {
         // Half of the room is reserved for problems other than ignored values: a message about a left out object must not get lost among
         // those about defaults.
         let most = if passed_over.is_some() { MOST_PROBLEMS / 2 } else { MOST_PROBLEMS };
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn passed_over_values_leave_room_for_other_problems() {
         let mut problems = Problems::default();
-        let of_value = Some(PassedOver { index: 0x2000, key: PassedKey::Value });
+        let of_value = Some(IgnoredKey { index: 0x2000, key: IgnoredKeyKind::Value });
         for line in 1..=MOST_PROBLEMS {
             problems.add_of(Some(line), "a", of_value);
         }

@@ -10,8 +10,8 @@ use super::device::{Commissioning, DeviceInfo, FileInfo};
 use super::dictionary::Dictionary;
 use super::entry;
 use super::ini::{self, Section, Sections};
-use super::notes::{LAST_NODE, Notes};
-use super::object::{Head, ObjectType};
+use super::notes::{LAST_NODE, Diagnostics};
+use super::object::{IndexDescription, ObjectType};
 use super::problem::{EdsErrors, quoted};
 use crate::sdo::Object;
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,7 +27,7 @@ const LISTS: [&str; 3] = ["mandatoryobjects", "optionalobjects", "manufacturerob
 
 /// Sections of one index.
 #[derive(Default)]
-struct Parts<'a> {
+struct IndexSections<'a> {
     head: Option<&'a Section<'a>>,
     subs: BTreeMap<u8, &'a Section<'a>>,
     names: Option<&'a Section<'a>>,
@@ -39,7 +39,7 @@ struct Parts<'a> {
 /// # Errors
 /// All problems that make the file unusable, together with the warnings.
 pub fn parse(bytes: &[u8], node_id: Option<u8>) -> Result<Dictionary, EdsErrors> {
-    let mut notes = Notes::default();
+    let mut notes = Diagnostics::default();
     let mut dictionary = Dictionary::default();
     if bytes.len() > LARGEST_FILE {
         let length = bytes.len();
@@ -54,7 +54,7 @@ pub fn parse(bytes: &[u8], node_id: Option<u8>) -> Result<Dictionary, EdsErrors>
         let sections = ini::sections(&text, &mut notes.errors, &mut notes.warnings);
         fill(&mut dictionary, &sections, node_id, &mut notes);
     }
-    let Notes { mut errors, mut warnings } = notes;
+    let Diagnostics { mut errors, mut warnings } = notes;
     errors.sort();
     warnings.sort();
     if errors.is_empty() {
@@ -65,7 +65,7 @@ pub fn parse(bytes: &[u8], node_id: Option<u8>) -> Result<Dictionary, EdsErrors>
     }
 }
 
-fn fill(dictionary: &mut Dictionary, sections: &Sections<'_>, node_id: Option<u8>, notes: &mut Notes) {
+fn fill(dictionary: &mut Dictionary, sections: &Sections<'_>, node_id: Option<u8>, notes: &mut Diagnostics) {
     dictionary.file = FileInfo::of(sections, notes);
     dictionary.device = DeviceInfo::of(sections, notes);
     dictionary.commissioning = Commissioning::of(sections, notes);
@@ -99,7 +99,7 @@ fn comments(sections: &Sections<'_>) -> Vec<String> {
     lines.into_values().map(str::to_owned).collect()
 }
 
-fn dummies(sections: &Sections<'_>, notes: &mut Notes) -> BTreeSet<u16> {
+fn dummies(sections: &Sections<'_>, notes: &mut Diagnostics) -> BTreeSet<u16> {
     let Some(section) = sections.get("dummyusage") else { return BTreeSet::new() };
     let numbered = |key: &str| u16::from_str_radix(key.strip_prefix("dummy")?, 16).ok();
     let types = section.items.keys().filter_map(|key| Some((key, numbered(key)?)));
@@ -107,13 +107,13 @@ fn dummies(sections: &Sections<'_>, notes: &mut Notes) -> BTreeSet<u16> {
 }
 
 /// Returns the sections of objects, by index. Other sections belong to tools.
-fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Parts<'a>> {
-    let mut all: BTreeMap<u16, Parts<'a>> = BTreeMap::new();
+fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Diagnostics) -> BTreeMap<u16, IndexSections<'a>> {
+    let mut all: BTreeMap<u16, IndexSections<'a>> = BTreeMap::new();
     for (name, section) in sections {
         let (digits, rest) = name.split_at_checked(4).unwrap_or((name.as_str(), ""));
         let index = Some(digits).filter(|digits| digits.len() == 4).and_then(hex);
         let Some(index) = index.and_then(|index| u16::try_from(index).ok()) else {
-            refuse_stray(section, notes);
+            report_stray_value(section, notes);
             continue;
         };
         if let Some(sub) = rest.strip_prefix("sub") {
@@ -137,18 +137,18 @@ fn parts<'a>(sections: &'a Sections<'a>, notes: &mut Notes) -> BTreeMap<u16, Par
             "name" => all.entry(index).or_default().names = Some(section),
             "value" => all.entry(index).or_default().values = Some(section),
             // ObjectLinks group objects for display, Denotation contains names that users gave to objects.
-            _ => refuse_stray(section, notes),
+            _ => report_stray_value(section, notes),
         }
     }
     for values in all.values().filter(|parts| parts.head.is_none()).filter_map(|parts| parts.values) {
-        entry::refuse_lost(values, &[], notes);
+        entry::report_unused_values(values, &[], notes);
     }
     all.retain(|_, parts| parts.head.is_some() || !parts.subs.is_empty());
     all
 }
 
 /// Reports a configuration value in a section of no object, which would be lost. Objects of modules (`[M1SubExt6000]`) are not supported.
-fn refuse_stray(section: &Section<'_>, notes: &mut Notes) {
+fn report_stray_value(section: &Section<'_>, notes: &mut Diagnostics) {
     let Some(item) = section.get("parametervalue") else { return };
     let mut letters = section.name.chars();
     let is_of_module = letters.next().is_some_and(|first| first.eq_ignore_ascii_case(&'m'))
@@ -167,13 +167,13 @@ fn hex(digits: &str) -> Option<u32> {
 }
 
 /// Compares the lists of indices with the objects. The lists have no other use.
-fn lists(sections: &Sections<'_>, parts: &BTreeMap<u16, Parts<'_>>, notes: &mut Notes) {
+fn lists(sections: &Sections<'_>, parts: &BTreeMap<u16, IndexSections<'_>>, notes: &mut Diagnostics) {
     let mut listed = BTreeSet::new();
     for section in LISTS.iter().filter_map(|name| sections.get(*name)) {
         let mut found = 0_u32;
         for item in section.items.values().filter(|item| item.key.parse::<u32>().is_ok()) {
             found = found.saturating_add(1);
-            match Notes::checked(*item, 0, u32::from(u16::MAX)) {
+            match Diagnostics::checked(*item, 0, u32::from(u16::MAX)) {
                 Ok(index) => {
                     let index = index as u16;
                     listed.insert(index);
@@ -200,16 +200,16 @@ fn lists(sections: &Sections<'_>, parts: &BTreeMap<u16, Parts<'_>>, notes: &mut 
     }
 }
 
-fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sections: &Sections<'_>, notes: &mut Notes) {
+fn read_index(dictionary: &mut Dictionary, index: u16, parts: &IndexSections<'_>, sections: &Sections<'_>, notes: &mut Diagnostics) {
     let head = match parts.head {
         Some(section) => {
             let Some(object_type) = object_type(section, parts, notes) else { return };
-            Head { name: entry::name(section, &format!("{index:04X}h"), notes), object_type }
+            IndexDescription { name: entry::name(section, &format!("{index:04X}h"), notes), object_type }
         }
         None => {
             let line = parts.subs.values().map(|section| section.line).min();
             notes.warnings.add(line, format!("the section [{index:04X}] is missing; the object is taken as a RECORD"));
-            Head { name: format!("{index:04X}h"), object_type: ObjectType::Record }
+            IndexDescription { name: format!("{index:04X}h"), object_type: ObjectType::Record }
         }
     };
     if let Some((section, item)) = parts.head.and_then(|section| Some((section, section.get("parametervalue")?)))
@@ -223,7 +223,7 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
     match parts.head {
         Some(section) if head.object_type.is_single() => {
             if let Some(values) = parts.values {
-                entry::refuse_lost(values, &[], notes);
+                entry::report_unused_values(values, &[], notes);
             }
             // An index without its only object has no content.
             let is_configured = entry::is_configured(section);
@@ -244,7 +244,7 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
         _ => {}
     }
     if let Some(values) = parts.values.filter(|_| parts.head.is_some() && !head.object_type.is_single()) {
-        entry::refuse_lost(values, &compact, notes);
+        entry::report_unused_values(values, &compact, notes);
     }
     for (sub, section) in parts.subs.iter().filter(|_| !head.object_type.is_single()) {
         let is_configured = entry::is_configured(section);
@@ -268,13 +268,13 @@ fn read_index(dictionary: &mut Dictionary, index: u16, parts: &Parts<'_>, sectio
 }
 
 /// Returns true if a section of an index has a configuration value.
-fn is_configured(parts: &Parts<'_>) -> bool {
+fn is_configured(parts: &IndexSections<'_>) -> bool {
     let mut sections = parts.head.into_iter().chain(parts.subs.values().copied());
     sections.any(entry::is_configured) || parts.values.is_some_and(entry::has_values)
 }
 
 /// Returns the object type of an index; `None`, with an error or a warning, if it is invalid.
-fn object_type(section: &Section<'_>, parts: &Parts<'_>, notes: &mut Notes) -> Option<ObjectType> {
+fn object_type(section: &Section<'_>, parts: &IndexSections<'_>, notes: &mut Diagnostics) -> Option<ObjectType> {
     let Some(item) = section.get("objecttype") else {
         // CiA 306: without the key the object is a VAR, which an index with subindices cannot be.
         return Some(match (section.get("compactsubobj").is_some(), parts.subs.is_empty()) {
@@ -283,7 +283,7 @@ fn object_type(section: &Section<'_>, parts: &Parts<'_>, notes: &mut Notes) -> O
             (false, false) => ObjectType::Record,
         });
     };
-    match Notes::checked(item, 0, 9).map(ObjectType::of) {
+    match Diagnostics::checked(item, 0, 9).map(ObjectType::of) {
         Ok(Some(found)) if found.is_single() && !parts.subs.is_empty() => {
             notes.warning(section, item, "the object has subindices, and is taken as a RECORD");
             Some(ObjectType::Record)
@@ -291,7 +291,7 @@ fn object_type(section: &Section<'_>, parts: &Parts<'_>, notes: &mut Notes) -> O
         Ok(Some(found)) => Some(found),
         Ok(None) | Err(_) => {
             let why = "allowed are 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY), 9 (RECORD)";
-            entry::leave_out(section, item, is_configured(parts), why, notes);
+            entry::note_unusable_object(section, item, is_configured(parts), why, notes);
             None
         }
     }

@@ -97,7 +97,7 @@ fn range(kind: Kind) -> Option<(i128, i128)> {
 }
 
 /// Extends bytes to eight, with `fill` for the upper ones.
-fn widened(bytes: &[u8], fill: u8) -> [u8; 8] {
+fn extend_to_8_bytes(bytes: &[u8], fill: u8) -> [u8; 8] {
     let mut wide = [fill; 8];
     for (to, from) in wide.iter_mut().zip(bytes) {
         *to = *from;
@@ -151,7 +151,7 @@ impl Value {
             Kind::Boolean if text.eq_ignore_ascii_case("false") => Ok(Self::Boolean(false)),
             Kind::Boolean | Kind::Integer(_) | Kind::Unsigned(_) => {
                 let read = number(text).map_err(ValueError::Text)?;
-                Self::of_number(data_type, as_bits(kind, read.value, read.is_hex))
+                Self::of_number(data_type, as_signed_if_hex(kind, read.value, read.is_hex))
             }
             Kind::Real32 => real(text, data_type, f32::is_finite).map(Self::Real32),
             Kind::Real64 => real(text, data_type, f64::is_finite).map(Self::Real64),
@@ -217,16 +217,16 @@ impl Value {
         match kind {
             Kind::Boolean => {
                 of_length(1)?;
-                Self::of_number(data_type, i128::from(u64::from_le_bytes(widened(bytes, 0))))
+                Self::of_number(data_type, i128::from(u64::from_le_bytes(extend_to_8_bytes(bytes, 0))))
             }
             Kind::Unsigned(length) => {
                 of_length(length)?;
-                Ok(Self::Unsigned(u64::from_le_bytes(widened(bytes, 0))))
+                Ok(Self::Unsigned(u64::from_le_bytes(extend_to_8_bytes(bytes, 0))))
             }
             Kind::Integer(length) => {
                 of_length(length)?;
                 let is_negative = bytes.last().is_some_and(|last| last & 0x80 != 0);
-                Ok(Self::Integer(i64::from_le_bytes(widened(bytes, if is_negative { 0xFF } else { 0 }))))
+                Ok(Self::Integer(i64::from_le_bytes(extend_to_8_bytes(bytes, if is_negative { 0xFF } else { 0 }))))
             }
             Kind::Real32 => {
                 bytes.try_into().map(|bytes| Self::Real32(f32::from_le_bytes(bytes))).map_err(|_| wrong("4"))
@@ -286,7 +286,7 @@ impl fmt::Display for Value {
 }
 
 /// Interprets hexadecimal digits as the bits of a negative number if they fill the type; returns any other number unchanged.
-fn as_bits(kind: Kind, value: i128, is_hex: bool) -> i128 {
+fn as_signed_if_hex(kind: Kind, value: i128, is_hex: bool) -> i128 {
     let Kind::Integer(bytes) = kind else { return value };
     let all = 1_i128 << (bytes * 8);
     if is_hex && value >= all / 2 && value < all { value - all } else { value }

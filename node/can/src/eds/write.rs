@@ -5,7 +5,7 @@
 
 use super::data_type::DataType;
 use super::dictionary::Dictionary;
-use super::object::{Entry, Given, ObjectType};
+use super::object::{Entry, FileValue, ObjectType};
 use super::value::Value;
 use std::fmt::Write as _;
 
@@ -94,14 +94,14 @@ fn write_entry(entry: &Entry, to: &mut String) {
     }
 }
 
-fn said(given: &Given, data_type: DataType) -> String {
+fn said(given: &FileValue, data_type: DataType) -> String {
     match given {
-        Given::NodeId { plus } => format!("$NODEID+0x{plus:X}"),
+        FileValue::NodeId { plus } => format!("$NODEID+0x{plus:X}"),
         // COB-IDs and mapped objects are usually read in hexadecimal.
-        Given::Value(Value::Unsigned(value)) if data_type.bits().is_some_and(|bits| bits > 16) => {
+        FileValue::Value(Value::Unsigned(value)) if data_type.bits().is_some_and(|bits| bits > 16) => {
             format!("0x{value:X}")
         }
-        Given::Value(value) => value.to_string(),
+        FileValue::Value(value) => value.to_string(),
     }
 }
 

@@ -61,7 +61,7 @@ impl Slave {
 fn search(slaves: &mut [Slave]) -> (Outcome, usize) {
     let mut scan = FastScan::default();
     for questions in 1.. {
-        let question = scan.question();
+        let question = scan.next_question();
         let answers: Vec<_> = slaves.iter_mut().filter_map(|slave| slave.take(&question)).collect();
         assert!(answers.iter().all(FastScan::is_answer));
         if let Some(outcome) = scan.next(!answers.is_empty()) {
@@ -73,7 +73,7 @@ fn search(slaves: &mut [Slave]) -> (Outcome, usize) {
 
 fn wait(slaves: &mut [Slave]) {
     for slave in slaves {
-        assert_eq!(slave.take(&LssCommand::Wait.frame()), None);
+        assert_eq!(slave.take(&LssCommand::SwitchToWaiting.frame()), None);
     }
 }
 
@@ -109,7 +109,7 @@ fn the_device_of_an_identity_is_selected_and_set() {
     let mut ask = |command: LssCommand| {
         let answers = all(&command.frame());
         assert_eq!(answers.len(), 1);
-        command.answered(&answers[0])
+        command.result_of(&answers[0])
     };
     let node = LssCommand::NodeId(NodeId::new(9).unwrap());
     assert_eq!(ask(node), Some(Ok(())));
@@ -122,16 +122,16 @@ fn the_device_of_an_identity_is_selected_and_set() {
 #[test]
 fn frames_are_those_of_the_standard() {
     let bytes = |frame: Frame| <[u8; 8]>::try_from(frame.bytes()).unwrap();
-    assert_eq!(LssCommand::Wait.frame().id().get(), 0x7E5);
+    assert_eq!(LssCommand::SwitchToWaiting.frame().id().get(), 0x7E5);
     assert_eq!(bytes(LssCommand::NodeId(NodeId::new(5).unwrap()).frame()), [17, 5, 0, 0, 0, 0, 0, 0]);
     assert_eq!(bytes(LssCommand::BitRate(3).frame()), [19, 0, 3, 0, 0, 0, 0, 0]);
-    assert_eq!(bytes(FastScan::default().question()), [81, 0, 0, 0, 0, 0x80, 0, 0]);
+    assert_eq!(bytes(FastScan::default().next_question()), [81, 0, 0, 0, 0, 0x80, 0, 0]);
     assert_eq!((bit_rate(1_000_000), bit_rate(10_000), bit_rate(100_000)), (Some(0), Some(8), None));
-    let says = |bytes| LssCommand::Store.answered(&Frame::of(Id::LSS_SLAVE, bytes));
+    let says = |bytes| LssCommand::Store.result_of(&Frame::of(Id::LSS_SLAVE, bytes));
     assert_eq!(says([23, 1, 0, 0, 0, 0, 0, 0]), Some(Err(LssError::NoStore)));
     assert_eq!(says([23, 255, 7, 0, 0, 0, 0, 0]), Some(Err(LssError::Other(255, 7))));
     assert_eq!(says([17, 0, 0, 0, 0, 0, 0, 0]), None, "of another command");
-    assert_eq!(LssCommand::Store.answered(&LssCommand::Store.frame()), None, "our own frame");
+    assert_eq!(LssCommand::Store.result_of(&LssCommand::Store.frame()), None, "our own frame");
 }
 
 proptest! {

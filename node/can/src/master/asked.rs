@@ -22,12 +22,12 @@ pub const LONGEST: usize = 889;
 /// Maximum number of waiting requests of one bus.
 pub const MOST_WAITING: usize = 16;
 /// Time for requests in each turn of the service, before waiting drives are handled. At least one request is handled.
-const SHARE: Duration = Duration::from_millis(50);
+const TURN_TIME: Duration = Duration::from_millis(50);
 const STATUS: Object = Object { index: 0x6041, sub: 0 };
 
 /// Reason why an object was not read or written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Denied {
+pub enum ObjectAccessError {
     /// The transfer failed.
     #[error(transparent)]
     Transfer(#[from] SdoError),
@@ -66,7 +66,7 @@ pub enum Access {
 }
 
 /// Receiver of the bytes that were read; empty after a write.
-type Answer = Box<dyn FnOnce(Result<Vec<u8>, Denied>) + Send>;
+type Answer = Box<dyn FnOnce(Result<Vec<u8>, ObjectAccessError>) + Send>;
 
 struct Request {
     node: NodeId,
@@ -82,11 +82,11 @@ const IS_TAKEN_BACK: u8 = 2;
 
 /// Handle of a request in the queue.
 #[derive(Debug)]
-pub struct Ticket(Arc<AtomicU8>);
+pub struct RequestHandle(Arc<AtomicU8>);
 
-impl Ticket {
+impl RequestHandle {
     /// Cancels the request. Returns false if it has already been started.
-    pub fn take_back(&self) -> bool {
+    pub fn cancel(&self) -> bool {
         take_turn(&self.0, IS_TAKEN_BACK)
     }
 }
@@ -97,63 +97,63 @@ fn take_turn(turn: &AtomicU8, next: u8) -> bool {
 
 /// Queue for requests to the nodes of a bus, for use from any thread.
 #[derive(Clone)]
-pub struct Objects(SyncSender<Request>);
+pub struct SdoRequestQueue(SyncSender<Request>);
 
-impl fmt::Debug for Objects {
+impl fmt::Debug for SdoRequestQueue {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("Objects")
     }
 }
 
-impl Objects {
+impl SdoRequestQueue {
     /// Queues a read or write of an object; does not block. The service thread calls `answer`. If the service ends, `answer` is dropped.
     ///
     /// # Errors
     /// The queue is full, or the service has ended; `answer` is not called then.
-    pub fn ask(
+    pub fn submit(
         &self,
         node: NodeId,
         object: Object,
         access: Access,
-        answer: impl FnOnce(Result<Vec<u8>, Denied>) + Send + 'static,
-    ) -> Result<Ticket, Denied> {
+        answer: impl FnOnce(Result<Vec<u8>, ObjectAccessError>) + Send + 'static,
+    ) -> Result<RequestHandle, ObjectAccessError> {
         use std::sync::mpsc::TrySendError;
         let turn = Arc::new(AtomicU8::new(WAITS));
         let request = Request { node, object, access, answer: Box::new(answer), turn: Arc::clone(&turn) };
         self.0.try_send(request).map_err(|error| match error {
-            TrySendError::Full(_) => Denied::Full,
-            TrySendError::Disconnected(_) => Denied::Closed,
+            TrySendError::Full(_) => ObjectAccessError::Full,
+            TrySendError::Disconnected(_) => ObjectAccessError::Closed,
         })?;
-        Ok(Ticket(turn))
+        Ok(RequestHandle(turn))
     }
 }
 
 /// Receiving end of the queue, which belongs to the service.
-pub(super) struct Line(Receiver<Request>);
+pub(super) struct SdoRequestReceiver(Receiver<Request>);
 
 /// Creates a queue with both ends.
-pub(super) fn line() -> (Objects, Line) {
+pub(super) fn line() -> (SdoRequestQueue, SdoRequestReceiver) {
     let (send, receive) = sync_channel(MOST_WAITING);
-    (Objects(send), Line(receive))
+    (SdoRequestQueue(send), SdoRequestReceiver(receive))
 }
 
-impl Line {
+impl SdoRequestReceiver {
     /// Handles waiting requests for a limited time. `lost`: the reason why the bus connection is lost.
     pub(super) fn serve(&self, port: &mut Port, lost: Option<&str>) {
         let begin = Instant::now();
-        while begin.elapsed() < SHARE {
+        while begin.elapsed() < TURN_TIME {
             let Some(Request { node, object, access, answer, .. }) = self.next() else { return };
             answer(match lost {
-                Some(why) => Err(Denied::Lost(why.to_owned())),
+                Some(why) => Err(ObjectAccessError::Lost(why.to_owned())),
                 None => perform(port, node, object, access),
             });
         }
     }
 
     /// Answers all waiting requests with the error that the bus is closed.
-    pub(super) fn turn_away(&self) {
+    pub(super) fn reject_all(&self) {
         while let Some(request) = self.next() {
-            (request.answer)(Err(Denied::Closed));
+            (request.answer)(Err(ObjectAccessError::Closed));
         }
     }
 
@@ -163,16 +163,16 @@ impl Line {
     }
 }
 
-fn perform(port: &mut Port, node: NodeId, object: Object, access: Access) -> Result<Vec<u8>, Denied> {
+fn perform(port: &mut Port, node: NodeId, object: Object, access: Access) -> Result<Vec<u8>, ObjectAccessError> {
     match access {
         Access::Read => match port.read_long(node, object, LONGEST) {
             Ok(bytes) if bytes.len() <= LONGEST => Ok(bytes),
-            Ok(_) | Err(SdoError::Wrong(_, Abort::MEMORY)) => Err(Denied::Long(object)),
+            Ok(_) | Err(SdoError::Wrong(_, Abort::MEMORY)) => Err(ObjectAccessError::Long(object)),
             Err(error) => Err(error.into()),
         },
         Access::Write { data, without_power } => {
             if without_power {
-                let state = port.read(node, STATUS).map_err(|error| Denied::NoState(object, error))?;
+                let state = port.read(node, STATUS).map_err(|error| ObjectAccessError::NoState(object, error))?;
                 refuse_power(object, &state)?;
             }
             Ok(port.write(node, object, &data).map(|()| Vec::new())?)
@@ -180,11 +180,11 @@ fn perform(port: &mut Port, node: NodeId, object: Object, access: Access) -> Res
     }
 }
 
-fn refuse_power(object: Object, status: &[u8]) -> Result<(), Denied> {
-    let [low, high] = *status else { return Err(Denied::NoState(object, SdoError::Wrong(STATUS, Abort::LENGTH))) };
+fn refuse_power(object: Object, status: &[u8]) -> Result<(), ObjectAccessError> {
+    let [low, high] = *status else { return Err(ObjectAccessError::NoState(object, SdoError::Wrong(STATUS, Abort::LENGTH))) };
     match DriveState::from_status(u16::from_le_bytes([low, high])) {
         state @ (DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction) => {
-            Err(Denied::Power(object, state))
+            Err(ObjectAccessError::Power(object, state))
         }
         _ => Ok(()),
     }

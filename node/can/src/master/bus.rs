@@ -8,16 +8,16 @@
 //! Refuses  nothing: if the transport fails, all devices are offline and the failure is reported
 //! Source   CiA 301; contract sections 1 (delay 1) and 8
 
-use super::capture::{Frames, Tap};
+use super::capture::{RecordedFrames, FrameRecorder};
 use super::device::Device;
 use super::sync::SyncCounter;
-use super::tally::Tally;
+use super::tally::BusCounters;
 use super::time::TimeOfDay;
 use crate::config::{BusConfig, Master};
 use crate::drive::ModeRequest;
 use crate::sdo::{Client, Object, SdoError, Transfer};
 use crate::transport::{Transport, TransportError};
-use crate::{Frame, Happened, NmtCommand, NmtState, NodeId};
+use crate::{Frame, DeviceEvent, NmtCommand, NmtState, NodeId};
 use lineshaft_core::drive::{BusState, Emergency, Inputs, Outputs};
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
@@ -54,7 +54,7 @@ pub(crate) enum Report {
     /// A transfer has ended; with the total number of unexpected answers of this node.
     Transfer(NodeId, Transfer, u32),
     /// Event of the device at this place of the bus. If it took part in the cycles, it no longer does.
-    Happened { device: usize, what: Happened, took_part: bool },
+    Happened { device: usize, what: DeviceEvent, took_part: bool },
     /// Emergency message of a node that is not a drive of the cell.
     Emergency(NodeId, Emergency),
     /// A drive refuses an object of the homing setup.
@@ -105,7 +105,7 @@ pub(crate) struct Bus {
     orders: Consumer<Order>,
     reports: Producer<Report>,
     losses: Arc<Losses>,
-    tap: Tap,
+    tap: FrameRecorder,
     turns: Arc<AtomicU64>,
     silent: Arc<[AtomicBool]>,
 }
@@ -120,7 +120,7 @@ impl Bus {
             began: Instant::now(),
             routes: routes(&devices),
             silent: devices.iter().map(|_| AtomicBool::new(false)).collect(),
-            tap: Tap::new(devices.len()),
+            tap: FrameRecorder::new(devices.len()),
             devices,
             clients: nodes().map(client).collect(),
             busy: Vec::with_capacity(usize::from(NodeId::MAX)),
@@ -146,13 +146,13 @@ impl Bus {
     }
 
     /// Returns the frame counters.
-    pub(crate) fn tally(&self) -> Arc<Tally> {
+    pub(crate) fn tally(&self) -> Arc<BusCounters> {
         Arc::clone(self.tap.tally())
     }
 
     /// Starts to record frames, and returns their receiver; only before cycles run.
-    pub(crate) fn frames(&mut self) -> Frames {
-        self.tap.keep()
+    pub(crate) fn frames(&mut self) -> RecordedFrames {
+        self.tap.start_recording()
     }
 
     /// Returns the flags of devices that have stopped sending signs of life.
@@ -161,8 +161,8 @@ impl Bus {
     }
 
     /// Removes all devices from the cycles. Each takes part again after its next configuration.
-    pub(crate) fn rest(&mut self) {
-        self.devices.iter_mut().for_each(Device::forget);
+    pub(crate) fn remove_devices(&mut self) {
+        self.devices.iter_mut().for_each(Device::remove_and_discard_epoch);
     }
 
     /// Returns the time since the bus was created, in ns.
@@ -173,12 +173,12 @@ impl Bus {
     /// Sets an open transport, while the service owns the bus.
     pub(crate) fn open(&mut self, transport: Box<dyn Transport>) {
         self.transport = Some(transport);
-        self.rest();
+        self.remove_devices();
     }
 
     /// Closes the transport.
     pub(crate) fn close(&mut self) {
-        self.rest();
+        self.remove_devices();
         if let Some(mut transport) = self.transport.take() {
             transport.close();
         }
@@ -235,7 +235,7 @@ impl Bus {
     fn take(&mut self, now_ns: u64) {
         self.turns.fetch_add(1, Ordering::Relaxed);
         while let Ok(order) = self.orders.pop() {
-            self.obey(order, now_ns);
+            self.execute(order, now_ns);
         }
         for _ in 0..MOST_FRAMES {
             let Some(transport) = &mut self.transport else { break };
@@ -254,13 +254,13 @@ impl Bus {
         if let Some(transport) = &self.transport {
             self.losses.faults.store(transport.faults(), Ordering::Relaxed);
         } else {
-            self.devices.iter_mut().for_each(Device::forget);
+            self.devices.iter_mut().for_each(Device::remove_and_discard_epoch);
         }
-        self.tap.tally().note(self.state(), self.transport.as_ref().and_then(|transport| transport.errors()));
+        self.tap.tally().set_controller_state(self.state(), self.transport.as_ref().and_then(|transport| transport.errors()));
         self.tick(now_ns);
     }
 
-    fn obey(&mut self, order: Order, now_ns: u64) {
+    fn execute(&mut self, order: Order, now_ns: u64) {
         match order {
             Order::Open(transport) => self.open(transport),
             Order::Transfer { node, object, data, writes } => self.begin_transfer(node, object, data, writes, now_ns),
@@ -272,7 +272,7 @@ impl Bus {
             }
             Order::Listen { device, inputs } => {
                 if let Some(device) = self.devices.get_mut(device) {
-                    device.listen(inputs);
+                    device.start_reception(inputs);
                 }
             }
             Order::Begin { device: place, fault } => {
@@ -280,7 +280,7 @@ impl Bus {
                 if device.begin(fault) {
                     device.watch.begin(now_ns);
                 } else {
-                    self.report(Report::Happened { device: place, what: Happened::BootedUp, took_part: true });
+                    self.report(Report::Happened { device: place, what: DeviceEvent::BootedUp, took_part: true });
                 }
             }
         }
@@ -329,22 +329,22 @@ impl Bus {
             Route::Life(node) => {
                 // Signs of life of nodes outside the cell are ignored.
                 let Some(place) = self.devices.iter().position(|device| device.node == node) else { return };
-                let happened = self.devices.get_mut(place).and_then(|device| device.watch.hear(frame, now_ns));
+                let happened = self.devices.get_mut(place).and_then(|device| device.watch.handle_frame(frame, now_ns));
                 self.happened(place, happened);
             }
         }
     }
 
-    fn happened(&mut self, place: usize, happened: Option<Happened>) {
+    fn happened(&mut self, place: usize, happened: Option<DeviceEvent>) {
         let Some(device) = self.devices.get_mut(place) else { return };
         let takes_part = device.is_ready();
         // A device that takes part must be operational. Another state is reported, also if the device repeats a state from before.
         let astray = || device.watch.state().filter(|state| takes_part && *state != NmtState::Operational);
-        let Some(what) = happened.or_else(|| astray().map(Happened::State)) else { return };
-        let stays = matches!(what, Happened::State(NmtState::Operational) | Happened::NeverHeard);
+        let Some(what) = happened.or_else(|| astray().map(DeviceEvent::State)) else { return };
+        let stays = matches!(what, DeviceEvent::State(NmtState::Operational) | DeviceEvent::NeverHeard);
         let took_part = takes_part && !stays;
         match what {
-            Happened::BootedUp => device.boot(),
+            DeviceEvent::BootedUp => device.handle_boot_up(),
             _ if took_part => device.end(),
             _ => {}
         }
@@ -356,21 +356,21 @@ impl Bus {
         let place = self.devices.iter().position(|device| device.node == node);
         let drive = place.and_then(|place| self.devices.get_mut(place)?.drive.as_mut());
         match drive {
-            Some(drive) if drive.homing.awaits(done.object) => {
-                drive.homing.take(done.object, done.data, done.result.is_ok());
+            Some(drive) if drive.homing.is_pending(done.object) => {
+                drive.homing.handle_answer(done.object, done.data, done.result.is_ok());
                 if let (Some(place), Err(error)) = (place, done.result) {
                     self.report(Report::HomingRefused(place, error));
                 }
             }
-            Some(drive) if drive.modes.awaits(done.object) => {
-                let error = drive.take_mode(done, now_ns);
+            Some(drive) if drive.modes.is_pending(done.object) => {
+                let error = drive.handle_mode_answer(done, now_ns);
                 if let (Some(place), Some(error)) = (place, error) {
                     self.report(Report::ModeRefused(place, error));
                 }
             }
             other => {
                 if let (Some(drive), Err(error)) = (other, &done.result) {
-                    drive.modes.note_failed(done.object, error);
+                    drive.modes.record_failure(done.object, error);
                 }
                 let client = self.clients.get(usize::from(node.get()) - 1);
                 let strays = client.map_or(0, Client::strays);
@@ -397,7 +397,7 @@ impl Bus {
         for place in 0..self.devices.len() {
             let Some(device) = self.devices.get_mut(place) else { continue };
             let (happened, question) = device.watch.tick(now_ns);
-            self.tap.tally().note_node(place, device.watch.state());
+            self.tap.tally().set_node_state(place, device.watch.state());
             if let Some(silent) = self.silent.get(place) {
                 silent.store(device.watch.is_lost(), Ordering::Relaxed);
             }
@@ -419,13 +419,13 @@ impl Bus {
             }
             let Some(drive) = &mut device.drive else { continue };
             let begun = if let Some((object, data)) = drive.homing.next_object() {
-                client.download(object, data, false, now_ns).map_err(|data| drive.homing.give_back(data))
+                client.download(object, data, false, now_ns).map_err(|data| drive.homing.return_buffer(data))
             } else if let Some(ModeRequest { object, data, writes }) = drive.next_mode_request(now_ns) {
                 let begun = match writes {
                     true => client.download(object, data, false, now_ns),
                     false => client.upload(object, data, false, now_ns),
                 };
-                begun.map_err(|data| drive.modes.give_back(data))
+                begun.map_err(|data| drive.modes.return_buffer(data))
             } else {
                 continue;
             };
@@ -482,7 +482,7 @@ fn routes(devices: &[Device]) -> Vec<Route> {
         set(node.heartbeat(), Route::Life(node));
     }
     for (device, of) in devices.iter().enumerate() {
-        for (place, id) in of.sent().enumerate() {
+        for (place, id) in of.tpdo_ids().enumerate() {
             // There are at most 127 devices with 4 PDOs.
             set(id, Route::Pdo { device: device as u8, place: place as u8 });
         }
@@ -510,7 +510,7 @@ fn lose(
 fn send(
     transport: &mut Option<Box<dyn Transport>>,
     reports: &mut Producer<Report>,
-    (losses, tap): (&Losses, &mut Tap),
+    (losses, tap): (&Losses, &mut FrameRecorder),
     frame: &Frame,
 ) {
     match transport.as_mut().map(|transport| transport.send(frame)) {

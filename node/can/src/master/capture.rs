@@ -5,7 +5,7 @@
 //! Reads    frames that the transport sends and receives
 //! Writes   frames of a cycle, with the time since its beginning
 
-use super::tally::Tally;
+use super::tally::BusCounters;
 use crate::Frame;
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
@@ -33,26 +33,26 @@ struct Mark {
 
 /// Counts each frame of the bus, and records it if recording was started.
 #[derive(Debug)]
-pub(super) struct Tap {
-    tally: Arc<Tally>,
+pub(super) struct FrameRecorder {
+    tally: Arc<BusCounters>,
     ring: Option<Producer<Mark>>,
     now_ns: u64,
 }
 
-impl Tap {
+impl FrameRecorder {
     pub(super) fn new(drives: usize) -> Self {
-        Self { tally: Arc::new(Tally::new(drives)), ring: None, now_ns: 0 }
+        Self { tally: Arc::new(BusCounters::new(drives)), ring: None, now_ns: 0 }
     }
 
-    pub(super) fn tally(&self) -> &Arc<Tally> {
+    pub(super) fn tally(&self) -> &Arc<BusCounters> {
         &self.tally
     }
 
     /// Starts to record frames.
-    pub(super) fn keep(&mut self) -> Frames {
+    pub(super) fn start_recording(&mut self) -> RecordedFrames {
         let (ring, marks) = RingBuffer::new(ROOM);
         self.ring = Some(ring);
-        Frames { marks, before: Vec::new(), begin: None }
+        RecordedFrames { marks, before: Vec::new(), begin: None }
     }
 
     /// Sets the time of the next events.
@@ -75,14 +75,14 @@ impl Tap {
         if let Some(ring) = &mut self.ring
             && ring.push(Mark { at_ns: self.now_ns, what }).is_err()
         {
-            self.tally.miss();
+            self.tally.count_unrecorded();
         }
     }
 }
 
 /// Receiving end of the recorded frames.
 #[derive(Debug)]
-pub struct Frames {
+pub struct RecordedFrames {
     marks: Consumer<Mark>,
     /// Frames before the next cycle mark.
     before: Vec<(u64, Frame, bool)>,
@@ -90,7 +90,7 @@ pub struct Frames {
     begin: Option<(u64, u64)>,
 }
 
-impl Frames {
+impl RecordedFrames {
     /// Passes the frames up to the end of this cycle that were not yet fetched to `keep`: time since the beginning of the cycle (ns;
     /// negative before it), the frame, and whether it was sent. If the mark of the cycle had no room in the ring, the time is 0.
     pub fn take(&mut self, cycle: u64, mut keep: impl FnMut(i64, &Frame, bool)) {
@@ -119,7 +119,7 @@ mod tests {
         Frame::data(Id::SYNC, &[byte]).expect("a byte")
     }
 
-    fn taken(frames: &mut Frames, cycle: u64) -> Vec<(i64, u8, bool)> {
+    fn taken(frames: &mut RecordedFrames, cycle: u64) -> Vec<(i64, u8, bool)> {
         let mut taken = Vec::new();
         frames.take(cycle, |offset, frame, is_sent| taken.push((offset, frame.bytes()[0], is_sent)));
         taken
@@ -127,9 +127,9 @@ mod tests {
 
     #[test]
     fn frames_have_their_place_in_a_cycle() {
-        let mut tap = Tap::new(0);
+        let mut tap = FrameRecorder::new(0);
         tap.take(&frame(9), true);
-        let mut frames = tap.keep();
+        let mut frames = tap.start_recording();
         let mut at = |now_ns, byte, is_sent| {
             tap.set_time(now_ns);
             tap.take(&frame(byte), is_sent);
@@ -154,8 +154,8 @@ mod tests {
     /// mark was lost.
     #[test]
     fn what_has_no_room_is_counted() {
-        let mut tap = Tap::new(0);
-        let mut frames = tap.keep();
+        let mut tap = FrameRecorder::new(0);
+        let mut frames = tap.start_recording();
         tap.begin(0);
         (0..ROOM).for_each(|_| tap.take(&frame(1), true));
         tap.set_time(1000);

@@ -13,19 +13,19 @@ use super::bus::Order;
 use super::port::Port;
 use crate::commission::words;
 use crate::config::{BusConfig, DeviceConfig, DriveConfig, HEARTBEATS_MISSED, Role, Write};
-use crate::drive::layout::{Field, Pdo, Told};
+use crate::drive::layout::{Field, Pdo, ReportedValue};
 use crate::drive::{objects, probe};
 use crate::sdo::{Abort, Object, SdoError};
-use crate::{NmtCommand, NodeId, Watching};
+use crate::{NmtCommand, NodeId, Monitoring};
 use lineshaft_core::drive::{DriveState, control};
 use std::time::{Duration, Instant};
 
 /// Number of pairs of requests that distinguish two devices with one node ID from one late answer.
 const TWIN_REQUESTS: u32 = 3;
 /// Time for a drive to stop.
-const STOP: Duration = Duration::from_secs(5);
+const STOP_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between the start of a drive and the begin of the cycles, for the reception of data that it sends on change.
-const SETTLE: Duration = Duration::from_millis(5);
+const SETTLING_TIME: Duration = Duration::from_millis(5);
 
 /// Reason why a device is not configured.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -76,14 +76,14 @@ pub(crate) fn configure(
 ) -> Result<Configured, Refusal> {
     port.order(Order::Prepare { device: place });
     let mut session = Session { port, bus, device, written: 0 };
-    session.reach()?;
+    session.check_answers()?;
     // The device may have reported a boot-up since the first order. Nothing was written to it before.
     session.port.order(Order::Prepare { device: place });
     session.identify()?;
-    session.refuse_twins()?;
+    session.check_single_node()?;
     if let Some(drive) = device.drive() {
         session.check_factors(drive)?;
-        calm(session.port, device.node)?;
+        stop_and_disable(session.port, device.node)?;
     }
     session.port.nmt(NmtCommand::EnterPreOperational, device.node);
     session.write_all()?;
@@ -95,8 +95,8 @@ pub(crate) fn configure(
         Role::Drive(_) => session.number(objects::ERROR_CODE)?.unwrap_or_default(),
         Role::Module | Role::Encoder => 0,
     };
-    session.port.wait(SETTLE);
-    session.await_life(place)?;
+    session.port.wait(SETTLING_TIME);
+    session.wait_for_sign_of_life(place)?;
     Ok(Configured { written: session.written, fault: fault as u16 })
 }
 
@@ -115,7 +115,7 @@ pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Resu
 }
 
 /// Stops and disables a drive.
-pub(crate) fn calm(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
+pub(crate) fn stop_and_disable(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
     let state = |port: &mut Port| -> Result<DriveState, SdoError> {
         let bytes = port.read(node, objects::STATUS_WORD)?;
         Ok(DriveState::from_status(number_of(&bytes) as u16))
@@ -125,7 +125,7 @@ pub(crate) fn calm(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
         port.write(node, objects::CONTROL_WORD, &control::QUICK_STOP.to_le_bytes())?;
     }
     let begin = Instant::now();
-    while runs(state(port)?) && begin.elapsed() < STOP {
+    while runs(state(port)?) && begin.elapsed() < STOP_TIMEOUT {
         port.wait(Duration::from_millis(5));
     }
     // Even if the drive has not stopped, as no other measure is left.
@@ -154,7 +154,7 @@ impl Session<'_> {
     }
 
     /// Checks that the device answers. A stopped device (NMT) does not answer SDO, and a first request may get lost.
-    fn reach(&mut self) -> Result<(), Refusal> {
+    fn check_answers(&mut self) -> Result<(), Refusal> {
         match self.port.read(self.device.node, objects::DEVICE_TYPE) {
             Err(error @ SdoError::Silent(..)) => {
                 self.port.nmt(NmtCommand::EnterPreOperational, self.device.node);
@@ -170,7 +170,7 @@ impl Session<'_> {
 
     /// Returns the digital inputs of a drive whose PDO reports them later.
     fn inputs(&mut self) -> Result<u32, Refusal> {
-        let tells = |pdo: &Pdo<Told>| pdo.fields.iter().any(|field| field.word == Told::Inputs);
+        let tells = |pdo: &Pdo<ReportedValue>| pdo.fields.iter().any(|field| field.word == ReportedValue::Inputs);
         match self.device.layout.told.iter().any(tells) {
             true => Ok(self.number(objects::DIGITAL_INPUTS)?.unwrap_or_default()),
             false => Ok(0),
@@ -178,18 +178,18 @@ impl Session<'_> {
     }
 
     /// Waits for a sign of life, because a silent device is not monitored before its first one.
-    fn await_life(&mut self, place: usize) -> Result<(), Refusal> {
+    fn wait_for_sign_of_life(&mut self, place: usize) -> Result<(), Refusal> {
         let most = match self.device.watching {
-            Watching::Heartbeat { time_ns } => time_ns,
-            Watching::Guarding { guard_ns, life_factor } => guard_ns.saturating_mul(life_factor.into()),
-            Watching::None => return Ok(()),
+            Monitoring::Heartbeat { time_ns } => time_ns,
+            Monitoring::Guarding { guard_ns, life_factor } => guard_ns.saturating_mul(life_factor.into()),
+            Monitoring::None => return Ok(()),
         };
         let begin = Instant::now();
         while self.port.is_silent(place) {
             if begin.elapsed() > Duration::from_nanos(most) {
                 return Err(Refusal::NoLife);
             }
-            self.port.wait(SETTLE);
+            self.port.wait(SETTLING_TIME);
         }
         Ok(())
     }
@@ -222,7 +222,7 @@ impl Session<'_> {
     }
 
     /// Detects two devices with one node ID: they answer each request twice, and each second answer is unexpected.
-    fn refuse_twins(&mut self) -> Result<(), Refusal> {
+    fn check_single_node(&mut self) -> Result<(), Refusal> {
         let node = self.device.node;
         for _ in 0..TWIN_REQUESTS {
             let before = self.port.strays();
@@ -239,7 +239,7 @@ impl Session<'_> {
 
     /// Checks that the drive has the same counts per shaft revolution as the cell.
     fn check_factors(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
-        let Some((counts, turns)) = drive.per_revolution else { return Ok(()) };
+        let Some((counts, turns)) = drive.counts_per_shaft_revolution else { return Ok(()) };
         let (found, of) = match self.fraction(objects::FEED_CONSTANT)? {
             Some(feed) => (feed, "6092h"),
             None => {
@@ -312,19 +312,19 @@ impl Session<'_> {
         };
         let ms = |ns: u64| u16::try_from(ns / 1_000_000).unwrap_or(u16::MAX);
         match self.device.watching {
-            Watching::Heartbeat { time_ns } => {
+            Monitoring::Heartbeat { time_ns } => {
                 add(objects::PRODUCER_HEARTBEAT, &ms(time_ns / HEARTBEATS_MISSED).to_le_bytes(), false);
             }
-            Watching::Guarding { guard_ns, life_factor } => {
+            Monitoring::Guarding { guard_ns, life_factor } => {
                 add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true);
                 add(objects::GUARD_TIME, &ms(guard_ns).to_le_bytes(), false);
                 add(objects::LIFE_TIME_FACTOR, &[life_factor], false);
             }
-            Watching::None => add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true),
+            Monitoring::None => add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true),
         }
         if let Some(master) = self.bus.master {
             let time = ms(master.heartbeat_ns.saturating_mul(HEARTBEATS_MISSED));
-            add(objects::CONSUMER_HEARTBEAT, &consumed(master.node, time), true);
+            add(objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, time), true);
         }
         add(objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
         let Some(drive) = self.device.drive() else { return writes };
@@ -337,7 +337,7 @@ impl Session<'_> {
             add(objects::INTERPOLATION_INDEX, &[index.cast_unsigned()], true);
         }
         let tells_mode =
-            self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == Told::Mode);
+            self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == ReportedValue::Mode);
         if !tells_mode && !self.device.layout.mode_by_sdo.reads {
             add(objects::MODE, &drive.mode.number().to_le_bytes(), false);
         }
@@ -394,7 +394,7 @@ impl Session<'_> {
 }
 
 /// Returns the value of 1016h: monitored node and its heartbeat time, in ms; 0: not monitored.
-fn consumed(node: NodeId, time: u16) -> [u8; 4] {
+fn consumer_heartbeat_value(node: NodeId, time: u16) -> [u8; 4] {
     (u32::from(node.get()) << 16 | u32::from(time)).to_le_bytes()
 }
 
@@ -442,12 +442,12 @@ fn digest(writes: &[(Write, bool)], bus: &BusConfig, device: &DeviceConfig) -> (
 /// Disables monitoring of the master in the devices, because the master is about to end.
 pub(crate) fn release(port: &mut Port, bus: &BusConfig, device: &DeviceConfig) {
     let node = device.node;
-    if let Watching::Guarding { .. } = device.watching {
+    if let Monitoring::Guarding { .. } = device.watching {
         let _ = port.write(node, objects::LIFE_TIME_FACTOR, &[0]);
     }
     if let Some(master) = bus.master {
         // The error of a device that does not answer, or that lacks the object, is irrelevant.
-        let _ = port.write(node, objects::CONSUMER_HEARTBEAT, &consumed(master.node, 0));
+        let _ = port.write(node, objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, 0));
     }
     port.nmt(NmtCommand::EnterPreOperational, node);
 }

@@ -9,14 +9,14 @@ use super::drive::Drive;
 use super::terminals::Terminals;
 use crate::config::DeviceConfig;
 use crate::drive::image::Image;
-use crate::drive::layout::{Asked, Told, Transmission};
-use crate::{Frame, Id, NodeId, Watch};
+use crate::drive::layout::{CommandedValue, ReportedValue, Transmission};
+use crate::{Frame, Id, NodeId, Monitor};
 use lineshaft_core::drive::{BusState, Inputs, Outputs};
 
 /// PDO that the device sends.
 #[derive(Clone, Debug)]
 struct Received {
-    image: Image<Told>,
+    image: Image<ReportedValue>,
     is_each_sync: bool,
 }
 
@@ -24,7 +24,7 @@ struct Received {
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(super) node: NodeId,
-    asked: Vec<Image<Asked>>,
+    asked: Vec<Image<CommandedValue>>,
     told: Vec<Received>,
     /// Whether the device is configured and started.
     is_ready: bool,
@@ -34,7 +34,7 @@ pub(crate) struct Device {
     has_booted: bool,
     /// Whether the counts belong to the same coordinate system as the last received ones.
     counts_on: bool,
-    pub(super) watch: Watch,
+    pub(super) watch: Monitor,
     /// State of the drive, if the device is one.
     pub(super) drive: Option<Drive>,
     terminals: Terminals,
@@ -56,14 +56,14 @@ impl Device {
             listens: false,
             has_booted: false,
             counts_on: false,
-            watch: Watch::new(config.node, config.watching),
+            watch: Monitor::new(config.node, config.watching),
             drive: config.drive().map(|drive| Drive::new(drive, &config.layout, cycle_ns)),
             terminals: Terminals::new(&config.terminals, config.layout.told.len()),
         }
     }
 
     /// Returns the identifiers of the PDOs that the device sends.
-    pub(super) fn sent(&self) -> impl Iterator<Item = Id> {
+    pub(super) fn tpdo_ids(&self) -> impl Iterator<Item = Id> {
         self.told.iter().map(|pdo| pdo.image.id())
     }
 
@@ -78,7 +78,7 @@ impl Device {
 
     /// Starts reception before the device is started, because it may send data on change only once, at its start. `inputs`: digital inputs
     /// of a drive until then.
-    pub(super) fn listen(&mut self, inputs: u32) {
+    pub(super) fn start_reception(&mut self, inputs: u32) {
         let counts_on = std::mem::replace(&mut self.counts_on, true);
         if let Some(drive) = &mut self.drive {
             drive.listen(inputs, counts_on);
@@ -94,7 +94,7 @@ impl Device {
             return false;
         }
         if !self.listens {
-            self.listen(0);
+            self.start_reception(0);
         }
         self.listens = false;
         if let Some(drive) = &mut self.drive {
@@ -110,14 +110,14 @@ impl Device {
     }
 
     /// Removes the device, and discards its coordinate system, because a boot-up would not be noticed from now on.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn remove_and_discard_epoch(&mut self) {
         self.end();
         self.counts_on = false;
     }
 
     /// Handles a boot-up: the device has lost its configuration, and its counts may begin again.
-    pub(super) fn boot(&mut self) {
-        self.forget();
+    pub(super) fn handle_boot_up(&mut self) {
+        self.remove_and_discard_epoch();
         self.has_booted = true;
     }
 
@@ -125,7 +125,7 @@ impl Device {
     pub(super) fn take_pdo(&mut self, place: usize, frame: &Frame) {
         let counts = self.is_ready || self.listens;
         let Some(Received { image, is_each_sync }) = self.told.get_mut(place).filter(|_| counts) else { return };
-        if !image.take(frame) {
+        if !image.update(frame) {
             return;
         }
         if let Some(drive) = &mut self.drive {
@@ -151,7 +151,7 @@ impl Device {
         }
         let Self { asked, drive, terminals, is_ready, .. } = &*self;
         let value = move |word| match (word, drive, output) {
-            (Asked::Outputs | Asked::Digital(_) | Asked::Analog(_), ..) => terminals.value(word, outputs),
+            (CommandedValue::Outputs | CommandedValue::Digital(_) | CommandedValue::Analog(_), ..) => terminals.value(word, outputs),
             (_, Some(drive), Some(output)) => drive.value(word, output),
             _ => 0,
         };

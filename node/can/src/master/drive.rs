@@ -6,10 +6,10 @@
 //! Writes   its part of the inputs; the values of its command PDOs
 //! Source   CiA 402-2, contract section 8
 
-use crate::config::{DriveConfig, Missed, VelocityFactor};
-use crate::drive::layout::{Asked, Layout, Told};
-use crate::drive::probe::{self, Catch, Caught, Probes};
-use crate::drive::{Commander, Counter, HomingEnd, HomingSetup, ModeExchange, ModeRequest};
+use crate::config::{DriveConfig, MissingDataBehaviour, VelocityFactor};
+use crate::drive::layout::{CommandedValue, Layout, ReportedValue};
+use crate::drive::probe::{self, CaptureCounter, SlotMeaning, Probes};
+use crate::drive::{Commander, PositionCounter, HomingEnd, HomingSetup, ModeExchange, ModeRequest};
 use crate::sdo::{SdoError, Transfer};
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING, Mode,
@@ -19,15 +19,15 @@ use lineshaft_core::object::Object;
 
 /// Factor by which the apparent velocity of homing may exceed the commanded one in a cycle: process data may arrive at times other than
 /// SYNC, and the drive may overshoot.
-const HOMING_EXCESS: f64 = 4.0;
+const HOMING_VELOCITY_FACTOR: f64 = 4.0;
 /// Additional tolerance for a drive that homes, in counts.
-const HOMING_SLACK: f64 = 100.0;
+const HOMING_TOLERANCE: f64 = 100.0;
 /// Time for a drive whose mode is written by SDO to leave mode homing, in s.
 const RETURN_S: f64 = 5.0;
 
 /// Values that the drive reports.
 #[derive(Clone, Copy, Debug, Default)]
-struct Words {
+struct ReportedValues {
     status: u16,
     /// Mode of operation. If it is read by SDO: the last known one, or 0.
     mode: i8,
@@ -45,20 +45,20 @@ pub(crate) struct Drive {
     pub(super) place: usize,
     factor: VelocityFactor,
     cycle_s: f64,
-    counter: Counter,
-    words: Words,
+    counter: PositionCounter,
+    words: ReportedValues,
     /// Whether the drive has reported its position since its start.
     is_heard: bool,
     is_fresh: bool,
     /// Number of cycles since the counts were fresh.
     stale: u32,
-    missed: Missed,
+    missed: MissingDataBehaviour,
     /// Effort per thousandth of rated torque; 1 with interface torque, whose efforts are in thousandths.
     effort_unit: f64,
     emergency: Option<Emergency>,
     object: Object,
     probes: Probes,
-    catches: [Catch; 4],
+    catches: [CaptureCounter; 4],
     /// Last commanded mode, as the axis numbers it.
     mode: i8,
     commander: Commander,
@@ -87,15 +87,15 @@ pub(crate) struct Drive {
 impl Drive {
     pub(super) fn new(config: &DriveConfig, layout: &Layout, cycle_ns: u64) -> Self {
         let told = || layout.told.iter().flat_map(|pdo| &pdo.fields);
-        let position = told().find(|field| field.word == Told::Position);
+        let position = told().find(|field| field.word == ReportedValue::Position);
         let target = layout.asked.iter().flat_map(|pdo| &pdo.fields);
-        let target = target.into_iter().find(|field| field.word == Asked::Velocity);
+        let target = target.into_iter().find(|field| field.word == CommandedValue::Velocity);
         Self {
             place: config.place,
             factor: config.velocity,
             cycle_s: cycle_ns as f64 * 1e-9,
-            counter: position.map_or_else(Counter::default, |field| Counter::of_bits(field.bits)),
-            words: Words::default(),
+            counter: position.map_or_else(PositionCounter::default, |field| PositionCounter::of_bits(field.bits)),
+            words: ReportedValues::default(),
             is_heard: false,
             is_fresh: false,
             stale: 0,
@@ -111,7 +111,7 @@ impl Drive {
             mode: 0,
             commander: Commander::new(config.mode, cycle_ns),
             target_bits: target.map_or(32, |field| field.bits),
-            is_mode_fixed: !layout.mode_by_sdo.reads && !told().any(|field| field.word == Told::Mode),
+            is_mode_fixed: !layout.mode_by_sdo.reads && !told().any(|field| field.word == ReportedValue::Mode),
             is_shut_down: config.drive_type.is_some(),
             asked: (0, 0),
             homing_velocity: 0.0,
@@ -144,13 +144,13 @@ impl Drive {
     pub(super) fn listen(&mut self, inputs: u32, counts_on: bool) {
         // The counts include motion while the drive was offline. A drive that was homing may have a new zero.
         if !counts_on || self.words.mode == MODE_HOMING {
-            self.counter.begin_anew();
+            self.counter.start_epoch();
         }
         let mode = if self.is_mode_fixed { self.commander.mode().number() } else { 0 };
-        self.words = Words { inputs, mode, ..Words::default() };
+        self.words = ReportedValues { inputs, mode, ..ReportedValues::default() };
         (self.is_heard, self.is_fresh, self.stale) = (false, false, 0);
         self.catches = Default::default();
-        self.modes.begin_anew();
+        self.modes.reset();
         self.homing_end.clear();
         (self.is_enabling, self.leaves_homing) = (false, false);
     }
@@ -163,28 +163,28 @@ impl Drive {
     }
 
     /// Handles the values of a PDO.
-    pub(super) fn take(&mut self, told: impl Iterator<Item = (Told, i64)>, is_each_sync: bool) {
+    pub(super) fn take(&mut self, told: impl Iterator<Item = (ReportedValue, i64)>, is_each_sync: bool) {
         let (was, mut word, mut captured, mut has_status) = (self.words, None, 0, false);
         let words = &mut self.words;
         for (what, value) in told {
             match what {
-                Told::Status => (words.status, has_status) = (value as u16, true),
-                Told::Mode => words.mode = value as i8,
-                Told::Inputs => words.inputs = value as u32,
-                Told::Fault => words.fault = value as u16,
-                Told::Torque => words.torque = value as i16,
-                Told::Position => word = Some(value as i32),
-                Told::Captured(_) => captured = value as i32,
-                Told::Captures(slot) => {
+                ReportedValue::Status => (words.status, has_status) = (value as u16, true),
+                ReportedValue::Mode => words.mode = value as i8,
+                ReportedValue::Inputs => words.inputs = value as u32,
+                ReportedValue::Fault => words.fault = value as u16,
+                ReportedValue::Torque => words.torque = value as i16,
+                ReportedValue::Position => word = Some(value as i32),
+                ReportedValue::Captured(_) => captured = value as i32,
+                ReportedValue::Captures(slot) => {
                     if let Some(caught) = self.catches.get_mut(usize::from(slot)) {
-                        caught.take(captured, value as u16);
+                        caught.update(captured, value as u16);
                     }
                 }
-                Told::Digital(_) | Told::Analog(_) | Told::Encoder | Told::Nothing => {}
+                ReportedValue::Digital(_) | ReportedValue::Analog(_) | ReportedValue::Encoder | ReportedValue::Nothing => {}
             }
         }
         let now = *words;
-        let has_zero = |words: Words| words.mode == MODE_HOMING && words.status & STATUS_HOMING_ATTAINED != 0;
+        let has_zero = |words: ReportedValues| words.mode == MODE_HOMING && words.status & STATUS_HOMING_ATTAINED != 0;
         let is_homing = now.mode == MODE_HOMING && was.mode == MODE_HOMING;
         let finds_zero = has_zero(now) && !has_zero(was);
         let is_started = self.asked.0 & control::START_HOMING != 0;
@@ -193,13 +193,13 @@ impl Drive {
         let jumps = may_jump && word.is_some_and(|word| self.is_beyond_homing(word));
         self.has_jumped |= jumps;
         if is_homing && finds_zero || jumps {
-            self.counter.begin_anew();
+            self.counter.start_epoch();
             if is_started {
-                self.homing_end.note_zero();
+                self.homing_end.record_zero();
             }
         }
         if let Some(word) = word {
-            let change = self.counter.take(word);
+            let change = self.counter.update(word);
             let cycles = f64::from(self.stale.saturating_add(1));
             // After an absence the duration of the travel is unknown.
             self.words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
@@ -207,7 +207,7 @@ impl Drive {
         }
         // The PDO with the position is sent with each SYNC.
         self.is_fresh |= is_each_sync && word.is_some();
-        if has_status && let Some(mode) = self.modes.hear_status() {
+        if has_status && let Some(mode) = self.modes.record_status_word() {
             self.words.mode = mode;
         }
     }
@@ -215,9 +215,9 @@ impl Drive {
     /// Returns true if a position is further away than homing can move the drive, which means that the coordinate system was changed. Bit
     /// 12 does not always show that: it may still be set from the previous homing, or rise in a later cycle.
     fn is_beyond_homing(&self, word: i32) -> bool {
-        let Some(count) = self.counter.locate(word) else { return false };
+        let Some(count) = self.counter.count_at(word) else { return false };
         let cycles = f64::from(self.stale.saturating_add(1));
-        let most = HOMING_EXCESS * self.homing_velocity * self.cycle_s * cycles + HOMING_SLACK;
+        let most = HOMING_VELOCITY_FACTOR * self.homing_velocity * self.cycle_s * cycles + HOMING_TOLERANCE;
         self.homing_velocity > 0.0 && self.counter.count().abs_diff(count) as f64 > most
     }
 
@@ -234,14 +234,14 @@ impl Drive {
         let index = self.read_probes(inputs);
         let Some(input) = inputs.drive.get_mut(self.place) else { return };
         let is_online = is_there && self.is_heard;
-        let Words { status, mode, inputs, fault, torque, velocity } = self.words;
+        let ReportedValues { status, mode, inputs, fault, torque, velocity } = self.words;
         let mode = if self.modes.by_sdo().reads { self.modes.known().unwrap_or_default() } else { mode };
-        let (mode, status) = self.homing_end.show(self.commander.mode().across(mode), status);
+        let (mode, status) = self.homing_end.reported_state(self.commander.mode().convert_number(mode), status);
         let is_fresh = std::mem::take(&mut self.is_fresh) && is_online;
         self.stale = if is_fresh { 0 } else { self.stale.saturating_add(1) };
         let is_in_fault = matches!(DriveState::from_status(status), DriveState::Fault | DriveState::FaultReaction);
         *input = DriveInput {
-            count: self.counter.count().wrapping_add(self.way_since(velocity)),
+            count: self.counter.count().wrapping_add(self.extrapolated_travel(velocity)),
             epoch: self.counter.epoch(),
             velocity,
             effort: f64::from(torque) * self.effort_unit,
@@ -260,7 +260,7 @@ impl Drive {
     }
 
     /// Returns the extrapolated travel since process data is missing; 0 without extrapolation.
-    fn way_since(&self, velocity: f64) -> i64 {
+    fn extrapolated_travel(&self, velocity: f64) -> i64 {
         let cycles = if self.missed.extrapolates { self.stale.min(self.missed.cycles) } else { 0 };
         // The conversion saturates.
         (velocity * self.cycle_s * f64::from(cycles)).round() as i64
@@ -271,10 +271,10 @@ impl Drive {
         let mut index = None;
         for (slot, caught) in (0..).zip(&mut self.catches) {
             let Some((word, lost)) = caught.drain() else { continue };
-            let position = self.counter.locate(word);
+            let position = self.counter.count_at(word);
             match probe::meaning(self.probes, slot) {
-                Caught::Index => index = position,
-                Caught::Edge(edge) => {
+                SlotMeaning::Index => index = position,
+                SlotMeaning::Edge(edge) => {
                     inputs.add_latch(Latch { object: self.object, edge, age_ns: None, position });
                     inputs.latches_lost = inputs.latches_lost.saturating_add(lost.into());
                 }
@@ -285,14 +285,14 @@ impl Drive {
 
     /// Handles the commands of a cycle.
     pub(super) fn ask(&mut self, output: &DriveOutput) {
-        self.mode = self.homing.allow(output.mode, self.mode);
+        self.mode = self.homing.allowed_mode(output.mode, self.mode);
         if let Mode::Homing(order) = output.mode {
             self.homing_velocity = order.search_velocity.abs().max(order.zero_velocity.abs());
         }
         self.has_jumped &= output.control & control::START_HOMING != 0;
         let mode = self.commander.mode();
         let command = self.command_mode(output);
-        let is_in_mode = mode.across(self.mode) == mode.number() && self.words.mode == mode.number();
+        let is_in_mode = mode.convert_number(self.mode) == mode.number() && self.words.mode == mode.number();
         let control = match command {
             control::DISABLE_VOLTAGE if self.is_shut_down => control::SHUTDOWN,
             other => other,
@@ -310,26 +310,26 @@ impl Drive {
         let method = if let Mode::Homing(order) = output.mode { Some(order.method) } else { None };
         let starts = method.is_some() && output.control & control::START_HOMING != 0;
         if starts && matches!(method, Some(35 | 37)) {
-            self.homing_end.note_instant();
+            self.homing_end.count_method_without_motion();
         }
-        let commanded = self.homing_end.command(mode.across(self.mode), mode.number(), starts);
+        let commanded = self.homing_end.command(mode.convert_number(self.mode), mode.number(), starts);
         self.modes.command(commanded);
         let enables = output.control & control::ENABLE == control::ENABLE;
         let is_enabled = DriveState::from_status(self.words.status) == DriveState::Enabled;
         let was_enabling = std::mem::replace(&mut self.is_enabling, enables);
         if enables && !was_enabling && !is_enabled {
             // Another client may have changed the mode since it was read.
-            self.modes.distrust();
+            self.modes.invalidate();
         }
         self.forget_mode();
         let is_settled = self.modes.is_settled(self.words.mode);
-        self.homing_end.note_return(is_settled, self.modes.is_refused());
+        self.homing_end.update_return(is_settled, self.modes.is_refused());
         // If a homing is aborted before its zero, a drive back in its cyclic mode would jump to the present position of the axis.
         self.leaves_homing = self.homing_end.is_used() && (method.is_some() || self.leaves_homing && !is_settled);
         let is_left = self.leaves_homing && method.is_none();
         match output.control {
             _ if enables && !is_settled && (!is_enabled || is_left) => control::SWITCH_ON,
-            other if self.homing_end.holds() => other & !control::START_HOMING,
+            other if self.homing_end.is_pending() => other & !control::START_HOMING,
             other => other,
         }
     }
@@ -351,26 +351,26 @@ impl Drive {
     }
 
     /// Handles the answer to such a request. Returns an error that is to be reported.
-    pub(super) fn take_mode(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
-        self.modes.take(done, now_ns)
+    pub(super) fn handle_mode_answer(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
+        self.modes.handle_answer(done, now_ns)
     }
 
     /// Returns the value of a field of a command PDO.
-    pub(super) fn value(&self, word: Asked, output: &DriveOutput) -> i64 {
+    pub(super) fn value(&self, word: CommandedValue, output: &DriveOutput) -> i64 {
         match word {
-            Asked::Control => i64::from(self.asked.0),
+            CommandedValue::Control => i64::from(self.asked.0),
             // Positions wrap, like those of the drive.
-            Asked::Position => self.asked.1,
+            CommandedValue::Position => self.asked.1,
             // A drive that homes has its speeds from 6099h. Until it is in mode homing it follows this target; the axis is at rest.
-            Asked::Velocity if matches!(output.mode, Mode::Homing(_)) => 0,
-            Asked::Velocity => {
+            CommandedValue::Velocity if matches!(output.mode, Mode::Homing(_)) => 0,
+            CommandedValue::Velocity => {
                 let most = (1_i64 << (self.target_bits.clamp(2, 63) - 1)) - 1;
                 self.factor.to_drive(output.velocity).clamp(-most, most)
             }
             // The conversion saturates; NaN becomes 0.
-            Asked::Torque => i64::from(output.effort.round() as i16),
-            Asked::Mode => i64::from(self.commander.mode().across(self.mode)),
-            Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) | Asked::Nothing => 0,
+            CommandedValue::Torque => i64::from(output.effort.round() as i16),
+            CommandedValue::Mode => i64::from(self.commander.mode().convert_number(self.mode)),
+            CommandedValue::Outputs | CommandedValue::Digital(_) | CommandedValue::Analog(_) | CommandedValue::Nothing => 0,
         }
     }
 }

@@ -17,8 +17,8 @@ mod tally;
 mod terminals;
 mod time;
 
-pub use asked::{Access, Denied, LONGEST, MOST_WAITING, Objects, Ticket};
+pub use asked::{Access, ObjectAccessError, LONGEST, MOST_WAITING, SdoRequestQueue, RequestHandle};
 pub use backend::CanBackend;
-pub use capture::Frames;
+pub use capture::RecordedFrames;
 pub use service::{CanService, bus};
 pub use terminals::ANALOG_CHANNELS;

@@ -49,7 +49,7 @@ pub(super) struct ForeignEmergencies {
 
 impl ForeignEmergencies {
     /// Returns true if a message of a node with an error code is reported: one per second, and the end (code 0) of a reported error.
-    pub(super) fn pass(&mut self, node: u8, code: u16, now: Instant) -> bool {
+    pub(super) fn is_reported(&mut self, node: u8, code: u16, now: Instant) -> bool {
         let bit = 1_u128.checked_shl(node.into()).unwrap_or(0);
         if code == 0 && self.open & bit != 0 {
             self.open &= !bit;
@@ -73,7 +73,7 @@ mod tests {
     #[test]
     fn the_end_of_a_foreign_emergency_that_was_told_is_told() {
         let (mut foreign, begin) = (ForeignEmergencies::default(), Instant::now());
-        let mut pass = |node, code, ms| foreign.pass(node, code, begin + Duration::from_millis(ms));
+        let mut pass = |node, code, ms| foreign.is_reported(node, code, begin + Duration::from_millis(ms));
         assert!(pass(9, 0x8130, 0));
         // One per second on the bus. The end of an error that was not reported is not reported either.
         assert!(!pass(9, 0x2310, 10) && !pass(127, 0xFF01, 20) && !pass(127, 0, 30));

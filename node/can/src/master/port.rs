@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 /// Maximum number of waiting orders and reports.
 const ROOM: usize = 1024;
 /// Time between two polls of the bus.
-const LOOK: Duration = Duration::from_micros(200);
+const POLL_PERIOD: Duration = Duration::from_micros(200);
 /// Time between two checks of a transfer while the cycles run the bus.
 const LOOK_IN_CYCLES: Duration = Duration::from_millis(1);
 /// Maximum size of an object that the master itself reads, in bytes.
@@ -23,10 +23,10 @@ const LONGEST: usize = 249;
 /// Additional room for padding of the last segment, in bytes.
 const SEGMENT: usize = 7;
 /// Time without a cycle after which the cycles count as ended.
-const DEAD: Duration = Duration::from_secs(2);
+const CYCLE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Ends of the rings that belong to the bus.
-pub(crate) type Ends = (Consumer<Order>, Producer<Report>);
+pub(crate) type BusEnds = (Consumer<Order>, Producer<Report>);
 
 /// Connection to the bus.
 pub(crate) struct Port {
@@ -47,7 +47,7 @@ pub(crate) struct Port {
 
 impl Port {
     /// Creates the connection. `make` creates the bus from the other ends of the rings.
-    pub(crate) fn new(make: impl FnOnce(Ends) -> Bus) -> Self {
+    pub(crate) fn new(make: impl FnOnce(BusEnds) -> Bus) -> Self {
         let (orders, taken) = RingBuffer::new(ROOM);
         let (told, reports) = RingBuffer::new(ROOM);
         let bus = make((taken, told));
@@ -91,7 +91,7 @@ impl Port {
     }
 
     /// Returns true if the cycles have ended while the service waited, and resets the flag.
-    pub(crate) fn take_dead(&mut self) -> bool {
+    pub(crate) fn take_have_cycles_ended(&mut self) -> bool {
         std::mem::take(&mut self.is_dead)
     }
 
@@ -106,7 +106,7 @@ impl Port {
             std::thread::sleep(LOOK_IN_CYCLES);
         } else {
             self.lock().exchange();
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_PERIOD);
         }
     }
 
@@ -190,9 +190,9 @@ impl Port {
             let now = self.turns.load(Ordering::Relaxed);
             if now != std::mem::replace(&mut turns, now) {
                 turned = Instant::now();
-            } else if turned.elapsed() > DEAD {
+            } else if turned.elapsed() > CYCLE_TIMEOUT {
                 self.is_dead = true;
-                return Err(SdoError::Silent(object, DEAD.as_millis() as u64));
+                return Err(SdoError::Silent(object, CYCLE_TIMEOUT.as_millis() as u64));
             }
         }
     }

@@ -5,19 +5,19 @@
 //! Refuses  to start if the transport cannot be opened, or if a device is present that differs from the cell
 //! Source   CiA 301, CiA 302-2; MACS-CAN-04, MACS-CAN-06
 
-use super::asked::{Line, Objects, line};
+use super::asked::{SdoRequestReceiver, SdoRequestQueue, line};
 use super::backend::CanBackend;
 use super::bus::{Bus, Losses, Report};
-use super::capture::Frames;
+use super::capture::RecordedFrames;
 use super::configure::{self, Configured, Refusal};
 use super::notes::{ForeignEmergencies, Notes};
 use super::port::Port;
-use super::tally::{Meter, Tally};
+use super::tally::{BusLoadMeter, BusCounters};
 use crate::commission::words::nmt_state;
 use crate::config::{BusConfig, DeviceConfig, Role};
 use crate::load::Load;
 use crate::transport::{self, Options};
-use crate::{Happened, NmtState, NodeId};
+use crate::{DeviceEvent, NmtState, NodeId};
 use lineshaft_core::code::Code;
 use lineshaft_core::drive::{Emergency, ForeignEmergency, Health, NodeChange, NodeNotice, Service, ServiceError};
 use std::sync::Arc;
@@ -34,7 +34,7 @@ const FULL: Duration = Duration::from_secs(5);
 
 /// State of a device in the service.
 #[derive(Clone, Debug)]
-struct Known {
+struct DeviceState {
     /// Reason why the device takes no part in the cycles.
     problem: Option<String>,
     /// Time of the next attempt.
@@ -46,7 +46,7 @@ struct Known {
 pub struct CanService {
     config: BusConfig,
     port: Port,
-    devices: Vec<Known>,
+    devices: Vec<DeviceState>,
     /// Reason why the bus connection is lost, time of the next attempt, and time between two attempts.
     lost: Option<(String, Instant, Duration)>,
     /// Time when the connection was last opened again, and the time between attempts before that.
@@ -54,12 +54,12 @@ pub struct CanService {
     foreign: ForeignEmergencies,
     notes: Notes,
     losses: Arc<Losses>,
-    tally: Arc<Tally>,
-    meter: Meter,
+    tally: Arc<BusCounters>,
+    meter: BusLoadMeter,
     /// Maximum load of each cycle according to the cell.
     load: Option<Load>,
     /// Queue for SDO requests of other clients, with its receiving end.
-    asked: (Objects, Line),
+    asked: (SdoRequestQueue, SdoRequestReceiver),
     /// Number of refused frames at the last check, and the time when it last increased.
     refused: (u64, Option<Instant>),
 }
@@ -70,8 +70,8 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
     let backend = CanBackend::new(&config, port.bus());
     let losses = port.lock().losses();
     let tally = port.lock().tally();
-    let (meter, load) = (Meter::new(), Load::of(&config));
-    let known = Known { problem: None, due: Instant::now(), is_configured: false };
+    let (meter, load) = (BusLoadMeter::new(), Load::of(&config));
+    let known = DeviceState { problem: None, due: Instant::now(), is_configured: false };
     let devices = vec![known; config.devices.len()];
     let service = CanService {
         config,
@@ -93,16 +93,16 @@ pub fn bus(config: BusConfig) -> (CanBackend, CanService) {
 
 impl CanService {
     /// Returns the queue for SDO requests to the nodes while cycles run.
-    pub fn objects(&self) -> Objects {
+    pub fn objects(&self) -> SdoRequestQueue {
         self.asked.0.clone()
     }
 
     /// Starts to record the frames of the bus; must be called before the start.
-    pub fn frames(&mut self) -> Frames {
+    pub fn frames(&mut self) -> RecordedFrames {
         self.port.lock().frames()
     }
 
-    fn serve_askers(&mut self) {
+    fn serve_requests(&mut self) {
         let lost = self.lost.as_ref().map(|(why, ..)| why.as_str());
         self.asked.1.serve(&mut self.port, lost);
     }
@@ -144,7 +144,7 @@ impl CanService {
     }
 
     /// Handles the reports of the bus.
-    fn hear(&mut self) {
+    fn handle_reports(&mut self) {
         while let Some(report) = self.port.report() {
             match report {
                 Report::Happened { device, what, took_part } => self.happened(device, what, took_part),
@@ -164,7 +164,7 @@ impl CanService {
                     self.lost = Some((error.to_string(), Instant::now() + wait, wait));
                     self.lose_all("the way to the bus is lost");
                 }
-                Report::Emergency(node, emergency) => self.tell_emergency(node, emergency),
+                Report::Emergency(node, emergency) => self.report_emergency(node, emergency),
                 // Result of a transfer that was abandoned.
                 Report::Transfer(..) => {}
             }
@@ -172,8 +172,8 @@ impl CanService {
     }
 
     /// Handles an emergency message of a node that is not a drive of the cell.
-    fn tell_emergency(&mut self, node: NodeId, emergency: Emergency) {
-        if self.foreign.pass(node.get(), emergency.code, Instant::now()) {
+    fn report_emergency(&mut self, node: NodeId, emergency: Emergency) {
+        if self.foreign.is_reported(node.get(), emergency.code, Instant::now()) {
             let message = ForeignEmergency::new(node.get(), emergency);
             self.notes.add(Code::FOREIGN_EMERGENCY, message.to_number());
         }
@@ -193,16 +193,16 @@ impl CanService {
         }
     }
 
-    fn happened(&mut self, place: usize, what: Happened, took_part: bool) {
+    fn happened(&mut self, place: usize, what: DeviceEvent, took_part: bool) {
         let change = match what {
-            Happened::BootedUp => NodeChange::Booted,
-            Happened::Lost => NodeChange::Silent,
-            Happened::NeverHeard => NodeChange::Unwatched,
-            Happened::Back(_) | Happened::State(NmtState::Operational) => NodeChange::Back,
-            Happened::State(NmtState::Stopped) => NodeChange::Stopped,
-            Happened::State(_) => NodeChange::Left,
+            DeviceEvent::BootedUp => NodeChange::Booted,
+            DeviceEvent::Lost => NodeChange::Silent,
+            DeviceEvent::NeverHeard => NodeChange::Unwatched,
+            DeviceEvent::Back(_) | DeviceEvent::State(NmtState::Operational) => NodeChange::Back,
+            DeviceEvent::State(NmtState::Stopped) => NodeChange::Stopped,
+            DeviceEvent::State(_) => NodeChange::Left,
         };
-        if took_part || matches!(what, Happened::BootedUp | Happened::NeverHeard) {
+        if took_part || matches!(what, DeviceEvent::BootedUp | DeviceEvent::NeverHeard) {
             self.note(place, change);
         }
         let Some(known) = self.devices.get_mut(place) else { return };
@@ -210,7 +210,7 @@ impl CanService {
             (known.problem, known.is_configured) = (Some(change.text().to_owned()), false);
         }
         // A device that sends a sign of life is configured at once.
-        if !known.is_configured && !matches!(what, Happened::Lost | Happened::NeverHeard) {
+        if !known.is_configured && !matches!(what, DeviceEvent::Lost | DeviceEvent::NeverHeard) {
             known.due = Instant::now();
         }
     }
@@ -275,7 +275,7 @@ impl CanService {
         if let Some((problem, ..)) = &self.lost {
             return Health { problems: vec![problem.clone()], values, notes: self.notes.take() };
         }
-        let of = |(place, known): (usize, &Known)| {
+        let of = |(place, known): (usize, &DeviceState)| {
             known.problem.as_ref().map(|problem| format!("{}: {problem}", self.device_name(place)))
         };
         let mut problems: Vec<_> = self.devices.iter().enumerate().filter_map(of).collect();
@@ -306,7 +306,7 @@ impl Service for CanService {
             }
         }
         self.port.step();
-        self.hear();
+        self.handle_reports();
         self.meter.restart(&self.tally, Instant::now());
         Ok(())
     }
@@ -324,24 +324,24 @@ impl Service for CanService {
         self.port.step();
     }
 
-    fn look(&mut self) -> Health {
+    fn health_check(&mut self) -> Health {
         self.port.set_in_cycles(true);
-        self.hear();
+        self.handle_reports();
         self.reopen();
-        self.serve_askers();
+        self.serve_requests();
         if self.lost.is_none() {
             for place in 0..self.devices.len() {
                 // The cycles have ended: stop() follows, and need not wait for the other devices. If the program was only suspended, the
                 // next call continues.
-                if self.port.take_dead() {
+                if self.port.take_have_cycles_ended() {
                     break;
                 }
-                let is_due = |known: &Known| !known.is_configured && Instant::now() >= known.due;
+                let is_due = |known: &DeviceState| !known.is_configured && Instant::now() >= known.due;
                 if self.devices.get(place).is_some_and(is_due) {
                     // The problem is stored with those of the other devices.
                     let _ = self.configure(place);
-                    self.hear();
-                    self.serve_askers();
+                    self.handle_reports();
+                    self.serve_requests();
                 }
             }
         }
@@ -349,16 +349,16 @@ impl Service for CanService {
     }
 
     fn stop(&mut self) {
-        self.asked.1.turn_away();
+        self.asked.1.reject_all();
         self.port.set_in_cycles(false);
-        self.port.lock().rest();
+        self.port.lock().remove_devices();
         for place in 0..self.devices.len() {
             let is_configured = self.devices.get(place).is_some_and(|known| known.is_configured);
             let Some(device) = self.config.devices.get(place).filter(|_| is_configured) else {
                 continue;
             };
             let is_off = match device.role {
-                Role::Drive(_) => configure::calm(&mut self.port, device.node),
+                Role::Drive(_) => configure::stop_and_disable(&mut self.port, device.node),
                 Role::Module => configure::switch_off_outputs(&mut self.port, device),
                 Role::Encoder => Ok(()),
             };
@@ -370,7 +370,7 @@ impl Service for CanService {
         }
         self.port.step();
         self.port.lock().close();
-        self.hear();
+        self.handle_reports();
         self.lost = None;
         self.devices.iter_mut().for_each(|known| known.is_configured = false);
     }

@@ -15,7 +15,7 @@ const SECOND: Duration = Duration::from_secs(1);
 
 /// Counters of a bus since its creation.
 #[derive(Debug)]
-pub(crate) struct Tally {
+pub(crate) struct BusCounters {
     sent: AtomicU64,
     received: AtomicU64,
     bits: AtomicU64,
@@ -29,7 +29,7 @@ pub(crate) struct Tally {
     nodes: Box<[AtomicU8]>,
 }
 
-impl Tally {
+impl BusCounters {
     pub(super) fn new(drives: usize) -> Self {
         Self {
             sent: AtomicU64::new(0),
@@ -51,7 +51,7 @@ impl Tally {
     }
 
     /// Counts a frame that had no room in the recording.
-    pub(super) fn miss(&self) {
+    pub(super) fn count_unrecorded(&self) {
         self.missed.fetch_add(1, Ordering::Relaxed);
     }
 
@@ -61,7 +61,7 @@ impl Tally {
     }
 
     /// Stores state and error counters of the controller.
-    pub(super) fn note(&self, state: BusState, errors: Option<(u8, u8)>) {
+    pub(super) fn set_controller_state(&self, state: BusState, errors: Option<(u8, u8)>) {
         self.state.store(state as u8, Ordering::Relaxed);
         if let Some((transmit, receive)) = errors {
             self.errors.store(u16::from_be_bytes([transmit, receive]), Ordering::Relaxed);
@@ -70,7 +70,7 @@ impl Tally {
     }
 
     /// Stores the NMT state of the device at this place of the bus.
-    pub(super) fn note_node(&self, place: usize, state: Option<NmtState>) {
+    pub(super) fn set_node_state(&self, place: usize, state: Option<NmtState>) {
         if let Some(node) = self.nodes.get(place) {
             node.store(state.map_or(0, |state| 1 + state as u8), Ordering::Relaxed);
         }
@@ -114,27 +114,27 @@ struct Counts {
 
 /// Measurement of the present bus load.
 #[derive(Debug)]
-pub(crate) struct Meter {
+pub(crate) struct BusLoadMeter {
     since: Instant,
     last: Counts,
     /// Rates of the last whole second, each per second: frames sent, frames received, bits.
     rates: Option<[f64; 3]>,
 }
 
-impl Meter {
+impl BusLoadMeter {
     pub(super) fn new() -> Self {
         Self { since: Instant::now(), last: Counts::default(), rates: None }
     }
 
     /// Restarts the measurement after a pause.
-    pub(super) fn restart(&mut self, tally: &Tally, now: Instant) {
+    pub(super) fn restart(&mut self, tally: &BusCounters, now: Instant) {
         *self = Self { since: now, last: tally.counts(), rates: None };
     }
 
     /// Returns the present bus load as text, next to the calculated one.
     pub(super) fn look(
         &mut self,
-        tally: &Tally,
+        tally: &BusCounters,
         now: Instant,
         rate: Option<u32>,
         load: Option<Load>,
@@ -168,9 +168,9 @@ mod tests {
     /// 100 frames of 53 bits within 2 s at 10 kbit/s; then none.
     #[test]
     fn a_rate_is_that_of_the_last_whole_second() {
-        let (tally, begin) = (Tally::new(0), Instant::now());
+        let (tally, begin) = (BusCounters::new(0), Instant::now());
         let frame = Frame::data(Id::NMT, &[]).unwrap();
-        let mut meter = Meter::new();
+        let mut meter = BusLoadMeter::new();
         meter.restart(&tally, begin);
         (0..100).for_each(|at| tally.count(&frame, at < 40));
         let load = Load { frames: 2, bits: 5, rate: 10_000, cycle_us: 1000.0 };
@@ -185,19 +185,19 @@ mod tests {
 
     #[test]
     fn the_controller_and_the_nodes_are_told_as_they_were_noted() {
-        let tally = Tally::new(2);
+        let tally = BusCounters::new(2);
         assert_eq!(tally.controller(), "off");
-        tally.note(BusState::Passive, Some((128, 3)));
+        tally.set_controller_state(BusState::Passive, Some((128, 3)));
         let told =
             "passive: many errors; when it told them last, its error counters were 128 (transmit) and 3 (receive)";
         assert_eq!(tally.controller(), told);
-        tally.note(BusState::Active, None);
+        tally.set_controller_state(BusState::Active, None);
         assert_eq!(tally.controller(), "active");
         for state in [NmtState::BootUp, NmtState::Stopped, NmtState::Operational, NmtState::PreOperational] {
-            tally.note_node(1, Some(state));
+            tally.set_node_state(1, Some(state));
             assert_eq!((tally.node(0), tally.node(1)), (None, Some(state)));
         }
-        tally.note_node(1, None);
+        tally.set_node_state(1, None);
         assert_eq!(tally.node(1), None);
     }
 }

@@ -8,7 +8,7 @@
 
 use super::drive::Drive;
 use crate::config;
-use crate::drive::layout::{Asked, Told};
+use crate::drive::layout::{CommandedValue, ReportedValue};
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{EncoderInput, Inputs, Outputs, bit};
 
@@ -53,20 +53,20 @@ impl Terminals {
     }
 
     /// Handles the values of the PDO at a place.
-    pub(super) fn take(&mut self, place: usize, words: impl Iterator<Item = (Told, i64)>) {
+    pub(super) fn take(&mut self, place: usize, words: impl Iterator<Item = (ReportedValue, i64)>) {
         for (word, value) in words {
             match word {
-                Told::Inputs => self.digital = u64::from(value as u32),
-                Told::Digital(group) => {
+                ReportedValue::Inputs => self.digital = u64::from(value as u32),
+                ReportedValue::Digital(group) => {
                     let at = u32::from(group.min(7)) * 8;
                     self.digital = self.digital & !(0xFF << at) | u64::from(value as u8) << at;
                 }
-                Told::Analog(channel) => {
+                ReportedValue::Analog(channel) => {
                     if let Some(word) = self.analog.get_mut(usize::from(channel)) {
                         *word = value as i16;
                     }
                 }
-                Told::Encoder => self.encoder.0 = value as u32,
+                ReportedValue::Encoder => self.encoder.0 = value as u32,
                 _ => {}
             }
         }
@@ -90,7 +90,7 @@ impl Terminals {
             let on = 1_u64.checked_shl(terminal.address.into()).is_some_and(|mask| self.digital & mask != 0);
             inputs.set_digital(terminal.place, on);
         }
-        for config::Analog { terminal, full_scale } in &self.config.analog_inputs {
+        for config::AnalogTerminal { terminal, volts_at_full_scale: full_scale } in &self.config.analog_inputs {
             let word = self.analog.get(usize::from(terminal.address)).copied().unwrap_or_default();
             if let Some(volts) = inputs.analog.get_mut(terminal.place) {
                 *volts = f64::from(word) / FULL_SCALE * full_scale;
@@ -110,19 +110,19 @@ impl Terminals {
     }
 
     /// Returns the value of a field of a command PDO.
-    pub(super) fn value(&self, word: Asked, outputs: &Outputs) -> i64 {
+    pub(super) fn value(&self, word: CommandedValue, outputs: &Outputs) -> i64 {
         let digital = |first: u16, bits: u16| {
             let ours = self.config.digital_outputs.iter().filter(|terminal| bit(&outputs.digital, terminal.place));
             let bits = ours.filter_map(|terminal| terminal.address.checked_sub(first).filter(|at| *at < bits));
             bits.fold(0, |word, at| word | 1_i64 << at)
         };
         match word {
-            Asked::Outputs => digital(0, 32),
-            Asked::Digital(group) => digital(u16::from(group) * 8, 8),
-            Asked::Analog(channel) => {
-                let is_it = |analog: &&config::Analog| analog.terminal.address == u16::from(channel);
+            CommandedValue::Outputs => digital(0, 32),
+            CommandedValue::Digital(group) => digital(u16::from(group) * 8, 8),
+            CommandedValue::Analog(channel) => {
+                let is_it = |analog: &&config::AnalogTerminal| analog.terminal.address == u16::from(channel);
                 let ours = self.config.analog_outputs.iter().find(is_it);
-                let Some(config::Analog { terminal, full_scale }) = ours else { return 0 };
+                let Some(config::AnalogTerminal { terminal, volts_at_full_scale: full_scale }) = ours else { return 0 };
                 let volts = outputs.analog.get(terminal.place).copied().unwrap_or_default();
                 // NaN becomes 0 V; other values saturate.
                 (volts / full_scale * FULL_SCALE).round().clamp(-FULL_SCALE, FULL_SCALE) as i64
@@ -141,8 +141,8 @@ mod tests {
         Terminal { place, address }
     }
 
-    fn analog(place: usize, address: u16, full_scale: f64) -> config::Analog {
-        config::Analog { terminal: terminal(place, address), full_scale }
+    fn analog(place: usize, address: u16, full_scale: f64) -> config::AnalogTerminal {
+        config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: full_scale }
     }
 
     fn inputs() -> Inputs {
@@ -170,17 +170,17 @@ mod tests {
     fn inputs_stand_at_their_places() {
         let mut module = module();
         module.listen(false);
-        module.take(0, [(Told::Digital(0), 0x01), (Told::Digital(1), -1)].into_iter());
+        module.take(0, [(ReportedValue::Digital(0), 0x01), (ReportedValue::Digital(1), -1)].into_iter());
         let mut seen = inputs();
         module.read(&mut seen, true, None);
         assert_eq!(seen, inputs(), "the analog PDO has not come");
-        module.take(1, [(Told::Analog(0), 77), (Told::Analog(1), -0x7FFF)].into_iter());
+        module.take(1, [(ReportedValue::Analog(0), 77), (ReportedValue::Analog(1), -0x7FFF)].into_iter());
         module.read(&mut seen, true, None);
         assert_eq!(
             (seen.digital.as_slice(), seen.analog.as_slice()),
             ([1 << 1, 1 << 6].as_slice(), [0.0, 0.0, -10.0].as_slice())
         );
-        module.take(0, [(Told::Digital(0), 0xFE), (Told::Digital(1), 0xFD_u8.into())].into_iter());
+        module.take(0, [(ReportedValue::Digital(0), 0xFE), (ReportedValue::Digital(1), 0xFD_u8.into())].into_iter());
         let mut seen = inputs();
         module.read(&mut seen, true, None);
         assert_eq!(seen.digital, [0; 2]);
@@ -191,8 +191,8 @@ mod tests {
     fn inputs_of_a_silent_module_are_not_there() {
         let mut module = module();
         module.listen(false);
-        module.take(0, [(Told::Digital(0), 1)].into_iter());
-        module.take(1, [(Told::Analog(1), 0x7FFF)].into_iter());
+        module.take(0, [(ReportedValue::Digital(0), 1)].into_iter());
+        module.take(1, [(ReportedValue::Analog(1), 0x7FFF)].into_iter());
         let mut shown = |is_there| {
             let mut seen = inputs();
             module.read(&mut seen, is_there, None);
@@ -206,11 +206,11 @@ mod tests {
     }
 
     #[test]
-    fn outputs_are_gathered() {
+    fn outputs_are_packed() {
         let module = module();
         let mut outputs = Outputs { digital: vec![0; 2], analog: vec![9.0, -2.5], ..Outputs::default() };
         let words = |outputs: &Outputs| {
-            [Asked::Digital(0), Asked::Digital(1), Asked::Outputs, Asked::Analog(0), Asked::Analog(1)]
+            [CommandedValue::Digital(0), CommandedValue::Digital(1), CommandedValue::Outputs, CommandedValue::Analog(0), CommandedValue::Analog(1)]
                 .map(|word| module.value(word, outputs))
         };
         assert_eq!(words(&outputs), [0, 0, 0, 0, -16_384]);
@@ -229,7 +229,7 @@ mod tests {
             let mut encoder = Terminals::new(&config::Terminals { encoders, ..config::Terminals::default() }, 1);
             let mut shown = |boots: bool| {
                 encoder.listen(!boots);
-                encoder.take(0, [(Told::Encoder, -2)].into_iter());
+                encoder.take(0, [(ReportedValue::Encoder, -2)].into_iter());
                 let mut seen = inputs();
                 encoder.read(&mut seen, true, None);
                 assert_eq!(seen.encoder[0], EncoderInput::default());

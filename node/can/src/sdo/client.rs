@@ -104,13 +104,13 @@ enum State {
 
 /// Transfer in progress.
 #[derive(Clone, Debug)]
-struct Work {
+struct TransferState {
     object: Object,
     data: Vec<u8>,
     /// Size that the device has announced.
-    told: Option<usize>,
+    announced_size: Option<usize>,
     /// Whether both sides calculate the checksum.
-    checks: bool,
+    uses_crc: bool,
     /// Consecutive acknowledgements of a block without progress.
     repeats: u8,
     /// Time of the last request to or answer of the device, in ns.
@@ -128,7 +128,7 @@ pub struct Client {
     sends: bool,
     /// Frame that ends a transfer; it is sent first.
     last: Option<Frame>,
-    work: Option<Work>,
+    work: Option<TransferState>,
     /// Number of unexpected answers.
     strays: u32,
 }
@@ -151,7 +151,7 @@ impl Client {
 
     /// Returns the number of transferred bytes, and the total number if it is known.
     pub fn progress(&self) -> Option<(usize, Option<usize>)> {
-        let Work { data, told, .. } = self.work.as_ref()?;
+        let TransferState { data, announced_size: told, .. } = self.work.as_ref()?;
         let (most, sent) = (data.len(), |at: usize| (at.min(data.len()), Some(data.len())));
         Some(match self.state {
             State::Download | State::BlockDownload => sent(0),
@@ -185,7 +185,7 @@ impl Client {
         if self.work.is_some() {
             return Err(data);
         }
-        self.work = Some(Work { object, data, told: None, checks: false, repeats: 0, since_ns: now_ns });
+        self.work = Some(TransferState { object, data, announced_size: None, uses_crc: false, repeats: 0, since_ns: now_ns });
         (self.state, self.sends) = (state, true);
         Ok(())
     }
@@ -215,7 +215,7 @@ impl Client {
             State::Segment { at, toggle } => {
                 let (bytes, unused) = segment(&work.data, at);
                 let is_last = at.saturating_add(SEGMENT) >= work.data.len();
-                led_by(u8::from(toggle) << 4 | unused << 1 | u8::from(is_last), bytes)
+                with_command(u8::from(toggle) << 4 | unused << 1 | u8::from(is_last), bytes)
             }
             State::BlockDownload => [0xC6, low, high, sub, s0, s1, s2, s3],
             State::Block { start, next, size } => {
@@ -225,11 +225,11 @@ impl Client {
                 let next = next.saturating_add(1);
                 self.state = State::Block { start, next, size };
                 self.sends = !is_last && next < size;
-                led_by(u8::from(is_last) << 7 | next, bytes)
+                with_command(u8::from(is_last) << 7 | next, bytes)
             }
             State::BlockEnd => {
                 let unused = (SEGMENT - work.data.len() % SEGMENT) % SEGMENT;
-                let [c0, c1] = if work.checks { crc(0, &work.data) } else { 0 }.to_le_bytes();
+                let [c0, c1] = if work.uses_crc { crc(0, &work.data) } else { 0 }.to_le_bytes();
                 [0xC1 | (unused as u8) << 2, c0, c1, 0, 0, 0, 0, 0]
             }
             State::Upload => [0x40, low, high, sub, 0, 0, 0, 0],
@@ -313,7 +313,7 @@ impl Client {
                 if command & 0xFB != 0xA0 {
                     return Err(Abort::COMMAND);
                 }
-                work.checks = command & 4 != 0;
+                work.uses_crc = command & 4 != 0;
                 self.begin_block(0, a)?;
             }
             State::Block { start, next, .. } => {
@@ -338,8 +338,8 @@ impl Client {
             State::BlockEnd => return if command == 0xA1 { Ok(true) } else { Err(Abort::COMMAND) },
             // A server without block transfer answers as to a segmented upload.
             State::BlockUpload if command & 0xF9 == 0xC0 => {
-                work.checks = command & 4 != 0;
-                work.expect((command & 2 != 0).then_some(size))?;
+                work.uses_crc = command & 4 != 0;
+                work.announce_size((command & 2 != 0).then_some(size))?;
                 (self.state, self.sends) = (State::Receive { next: 1, is_last: false }, true);
             }
             State::Upload | State::BlockUpload => match command {
@@ -349,7 +349,7 @@ impl Client {
                     return Ok(true);
                 }
                 0x40 | 0x41 => {
-                    work.expect((command == 0x41).then_some(size))?;
+                    work.announce_size((command == 0x41).then_some(size))?;
                     (self.state, self.sends) = (State::Fetch { toggle: false }, true);
                 }
                 _ => return Err(Abort::COMMAND),
@@ -377,7 +377,7 @@ impl Client {
                 }
                 let unused = usize::from(command >> 2 & 7);
                 work.data.truncate(work.data.len().saturating_sub(unused));
-                if work.checks && crc(0, &work.data) != u16::from_le_bytes([c0, c1]) {
+                if work.uses_crc && crc(0, &work.data) != u16::from_le_bytes([c0, c1]) {
                     return Err(Abort::CRC);
                 }
                 work.is_complete()?;
@@ -451,22 +451,22 @@ impl Client {
     }
 
     fn end(&mut self, result: Result<(), SdoError>) -> Option<Transfer> {
-        let Work { object, data, .. } = self.work.take()?;
+        let TransferState { object, data, .. } = self.work.take()?;
         (self.state, self.sends) = (State::Idle, false);
         Some(Transfer { object, data, result })
     }
 }
 
-impl Work {
+impl TransferState {
     /// Stores the number of bytes that the device has announced, if any.
-    fn expect(&mut self, told: Option<usize>) -> Result<(), Abort> {
-        self.told = told;
+    fn announce_size(&mut self, told: Option<usize>) -> Result<(), Abort> {
+        self.announced_size = told;
         if told.is_some_and(|told| told > self.data.capacity()) { Err(Abort::MEMORY) } else { Ok(()) }
     }
 
     /// Checks that the announced number of bytes was received.
     fn is_complete(&self) -> Result<bool, Abort> {
-        if self.told.is_none_or(|told| told == self.data.len()) { Ok(true) } else { Err(Abort::LENGTH) }
+        if self.announced_size.is_none_or(|told| told == self.data.len()) { Ok(true) } else { Err(Abort::LENGTH) }
     }
 }
 
@@ -489,7 +489,7 @@ fn segment(data: &[u8], at: usize) -> ([u8; SEGMENT], u8) {
     (bytes, SEGMENT.saturating_sub(rest.len()) as u8)
 }
 
-fn led_by(lead: u8, [a, b, c, d, e, f, g]: [u8; SEGMENT]) -> [u8; 8] {
+fn with_command(lead: u8, [a, b, c, d, e, f, g]: [u8; SEGMENT]) -> [u8; 8] {
     [lead, a, b, c, d, e, f, g]
 }
 

@@ -1,12 +1,12 @@
 //! Compares mapped objects of a device with its file.
 
-use super::Sheet;
-use crate::drive::layout::{Asked, Field, OPTIONAL, Told, Transmission};
+use super::Comparison;
+use crate::drive::layout::{CommandedValue, Field, OPTIONAL, ReportedValue, Transmission};
 use crate::eds::{Access, Direction};
 use crate::sdo::Object;
 use lineshaft_core::drive::Interface;
 
-impl Sheet<'_> {
+impl Comparison<'_> {
     /// Compares type, length and access of the objects in PDOs that the master maps.
     pub(super) fn mapped(&mut self) {
         let device = self.device;
@@ -36,7 +36,7 @@ impl Sheet<'_> {
         }
         for field in OPTIONAL {
             let Field { word, object, bits } = field;
-            let Some(entry) = known.entry(object).filter(|entry| entry.is_mappable && !field.suits(entry)) else {
+            let Some(entry) = known.entry(object).filter(|entry| entry.is_mappable && !field.matches_entry(entry)) else {
                 continue;
             };
             if device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|carried| carried.object == object) {
@@ -48,7 +48,7 @@ impl Sheet<'_> {
                 }
                 data_type => format!("is {data_type} by the file, not an integer of {bits} bits"),
             };
-            let lost = if word == Told::Inputs { "; the switches of the drive are not read" } else { "" };
+            let lost = if word == ReportedValue::Inputs { "; the switches of the drive are not read" } else { "" };
             self.warning(&format!("{object} {why}: it is not mapped to a PDO{lost}"));
         }
     }
@@ -76,7 +76,7 @@ impl Sheet<'_> {
         if !entry.is_mappable {
             let sentence =
                 format!("{object} cannot be mapped to a PDO by the file: its PDOMapping is not 1 (key {key})");
-            match known.carrier(direction, object) {
+            match known.find_pdo_with(direction, object) {
                 Some(number) => self.warning(&format!("{sentence}; PDO {number} of the file carries it all the same")),
                 None => self.error(&sentence),
             }
@@ -85,24 +85,24 @@ impl Sheet<'_> {
 }
 
 /// Returns the key of the cell that requires a commanded value; `None` for unused bits.
-fn key_of_asked(word: Asked) -> Option<&'static str> {
+fn key_of_asked(word: CommandedValue) -> Option<&'static str> {
     match word {
-        Asked::Control | Asked::Position | Asked::Velocity | Asked::Torque | Asked::Mode => Some("interface"),
-        Asked::Outputs | Asked::Digital(_) | Asked::Analog(_) => Some("io"),
-        Asked::Nothing => None,
+        CommandedValue::Control | CommandedValue::Position | CommandedValue::Velocity | CommandedValue::Torque | CommandedValue::Mode => Some("interface"),
+        CommandedValue::Outputs | CommandedValue::Digital(_) | CommandedValue::Analog(_) => Some("io"),
+        CommandedValue::Nothing => None,
     }
 }
 
 /// Returns the key of the cell that requires a reported value. Inputs and error code of a drive are mapped because the file contains them.
-fn key_of_told(word: Told, transmission: Transmission, is_for_torque: bool) -> Option<&'static str> {
+fn key_of_told(word: ReportedValue, transmission: Transmission, is_for_torque: bool) -> Option<&'static str> {
     match word {
-        Told::Status | Told::Position | Told::Mode => Some("interface"),
-        Told::Torque => Some(if is_for_torque { "interface" } else { "rated_effort" }),
-        Told::Inputs if transmission == Transmission::EachSync => Some("io"),
-        Told::Inputs | Told::Fault => Some("eds"),
-        Told::Captured(slot) | Told::Captures(slot) => Some(if slot < 2 { "probe_1" } else { "probe_2" }),
-        Told::Digital(_) | Told::Analog(_) => Some("io"),
-        Told::Encoder => Some("encoders"),
-        Told::Nothing => None,
+        ReportedValue::Status | ReportedValue::Position | ReportedValue::Mode => Some("interface"),
+        ReportedValue::Torque => Some(if is_for_torque { "interface" } else { "rated_effort" }),
+        ReportedValue::Inputs if transmission == Transmission::EachSync => Some("io"),
+        ReportedValue::Inputs | ReportedValue::Fault => Some("eds"),
+        ReportedValue::Captured(slot) | ReportedValue::Captures(slot) => Some(if slot < 2 { "probe_1" } else { "probe_2" }),
+        ReportedValue::Digital(_) | ReportedValue::Analog(_) => Some("io"),
+        ReportedValue::Encoder => Some("encoders"),
+        ReportedValue::Nothing => None,
     }
 }

@@ -2,18 +2,18 @@
 //!
 //! Source   CiA 301, CiA 402-2 (6060h and 6061h, which a drive need not be able to map)
 
-use super::Sheet;
-use crate::Watching;
+use super::Comparison;
+use crate::Monitoring;
 use crate::config::{Role, Write};
 use crate::drive::objects;
 use crate::eds::Direction;
 use crate::sdo::Object;
 
-impl Sheet<'_> {
+impl Comparison<'_> {
     /// Reports a mapped object that the file lacks, only the first one of each index. It is an error if the index has fewer subindices
     /// according to its subindex 0; otherwise a warning.
     pub(super) fn missing(&mut self, object: Object, key: &str) {
-        if !self.lacking.insert(object.index) {
+        if !self.reported_indices.insert(object.index) {
             return;
         }
         let Object { index, sub } = object;
@@ -60,7 +60,7 @@ impl Sheet<'_> {
         let sent = device.layout.told.iter().map(|pdo| (Direction::Transmit, pdo.number, "TPDO"));
         for (direction, number, name) in received.chain(sent) {
             let indices = [direction.communication(number), direction.mapping(number)];
-            if let Some(index) = indices.into_iter().find(|index| known.head(*index).is_none()) {
+            if let Some(index) = indices.into_iter().find(|index| known.index_description(*index).is_none()) {
                 self.warning(&format!(
                     "{index:04X}h is missing in the file; {name} {number}, which the cell needs, has it"
                 ));
@@ -72,11 +72,11 @@ impl Sheet<'_> {
     fn needed(&self, homes: bool) -> Vec<(Object, &'static str)> {
         let mut needed = Vec::new();
         match self.device.watching {
-            Watching::Heartbeat { .. } => needed.push((objects::PRODUCER_HEARTBEAT, "heartbeat")),
-            Watching::Guarding { .. } => {
+            Monitoring::Heartbeat { .. } => needed.push((objects::PRODUCER_HEARTBEAT, "heartbeat")),
+            Monitoring::Guarding { .. } => {
                 needed.extend([(objects::GUARD_TIME, "guarding"), (objects::LIFE_TIME_FACTOR, "guarding")]);
             }
-            Watching::None => {}
+            Monitoring::None => {}
         }
         let Some(drive) = self.device.drive() else { return needed };
         // One object configures both probes.
@@ -143,7 +143,7 @@ impl Sheet<'_> {
 
     /// Checks for the objects that are compared with key feed.
     fn factors(&mut self) {
-        let has_feed = self.device.drive().is_some_and(|drive| drive.per_revolution.is_some());
+        let has_feed = self.device.drive().is_some_and(|drive| drive.counts_per_shaft_revolution.is_some());
         let [feed, resolution] = [objects::FEED_CONSTANT, objects::ENCODER_RESOLUTION].map(|[first, _]| first);
         if has_feed && self.known.entry(feed).is_none() && self.known.entry(resolution).is_none() {
             let sentence =

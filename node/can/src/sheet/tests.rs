@@ -1,14 +1,14 @@
 use super::*;
-use crate::config::{Analog, Role, Terminals, Write};
+use crate::config::{AnalogTerminal, Role, Terminals, Write};
 use crate::drive::layout::Extras;
 use crate::drive::{DriveMode, Layout};
-use crate::{NodeId, Watching, eds};
+use crate::{NodeId, Monitoring, eds};
 use lineshaft_core::drive::Terminal;
 
 const OWN: &str = include_str!("../../../../launch-configs/can/cia402_sim.eds");
 
 /// Homing is done in the drive.
-const HOMES: Needs = Needs { bit_rate: None, homes: true };
+const HOMES: Requirements = Requirements { bit_rate: None, homes: true };
 
 /// Returns the file of the simulated drive with another value of a key in some sections.
 fn changed(changes: &[(&str, &str, &str)]) -> Dictionary {
@@ -27,7 +27,7 @@ fn node() -> NodeId {
 }
 
 fn drive(mode: DriveMode) -> DeviceConfig {
-    let mut device = DeviceConfig::plain_drive(0, node(), Watching::None);
+    let mut device = DeviceConfig::plain_drive(0, node(), Monitoring::None);
     if let Role::Drive(drive) = &mut device.role {
         drive.mode = mode;
     }
@@ -43,7 +43,7 @@ fn of(errors: &[&str], warnings: &[&str]) -> Findings {
 #[test]
 fn mode_that_the_file_does_not_offer_is_an_error() {
     let known = changed(&[("6502", "DefaultValue", "0x185")]);
-    assert_eq!(compare(&drive(DriveMode::Csp), Needs::default(), &known), Findings::default());
+    assert_eq!(compare(&drive(DriveMode::Csp), Requirements::default(), &known), Findings::default());
     let said = "node 3 (x0): 6502h:00 is 00000185h by the file (pp, pv, csp, csv)";
     let cure = "if the drive offers it all the same, delete the DefaultValue of 6502h in the file: the drive is asked when it starts";
     for (mode, missing) in [
@@ -51,13 +51,13 @@ fn mode_that_the_file_does_not_offer_is_an_error() {
         (DriveMode::Ip, "mode 7 (ip) is missing; offered are, with its interface, mode: pp or csp"),
     ] {
         let sentence = format!("{said}: {missing}; {cure}");
-        assert_eq!(compare(&drive(mode), Needs::default(), &known), of(&[&sentence], &[]));
+        assert_eq!(compare(&drive(mode), Requirements::default(), &known), of(&[&sentence], &[]));
     }
     // As the message recommends.
     let deleted = OWN.replacen("DefaultValue=0x3EF\n", "", 1);
     assert_ne!(deleted, OWN);
     let deleted = eds::parse(deleted.as_bytes(), Some(3)).expect("a good file");
-    assert_eq!(compare(&drive(DriveMode::Cst), Needs::default(), &deleted), Findings::default());
+    assert_eq!(compare(&drive(DriveMode::Cst), Requirements::default(), &deleted), Findings::default());
     let with_homing = changed(&[("6502", "DefaultValue", "0x1A5")]);
     assert_eq!(compare(&drive(DriveMode::Csp), HOMES, &with_homing), Findings::default());
 }
@@ -112,11 +112,11 @@ fn mapped_object_of_another_length_or_kind_is_an_error() {
     ] {
         let known = changed(&[(section, "DataType", data_type)]);
         let sentence = format!("node 3 (x0): {sentence}");
-        assert_eq!(compare(&drive(DriveMode::Csp), Needs::default(), &known), of(&[&sentence], &[]));
+        assert_eq!(compare(&drive(DriveMode::Csp), Requirements::default(), &known), of(&[&sentence], &[]));
     }
     for (section, data_type) in [("6064", "0x0007"), ("6041", "0x0003"), ("6060", "0x0005"), ("607A", "0x0080")] {
         let known = changed(&[(section, "DataType", data_type), (section, "DefaultValue", "")]);
-        assert_eq!(compare(&drive(DriveMode::Csp), Needs::default(), &known), Findings::default(), "{section}");
+        assert_eq!(compare(&drive(DriveMode::Csp), Requirements::default(), &known), Findings::default(), "{section}");
     }
 }
 
@@ -125,7 +125,7 @@ fn mapped_object_of_another_length_or_kind_is_an_error() {
 fn mapped_object_without_the_access_is_an_error() {
     let found = |section, access| {
         let known = changed(&[(section, "AccessType", access)]);
-        compare(&drive(DriveMode::Csp), Needs::default(), &known)
+        compare(&drive(DriveMode::Csp), Requirements::default(), &known)
     };
     let said = |object: &str, access: &str, way: &str| {
         format!("node 3 (x0): {object} has access {access} by the file; the device {way} it in a PDO (key interface)")
@@ -146,7 +146,7 @@ fn terminal(address: u16) -> Terminal {
 
 /// Returns a module with a digital input and an analog output at these addresses.
 fn module(input: Option<u16>, output: Option<u16>) -> DeviceConfig {
-    let analog = |address| Analog { terminal: terminal(address), full_scale: 10.0 };
+    let analog = |address| AnalogTerminal { terminal: terminal(address), volts_at_full_scale: 10.0 };
     let terminals = Terminals {
         digital_inputs: input.map(terminal).into_iter().collect(),
         analog_outputs: output.map(analog).into_iter().collect(),
@@ -187,7 +187,7 @@ fn pdo_of_inputs() -> String {
 #[test]
 fn object_that_cannot_be_mapped_is_an_error_unless_the_file_maps_it_itself() {
     let pdo = pdo_of_inputs();
-    let of_input = |sections: String| compare(&module(Some(5), None), Needs::default(), &file(&sections));
+    let of_input = |sections: String| compare(&module(Some(5), None), Requirements::default(), &file(&sections));
     let sentence = "node 3 (module): 6000h:01 cannot be mapped to a PDO by the file: its PDOMapping is not 1 (key io)";
     let itself = format!("{sentence}; PDO 1 of the file carries it all the same");
     assert_eq!(of_input(inputs(false) + &pdo), of(&[], &[&itself]));
@@ -207,7 +207,7 @@ fn without(index: &str) -> Dictionary {
 #[test]
 fn io_beyond_the_inputs_of_the_file_is_an_error() {
     let of_input =
-        |address, sections: String| compare(&module(Some(address), None), Needs::default(), &file(&sections));
+        |address, sections: String| compare(&module(Some(address), None), Requirements::default(), &file(&sections));
     let sections = inputs(true) + &pdo_of_inputs();
     assert_eq!(of_input(7, sections.clone()), Findings::default());
     let beyond = "node 3 (module): 6000h:02 does not exist by the file, whose 6000h:00 is 1; entries of io from address 8 on need it";
@@ -223,7 +223,7 @@ fn io_beyond_the_inputs_of_the_file_is_an_error() {
 #[test]
 fn what_the_file_lacks_is_a_warning() {
     let known = file(&(inputs(true) + &pdo_of_inputs()));
-    let found = compare(&module(None, Some(2)), Needs::default(), &known);
+    let found = compare(&module(None, Some(2)), Requirements::default(), &known);
     let [object, pdo] = [
         "node 3 (module): 6411h:01 is missing in the file; entries of io from address 0 on need it",
         "node 3 (module): 1401h is missing in the file; RPDO 2, which the cell needs, has it",
@@ -235,22 +235,22 @@ fn what_the_file_lacks_is_a_warning() {
         "node 3 (encoder): 6004h:00 is missing in the file; key encoders needs it",
         "node 3 (encoder): 1801h is missing in the file; TPDO 2, which the cell needs, has it",
     ];
-    assert_eq!(compare(&encoder, Needs::default(), &known), of(&[], &[object, pdo]));
+    assert_eq!(compare(&encoder, Requirements::default(), &known), of(&[], &[object, pdo]));
     let compact = "CompactPDO=3\n".to_owned() + &inputs(true) + &pdo_of_inputs();
-    assert_eq!(compare(&encoder, Needs::default(), &file(&compact)), of(&[], &[object]));
+    assert_eq!(compare(&encoder, Requirements::default(), &file(&compact)), of(&[], &[object]));
 }
 
 #[test]
 fn what_is_written_for_a_key_has_to_be_there_and_writable() {
-    let heartbeat = DeviceConfig { watching: Watching::Heartbeat { time_ns: 300_000_000 }, ..drive(DriveMode::Csp) };
+    let heartbeat = DeviceConfig { watching: Monitoring::Heartbeat { time_ns: 300_000_000 }, ..drive(DriveMode::Csp) };
     let guarding = DeviceConfig {
-        watching: Watching::Guarding { guard_ns: 100_000_000, life_factor: 3 },
+        watching: Monitoring::Guarding { guard_ns: 100_000_000, life_factor: 3 },
         ..drive(DriveMode::Csp)
     };
     let plain = drive(DriveMode::Csp);
     for (device, needs, index, object, key) in [
-        (&heartbeat, Needs::default(), "1017", "1017h:00", "heartbeat"),
-        (&guarding, Needs::default(), "100D", "100Dh:00", "guarding"),
+        (&heartbeat, Requirements::default(), "1017", "1017h:00", "heartbeat"),
+        (&guarding, Requirements::default(), "100D", "100Dh:00", "guarding"),
         (&plain, HOMES, "6098", "6098h:00", "homing.in_drive"),
         (&plain, HOMES, "609A", "609Ah:00", "homing.in_drive"),
     ] {
@@ -264,10 +264,10 @@ fn what_is_written_for_a_key_has_to_be_there_and_writable() {
     let factors = "node 3 (x0): 6092h:01 and 608Fh:01 are missing in the file; key feed is compared with one of them";
     let mut measured = drive(DriveMode::Csp);
     if let Role::Drive(drive) = &mut measured.role {
-        drive.per_revolution = Some((10_000, 1));
+        drive.counts_per_shaft_revolution = Some((10_000, 1));
     }
-    assert_eq!(compare(&measured, Needs::default(), &without("608F")), of(&[], &[factors]));
-    assert_eq!(compare(&measured, Needs::default(), &changed(&[])), Findings::default());
+    assert_eq!(compare(&measured, Requirements::default(), &without("608F")), of(&[], &[factors]));
+    assert_eq!(compare(&measured, Requirements::default(), &changed(&[])), Findings::default());
 }
 
 /// Returns the drive in mode csp, with the PDOs that are planned from this file.
@@ -279,7 +279,7 @@ fn planned(known: &Dictionary) -> DeviceConfig {
 /// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). Without entries of `io` no cell needs them; with one, 60FDh is required.
 #[test]
 fn optional_object_of_another_type_or_access_is_a_warning_unless_the_cell_needs_it() {
-    let found = |known: &Dictionary| compare(&planned(known), Needs::default(), known);
+    let found = |known: &Dictionary| compare(&planned(known), Requirements::default(), known);
     for (section, key, value, sentence) in [
         (
             "60FD",
@@ -309,14 +309,14 @@ fn optional_object_of_another_type_or_access_is_a_warning_unless_the_cell_needs_
     let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known));
     let device = DeviceConfig { layout: layout.expect("it maps it"), terminals, ..drive(DriveMode::Csp) };
     let sentence = "node 3 (x0): 60FDh:00 is UNSIGNED16 by the file; an integer of 32 bits is mapped to a PDO (key io)";
-    assert_eq!(compare(&device, Needs::default(), &known), of(&[sentence], &[]));
+    assert_eq!(compare(&device, Requirements::default(), &known), of(&[sentence], &[]));
     assert_eq!(found(&changed(&[])), Findings::default());
 }
 
 /// Mapping of 6060h and 6061h is optional (CiA 402-2). By SDO, 6060h is written and 6061h is read; both are INTEGER8.
 #[test]
 fn mode_that_goes_by_sdo_is_compared_with_the_file() {
-    let found = |known: &Dictionary| compare(&planned(known), Needs::default(), known);
+    let found = |known: &Dictionary| compare(&planned(known), Requirements::default(), known);
     let unmappable = |section, key, value| changed(&[(section, "PDOMapping", "0"), (section, key, value)]);
     for (section, access) in [("6060", "rw"), ("6060", "wo"), ("6061", "ro"), ("6061", "rw")] {
         assert_eq!(found(&unmappable(section, "AccessType", access)), Findings::default(), "{section} {access}");
@@ -349,7 +349,7 @@ fn mode_that_goes_by_sdo_is_compared_with_the_file() {
 /// The lower half of 1000h is the profile: 192h is 402, 191h is 401 (CiA 301).
 #[test]
 fn device_of_another_profile_is_an_error() {
-    let found = |value| compare(&drive(DriveMode::Csp), Needs::default(), &changed(&[("1000", "DefaultValue", value)]));
+    let found = |value| compare(&drive(DriveMode::Csp), Requirements::default(), &changed(&[("1000", "DefaultValue", value)]));
     let of_drive = |device_type, profile| {
         format!(
             "node 3 (x0): 1000h:00 is {device_type} by the file, profile {profile}; entries of axes need profile 402 (drive)"
@@ -368,14 +368,14 @@ fn device_of_another_profile_is_an_error() {
     for lacking in ["[6040]", "[6041]"] {
         let text = OWN.replacen("DefaultValue=0x20192\n", "DefaultValue=0x811\n", 1).replacen(lacking, "[2F40]", 1);
         let known = eds::parse(text.as_bytes(), Some(3)).expect("a good file");
-        let found = compare(&drive(DriveMode::Csp), Needs::default(), &known);
+        let found = compare(&drive(DriveMode::Csp), Requirements::default(), &known);
         assert_eq!(found.errors, [of_drive("00000811h", "0811h")], "{lacking}");
     }
     let known = |value| file(&(section("1000", 7, "ro", value, false) + &inputs(true) + &pdo_of_inputs()));
     let sentence =
         "node 3 (module): 1000h:00 is 00020192h by the file, profile 402; entries of io need profile 401 (module)";
-    assert_eq!(compare(&module(Some(0), None), Needs::default(), &known("0x00020192")), of(&[sentence], &[]));
-    assert_eq!(compare(&module(Some(0), None), Needs::default(), &known("0x00030191")), Findings::default());
+    assert_eq!(compare(&module(Some(0), None), Requirements::default(), &known("0x00020192")), of(&[sentence], &[]));
+    assert_eq!(compare(&module(Some(0), None), Requirements::default(), &known("0x00030191")), Findings::default());
 }
 
 /// The file has 125, 250, 500, 1000 kbit/s. A Baudrate of 0 gives no information; a file contains the integer part of 83.3 kbit/s.
@@ -384,7 +384,7 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
     let found = |baudrate: &str, bit_rate| {
         let text = format!("{OWN}\n[DeviceComissioning]\nNodeID=3\nBaudrate={baudrate}\n");
         let known = eds::parse(text.as_bytes(), Some(3)).expect("a good file");
-        compare(&drive(DriveMode::Csp), Needs { bit_rate, homes: false }, &known)
+        compare(&drive(DriveMode::Csp), Requirements { bit_rate, homes: false }, &known)
     };
     let error = "node 3 (x0): Baudrate is 500 kbit/s in [DeviceComissioning] of the file; bitrate of the backend is 1000000 bit/s";
     assert_eq!(found("500", Some(1_000_000)), of(&[error], &[]));
@@ -405,7 +405,7 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
         let sections = section("1000", 7, "ro", "0x00020192", false) + "[DeviceComissioning]\nBaudrate=500\n";
         let known = file(&(rates.to_owned() + &sections));
         let device = DeviceConfig { role: Role::Module, ..drive(DriveMode::Csp) };
-        let Findings { errors, warnings } = compare(&device, Needs { bit_rate: Some(1_000_000), homes: false }, &known);
+        let Findings { errors, warnings } = compare(&device, Requirements { bit_rate: Some(1_000_000), homes: false }, &known);
         let count = |sentences: Vec<String>| sentences.iter().filter(|said| said.contains("Baudrate is 500")).count();
         (count(errors), count(warnings))
     };
@@ -422,7 +422,7 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
 fn startup_is_compared_with_the_objects_of_the_file() {
     let found = |index, bytes: usize| {
         let startup = vec![Write { object: Object { index, sub: 0 }, data: vec![0; bytes] }];
-        compare(&DeviceConfig { startup, ..drive(DriveMode::Csp) }, Needs::default(), &changed(&[]))
+        compare(&DeviceConfig { startup, ..drive(DriveMode::Csp) }, Requirements::default(), &changed(&[]))
     };
     assert_eq!(found(0x6081, 4), Findings::default());
     let length = "node 3 (x0): 6081h:00 is UNSIGNED32 by the file, 4 bytes; key startup writes 2";

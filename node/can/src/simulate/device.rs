@@ -12,7 +12,7 @@ use super::objects as simulated;
 use super::pdo::Pdo;
 use super::server::Server;
 use super::supervision::Supervision;
-use super::table::Table;
+use super::table::ObjectTable;
 use super::touch_probe::TouchProbes;
 use crate::config::{DeviceConfig, Terminals, VelocityFactor};
 use crate::drive::objects;
@@ -63,8 +63,8 @@ pub(super) struct Device {
     modes: Modes,
     probes: TouchProbes,
     /// Objects after power-on.
-    initial: Table,
-    table: Table,
+    initial: ObjectTable,
+    table: ObjectTable,
     state: NmtState,
     received: Vec<Pdo>,
     sent: Vec<Pdo>,
@@ -81,7 +81,7 @@ impl Device {
     /// drive.
     pub(super) fn new(config: &DeviceConfig, cycle: Duration) -> Option<Self> {
         let drive = config.drive()?;
-        let initial = Table::new(config, drive);
+        let initial = ObjectTable::new(config, drive);
         Some(Self {
             node: config.node,
             place: drive.place,
@@ -115,7 +115,7 @@ impl Device {
     }
 
     /// Returns true once when the drive has to report a fault because it has lost its master.
-    pub(super) fn take_loss(&mut self) -> bool {
+    pub(super) fn take_master_loss(&mut self) -> bool {
         std::mem::take(&mut self.is_lost)
     }
 
@@ -133,7 +133,7 @@ impl Device {
         self.sent.clear();
         (self.server, self.supervision) = (Server::default(), Supervision::default());
         if std::mem::take(&mut self.misses_master) && self.fault == 0 {
-            self.table.put(simulated::ERROR_REGISTER, 0);
+            self.table.set(simulated::ERROR_REGISTER, 0);
         }
         self.boot(out);
     }
@@ -151,7 +151,7 @@ impl Device {
                 && let Some(toggle) = self.supervision.guard(&self.table, now)
             {
                 self.send_state(toggle, out);
-                self.find_master(out);
+                self.handle_master_return(out);
             }
         } else if id == Id::NMT {
             if let &[command, node, ..] = frame.bytes()
@@ -161,8 +161,8 @@ impl Device {
             }
         } else if id == self.node.sdo_request() {
             self.serve(frame, now, out);
-        } else if self.supervision.hear(id, &self.table, now) {
-            self.find_master(out);
+        } else if self.supervision.is_monitored_heartbeat(id, &self.table, now) {
+            self.handle_master_return(out);
         } else if self.state == NmtState::Operational
             && let Some(pdo) = self.received.iter_mut().find(|pdo| pdo.id == id)
         {
@@ -204,7 +204,7 @@ impl Device {
         let Some((frame, written)) = self.server.answer(&mut self.table, request, response) else { return };
         out.push(frame);
         if let Some(object) = written {
-            self.supervision.written(object, &self.table, now);
+            self.supervision.update_deadlines(object, &self.table, now);
             if (0x1400..=0x1BFF).contains(&object.index) && self.state == NmtState::Operational {
                 self.load_pdos();
             }
@@ -217,17 +217,17 @@ impl Device {
             self.send_state(0, out);
         }
         if self.supervision.has_lost_master(now) {
-            self.lose_master(out);
+            self.handle_master_loss(out);
         }
     }
 
     /// Handles the loss of the master.
-    fn lose_master(&mut self, out: &mut Vec<Frame>) {
+    fn handle_master_loss(&mut self, out: &mut Vec<Frame>) {
         self.misses_master = true;
         self.abort_connection();
         if self.is_lost {
             self.fault = CONNECTION_LOST;
-            self.table.put(objects::ERROR_CODE, CONNECTION_LOST.into());
+            self.table.set(objects::ERROR_CODE, CONNECTION_LOST.into());
         }
         self.send_emergency(CONNECTION_LOST, out);
         match self.table.get(simulated::ERROR_BEHAVIOUR) {
@@ -238,7 +238,7 @@ impl Device {
     }
 
     /// Handles the return of the master.
-    fn find_master(&mut self, out: &mut Vec<Frame>) {
+    fn handle_master_return(&mut self, out: &mut Vec<Frame>) {
         if std::mem::take(&mut self.misses_master) && self.fault == 0 {
             self.send_emergency(0, out);
         }
@@ -253,29 +253,29 @@ impl Device {
         }
         match self.table.get(simulated::ABORT_CONNECTION) {
             1 => self.is_lost = true,
-            2 => self.table.put(objects::CONTROL_WORD, control::DISABLE_VOLTAGE.into()),
-            3 => self.table.put(objects::CONTROL_WORD, control::QUICK_STOP.into()),
+            2 => self.table.set(objects::CONTROL_WORD, control::DISABLE_VOLTAGE.into()),
+            3 => self.table.set(objects::CONTROL_WORD, control::QUICK_STOP.into()),
             _ => {}
         }
     }
 
     /// Updates the objects from the state of the mechanics.
-    pub(super) fn show(&mut self, inputs: &Inputs, out: &mut Vec<Frame>) {
+    pub(super) fn update_objects(&mut self, inputs: &Inputs, out: &mut Vec<Frame>) {
         let Some(drive) = inputs.drive.get(self.place) else { return };
         let terminals = self.terminals.digital_inputs.iter().filter(|terminal| inputs.digital(terminal.place));
         let terminals = terminals.fold(0, |bits, terminal| bits | 1_u32.unbounded_shl(terminal.address.into()));
         let velocity = self.velocity.to_drive(drive.velocity).clamp(i32::MIN.into(), i32::MAX.into());
         let table = &mut self.table;
         let status = drive.status | STATUS_REMOTE | self.modes.status(drive.status);
-        table.put(objects::STATUS_WORD, status.into());
-        table.put(objects::MODE_DISPLAY, self.modes.shown(drive.mode).cast_unsigned().into());
+        table.set(objects::STATUS_WORD, status.into());
+        table.set(objects::MODE_DISPLAY, self.modes.displayed_mode(drive.mode).cast_unsigned().into());
         // The conversion to 32 bits wraps.
-        table.put(objects::POSITION, drive.count as u32);
-        table.put(objects::VELOCITY, velocity as u32);
-        table.put(simulated::VL_DEMAND, self.modes.vl_demand(self.velocity).cast_unsigned().into());
-        table.put(simulated::VL_ACTUAL, units(self.velocity, drive.velocity).cast_unsigned().into());
-        table.put(objects::TORQUE, (drive.effort.round() as i16).cast_unsigned().into());
-        table.put(objects::DIGITAL_INPUTS, drive.inputs | terminals);
+        table.set(objects::POSITION, drive.count as u32);
+        table.set(objects::VELOCITY, velocity as u32);
+        table.set(simulated::VL_DEMAND, self.modes.vl_demand(self.velocity).cast_unsigned().into());
+        table.set(simulated::VL_ACTUAL, units(self.velocity, drive.velocity).cast_unsigned().into());
+        table.set(objects::TORQUE, (drive.effort.round() as i16).cast_unsigned().into());
+        table.set(objects::DIGITAL_INPUTS, drive.inputs | terminals);
         self.probes.step(table, drive);
         if drive.fault != self.fault {
             self.fault = drive.fault;
@@ -286,14 +286,14 @@ impl Device {
 
     /// Sets the error code and sends EMCY; code 0: the error has ended.
     fn send_fault(&mut self, out: &mut Vec<Frame>) {
-        self.table.put(objects::ERROR_CODE, self.fault.into());
+        self.table.set(objects::ERROR_CODE, self.fault.into());
         self.send_emergency(self.fault, out);
     }
 
     /// Sets the error register and sends EMCY; code 0: the error has ended.
     fn send_emergency(&mut self, code: u16, out: &mut Vec<Frame>) {
         let register = error_register(code);
-        self.table.put(simulated::ERROR_REGISTER, register.into());
+        self.table.set(simulated::ERROR_REGISTER, register.into());
         if matches!(self.state, NmtState::PreOperational | NmtState::Operational) {
             let emergency = Emergency { code, register, data: [0; 5] };
             out.push(Frame::of(self.node.emergency(), emergency.to_bytes()));
@@ -317,7 +317,7 @@ impl Device {
     }
 
     /// Runs one cycle of the mode of operation: writes the commands of the objects to the outputs of the machine.
-    pub(super) fn order(&mut self, inputs: &Inputs, outputs: &mut Outputs) {
+    pub(super) fn run_mode(&mut self, inputs: &Inputs, outputs: &mut Outputs) {
         let drive = inputs.drive.get(self.place).copied().unwrap_or_default();
         let asked = self.modes.step(&self.table, self.velocity, &drive, self.cycle_s);
         if let Some(output) = outputs.drive.get_mut(self.place) {

@@ -3,7 +3,7 @@
 //! Law      a new setpoint is reached after the interpolation time of 60C2h, in equal steps, one per cycle of the mechanics
 //! Source   CiA 402-2 (60C2h)
 
-use super::table::Table;
+use super::table::ObjectTable;
 use crate::drive::objects;
 
 /// Interpolator between two setpoints.
@@ -17,7 +17,7 @@ pub(super) struct Interpolator {
 }
 
 /// Returns the number of cycles of the mechanics between two setpoints (60C2h); at least 1.
-pub(super) fn cycles(table: &Table, cycle_s: f64) -> u32 {
+pub(super) fn cycles(table: &ObjectTable, cycle_s: f64) -> u32 {
     let units = f64::from(table.get(objects::INTERPOLATION_VALUE));
     let seconds = units * 10_f64.powi(table.signed(objects::INTERPOLATION_INDEX));
     // The conversion saturates.
@@ -54,7 +54,7 @@ impl Interpolator {
 mod tests {
     use super::*;
     use crate::config::DeviceConfig;
-    use crate::{NodeId, Watching};
+    use crate::{NodeId, Monitoring};
 
     #[test]
     fn setpoint_is_reached_in_equal_steps_and_then_kept() {
@@ -71,11 +71,11 @@ mod tests {
     /// 8 times 10^-3 s and 25 times 10^-4 s, in cycles of 2 ms and 0.5 ms.
     #[test]
     fn interpolation_time_is_in_cycles_of_the_mechanics() {
-        let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
-        let mut table = Table::new(&device, device.drive().unwrap());
+        let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
+        let mut table = ObjectTable::new(&device, device.drive().unwrap());
         let mut set = |value: u32, index: i32| {
-            table.put(objects::INTERPOLATION_VALUE, value);
-            table.put(objects::INTERPOLATION_INDEX, index.cast_unsigned());
+            table.set(objects::INTERPOLATION_VALUE, value);
+            table.set(objects::INTERPOLATION_INDEX, index.cast_unsigned());
             [0.002, 0.000_5].map(|cycle_s| cycles(&table, cycle_s))
         };
         assert_eq!([set(8, -3), set(25, -4), set(0, -3)], [[4, 16], [1, 5], [1, 1]]);

@@ -74,7 +74,7 @@ fn unsupported_device(device: &DeviceConfig) -> Option<String> {
 ///
 /// # Errors
 /// The bus connection is lost.
-pub fn occupant(transport: &mut dyn Transport, config: &BusConfig) -> Result<Option<NodeId>, TransportError> {
+pub fn occupied_node(transport: &mut dyn Transport, config: &BusConfig) -> Result<Option<NodeId>, TransportError> {
     let begin = Instant::now();
     for device in &config.devices {
         // Read request for 1000h, which a device without heartbeat answers.
@@ -146,7 +146,7 @@ impl SimulatedBus {
     /// The bus connection is lost.
     pub fn boot(&mut self) -> Result<(), TransportError> {
         for device in &mut self.devices {
-            device.show(&self.inputs, &mut self.frames);
+            device.update_objects(&self.inputs, &mut self.frames);
             device.boot(&mut self.frames);
         }
         self.send()
@@ -185,7 +185,7 @@ impl SimulatedBus {
         for device in &mut self.devices {
             device.take(frame, now, &mut self.frames);
         }
-        self.abandon();
+        self.set_faults_of_lost_masters();
     }
 
     /// Returns the SYNC period of the first drive that has one, otherwise one cycle.
@@ -200,7 +200,7 @@ impl SimulatedBus {
         for device in &mut self.devices {
             device.tick(now, &mut self.frames);
         }
-        self.abandon();
+        self.set_faults_of_lost_masters();
         let silence = SILENCE.max(self.period() * 2);
         let has_sync = self.last_sync.is_some_and(|last| now.saturating_sub(last) < silence);
         if has_sync || now.saturating_sub(self.next_step) > LONGEST_GAP {
@@ -215,21 +215,21 @@ impl SimulatedBus {
     /// Runs one cycle of the mechanics.
     fn step(&mut self) {
         for device in &mut self.devices {
-            device.order(&self.inputs, &mut self.outputs);
+            device.run_mode(&self.inputs, &mut self.outputs);
         }
         self.plant.write(&self.outputs);
         let cycle = self.inputs.cycle.wrapping_add(1);
         self.inputs.begin(cycle, 0);
         self.plant.read(&mut self.inputs);
         for device in &mut self.devices {
-            device.show(&self.inputs, &mut self.frames);
+            device.update_objects(&self.inputs, &mut self.frames);
         }
     }
 
     /// Sets faults of drives that have lost their master.
-    fn abandon(&mut self) {
+    fn set_faults_of_lost_masters(&mut self) {
         for device in &mut self.devices {
-            if device.take_loss()
+            if device.take_master_loss()
                 && let Some(drive) = self.plant.drive(device.place())
             {
                 drive.inject_fault(CONNECTION_LOST);
@@ -252,13 +252,13 @@ impl SimulatedBus {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Watching;
+    use crate::Monitoring;
     use crate::config::Role;
     use crate::drive::DriveType;
 
     /// Returns a bus with one drive that `change` modifies.
     fn bus(change: impl Fn(&mut DeviceConfig)) -> BusConfig {
-        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
         change(&mut device);
         BusConfig {
             name: "bus0".to_owned(),

@@ -9,8 +9,8 @@
 
 use super::interpolation::{self, Interpolator};
 use super::objects as simulated;
-use super::profile::{HALT, Order, Positioner, Ramp, nearest, ramped};
-use super::table::Table;
+use super::profile::{HALT, SetpointCommand, Positioner, Ramp, nearest, velocity_on_ramp};
+use super::table::ObjectTable;
 use crate::config::VelocityFactor;
 use crate::drive::{DriveMode, objects};
 use crate::sdo::Object;
@@ -38,7 +38,7 @@ pub(super) struct Modes {
     /// 6060h in the last cycle.
     number: i8,
     /// Mode of the mechanics in the last cycle.
-    given: i8,
+    mechanics_mode: i8,
     positioner: Positioner,
     /// Interpolator of csp and ip.
     interpolator: Interpolator,
@@ -52,8 +52,8 @@ pub(super) struct Modes {
 
 /// Inputs of the modes in one cycle.
 #[derive(Clone, Copy, Debug)]
-struct Moment<'a> {
-    table: &'a Table,
+struct CycleInputs<'a> {
+    table: &'a ObjectTable,
     factor: VelocityFactor,
     count: i64,
     control: u16,
@@ -61,7 +61,7 @@ struct Moment<'a> {
     cycle_s: f64,
 }
 
-impl Moment<'_> {
+impl CycleInputs<'_> {
     /// Returns an object in velocity units of the drive in counts/s, or one in such units per second in counts/s^2.
     fn per_second(&self, object: Object) -> f64 {
         per_second(self.factor, self.table.get(object).into())
@@ -101,7 +101,7 @@ impl Modes {
     /// Runs one cycle of the mechanics. Returns their setpoint.
     pub(super) fn step(
         &mut self,
-        table: &Table,
+        table: &ObjectTable,
         factor: VelocityFactor,
         drive: &DriveInput,
         cycle_s: f64,
@@ -109,7 +109,7 @@ impl Modes {
         let number = table.signed(objects::MODE) as i8;
         let control = table.get(objects::CONTROL_WORD) as u16;
         let is_on = DriveState::from_status(drive.status) == DriveState::Enabled;
-        let now = Moment { table, factor, count: drive.count, control, is_on, cycle_s };
+        let now = CycleInputs { table, factor, count: drive.count, control, is_on, cycle_s };
         if number != self.number || !is_on {
             self.rest(&now);
         }
@@ -132,19 +132,19 @@ impl Modes {
             None if number == MODE_HOMING => output.mode = Mode::Homing(homing(&now)),
             None => {}
         }
-        self.given = output.mode.number();
+        self.mechanics_mode = output.mode.number();
         self.status = mode.map_or(0, |mode| self.status_bits(mode, &now));
         output
     }
 
     /// Resets the state of all modes.
-    fn rest(&mut self, now: &Moment<'_>) {
+    fn rest(&mut self, now: &CycleInputs<'_>) {
         self.positioner.rest_at(now.count, now.control);
         self.interpolator.rest_at(now.count);
         (self.velocity, self.torque) = (0.0, 0.0);
     }
 
-    fn position(&mut self, mode: DriveMode, now: &Moment<'_>) -> i64 {
+    fn position(&mut self, mode: DriveMode, now: &CycleInputs<'_>) -> i64 {
         let object = match mode {
             DriveMode::Csp => objects::TARGET_POSITION,
             DriveMode::Ip if now.is_on && now.has(BIT_4) => objects::INTERPOLATION_POSITION,
@@ -153,7 +153,7 @@ impl Modes {
             _ => {
                 let (target, velocity) =
                     (now.table.signed(objects::TARGET_POSITION), now.per_second(simulated::PROFILE_VELOCITY));
-                let order = Order { target, velocity, ramp: now.ramp() };
+                let order = SetpointCommand { target, velocity, ramp: now.ramp() };
                 return self.positioner.step(now.control, order, now.cycle_s);
             }
         };
@@ -161,25 +161,25 @@ impl Modes {
         self.interpolator.step(nearest(now.table.signed(object), now.count), cycles)
     }
 
-    fn velocity(&mut self, mode: DriveMode, now: &Moment<'_>) -> f64 {
+    fn velocity(&mut self, mode: DriveMode, now: &CycleInputs<'_>) -> f64 {
         match mode {
             DriveMode::Csv => return now.signed_per_second(objects::TARGET_VELOCITY),
             _ if !now.is_on => {}
             DriveMode::Pv => {
                 let target = if now.has(HALT) { 0.0 } else { now.signed_per_second(objects::TARGET_VELOCITY) };
-                self.velocity = ramped(self.velocity, target, now.ramp(), now.cycle_s);
+                self.velocity = velocity_on_ramp(self.velocity, target, now.ramp(), now.cycle_s);
             }
             _ if !now.has(RAMP_UNLOCKED) && now.has(BIT_4) && !now.has(HALT) => {}
             _ => {
                 let runs = now.has(BIT_4) && now.has(RAMP_INPUT) && !now.has(HALT);
                 let target = if runs { now.signed_per_second(objects::VL_TARGET_VELOCITY) } else { 0.0 };
-                self.velocity = ramped(self.velocity, target, now.vl_ramp(), now.cycle_s);
+                self.velocity = velocity_on_ramp(self.velocity, target, now.vl_ramp(), now.cycle_s);
             }
         }
         self.velocity
     }
 
-    fn torque(&mut self, mode: DriveMode, now: &Moment<'_>) -> f64 {
+    fn torque(&mut self, mode: DriveMode, now: &CycleInputs<'_>) -> f64 {
         let target = f64::from(now.table.signed(objects::TARGET_TORQUE));
         if mode == DriveMode::Cst {
             return target;
@@ -187,12 +187,12 @@ impl Modes {
         if now.is_on {
             let slope = f64::from(now.table.get(simulated::TORQUE_SLOPE));
             let target = if now.has(HALT) { 0.0 } else { target };
-            self.torque = ramped(self.torque, target, Ramp { up: slope, down: slope }, now.cycle_s);
+            self.torque = velocity_on_ramp(self.torque, target, Ramp { up: slope, down: slope }, now.cycle_s);
         }
         self.torque
     }
 
-    fn status_bits(&self, mode: DriveMode, now: &Moment<'_>) -> u16 {
+    fn status_bits(&self, mode: DriveMode, now: &CycleInputs<'_>) -> u16 {
         let bit = |on: bool, bit: u16| if on { bit } else { 0 };
         let reached =
             |target: f64, demand: f64| bit(demand == if now.has(HALT) { 0.0 } else { target }, STATUS_TARGET_REACHED);
@@ -213,8 +213,8 @@ impl Modes {
     }
 
     /// Returns 6061h for the mode of the mechanics.
-    pub(super) fn shown(&self, mode: i8) -> i8 {
-        if mode == self.given && mode != 0 { self.number } else { mode }
+    pub(super) fn displayed_mode(&self, mode: i8) -> i8 {
+        if mode == self.mechanics_mode && mode != 0 { self.number } else { mode }
     }
 
     /// Returns bits 10 and 12 for this status word.
@@ -235,7 +235,7 @@ pub(super) fn units(factor: VelocityFactor, counts_per_s: f64) -> i16 {
 }
 
 /// Returns the homing command of 6098h, 6099h and 609Ah.
-fn homing(now: &Moment<'_>) -> HomingOrder {
+fn homing(now: &CycleInputs<'_>) -> HomingOrder {
     HomingOrder {
         method: now.table.signed(objects::HOMING_METHOD) as i8,
         search_velocity: now.per_second(objects::HOMING_SEARCH),
@@ -248,7 +248,7 @@ fn homing(now: &Moment<'_>) -> HomingOrder {
 mod tests {
     use super::*;
     use crate::config::DeviceConfig;
-    use crate::{NodeId, Watching};
+    use crate::{NodeId, Monitoring};
     use lineshaft_core::drive::{MODE_CSP, MODE_CSV};
 
     /// 10 ms.
@@ -257,26 +257,26 @@ mod tests {
 
     /// A drive with its objects and outputs; its mechanics are those of the test.
     struct Rig {
-        table: Table,
+        table: ObjectTable,
         modes: Modes,
         drive: DriveInput,
     }
 
     impl Rig {
         fn new(mode: DriveMode) -> Self {
-            let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
-            let mut table = Table::new(&device, device.drive().unwrap());
-            table.put(objects::MODE, mode.number().cast_unsigned().into());
+            let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
+            let mut table = ObjectTable::new(&device, device.drive().unwrap());
+            table.set(objects::MODE, mode.number().cast_unsigned().into());
             let drive = DriveInput { status: ENABLED, ..DriveInput::default() };
             Self { table, modes: Modes::default(), drive }
         }
 
         fn put(&mut self, object: Object, value: i32) {
-            self.table.put(object, value.cast_unsigned());
+            self.table.set(object, value.cast_unsigned());
         }
 
         fn step(&mut self, control: u16) -> DriveOutput {
-            self.table.put(objects::CONTROL_WORD, control.into());
+            self.table.set(objects::CONTROL_WORD, control.into());
             self.modes.step(&self.table, VelocityFactor::default(), &self.drive, CYCLE_S)
         }
 
@@ -310,7 +310,7 @@ mod tests {
         for (mode, given) in [(DriveMode::Pv, MODE_CSV), (DriveMode::Pp, MODE_CSP), (DriveMode::Ip, MODE_CSP)] {
             let mut rig = Rig::new(mode);
             assert_eq!(rig.step(0x0F).mode.number(), given);
-            assert_eq!((rig.modes.shown(given), rig.modes.shown(0)), (mode.number(), 0));
+            assert_eq!((rig.modes.displayed_mode(given), rig.modes.displayed_mode(0)), (mode.number(), 0));
         }
     }
 

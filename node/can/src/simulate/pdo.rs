@@ -3,7 +3,7 @@
 //! Law      transmission types 1 to 240: with each n-th SYNC; 0: with a SYNC after a change; 254 and 255: at once after a change
 //! Source   CiA 301 (objects 1400h to 1BFFh)
 
-use super::table::{MOST_MAPPED, Table, mapped};
+use super::table::{MOST_MAPPED, ObjectTable, mapped};
 use crate::drive::layout::MOST_PDOS;
 use crate::eds::{CobId, Direction};
 use crate::sdo::Object;
@@ -30,11 +30,11 @@ pub(super) struct Pdo {
 
 impl Pdo {
     /// Returns the enabled PDOs of a direction.
-    pub(super) fn all(table: &Table, direction: Direction) -> Vec<Self> {
+    pub(super) fn all(table: &ObjectTable, direction: Direction) -> Vec<Self> {
         (1..=MOST_PDOS).filter_map(|number| Self::of(table, direction, number)).collect()
     }
 
-    fn of(table: &Table, direction: Direction, number: u8) -> Option<Self> {
+    fn of(table: &ObjectTable, direction: Direction, number: u8) -> Option<Self> {
         let (communication, mapping) = (direction.communication(number), direction.mapping(number));
         let value = |index, sub| table.get(Object { index, sub });
         let cob_id = CobId(value(communication, 1));
@@ -51,14 +51,14 @@ impl Pdo {
         self.kind <= LAST_SYNCHRONOUS
     }
 
-    fn frame(&self, table: &Table) -> Option<Frame> {
+    fn frame(&self, table: &ObjectTable) -> Option<Frame> {
         let bytes = |&(object, bytes): &(Object, u8)| table.get(object).to_le_bytes().into_iter().take(bytes.into());
         let data: Vec<u8> = self.fields.iter().flat_map(bytes).collect();
         Frame::data(self.id, &data).ok()
     }
 
     /// Returns the frame to be sent with this SYNC, if any.
-    pub(super) fn with_sync(&mut self, table: &Table) -> Option<Frame> {
+    pub(super) fn with_sync(&mut self, table: &ObjectTable) -> Option<Frame> {
         if !self.is_synchronous() {
             return None;
         }
@@ -75,30 +75,30 @@ impl Pdo {
     }
 
     /// Returns the frame to be sent at once, if any.
-    pub(super) fn on_change(&mut self, table: &Table) -> Option<Frame> {
+    pub(super) fn on_change(&mut self, table: &ObjectTable) -> Option<Frame> {
         if self.is_synchronous() { None } else { self.if_changed(table) }
     }
 
-    fn if_changed(&mut self, table: &Table) -> Option<Frame> {
+    fn if_changed(&mut self, table: &ObjectTable) -> Option<Frame> {
         let frame = self.frame(table).filter(|frame| self.last != Some(*frame))?;
         self.last = Some(frame);
         Some(frame)
     }
 
     /// Handles a received frame, which applies at once or with the next SYNC.
-    pub(super) fn receive(&mut self, frame: &Frame, table: &mut Table) {
+    pub(super) fn receive(&mut self, frame: &Frame, table: &mut ObjectTable) {
         if self.is_synchronous() { self.pending = Some(*frame) } else { self.apply(frame, table) }
     }
 
     /// Applies the frame that waited for SYNC.
-    pub(super) fn apply_pending(&mut self, table: &mut Table) {
+    pub(super) fn apply_pending(&mut self, table: &mut ObjectTable) {
         if let Some(frame) = self.pending.take() {
             self.apply(&frame, table);
         }
     }
 
     /// Applies a frame; a frame that is too short changes nothing.
-    fn apply(&self, frame: &Frame, table: &mut Table) {
+    fn apply(&self, frame: &Frame, table: &mut ObjectTable) {
         let needed: usize = self.fields.iter().map(|(_, bytes)| usize::from(*bytes)).sum();
         let mut left = frame.bytes();
         if left.len() < needed {

@@ -27,7 +27,7 @@ pub(super) struct Ramp {
 }
 
 /// Returns a velocity after one more cycle on its ramp towards a target.
-pub(super) fn ramped(velocity: f64, target: f64, ramp: Ramp, cycle_s: f64) -> f64 {
+pub(super) fn velocity_on_ramp(velocity: f64, target: f64, ramp: Ramp, cycle_s: f64) -> f64 {
     let slows = target * velocity < 0.0 || target.abs() < velocity.abs();
     let most = if slows { ramp.down } else { ramp.up } * cycle_s;
     velocity + (target - velocity).clamp(-most, most)
@@ -40,7 +40,7 @@ pub(super) fn nearest(word: i32, reference: i64) -> i64 {
 
 /// Set-point as the objects give it at present.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Order {
+pub(super) struct SetpointCommand {
     /// Target position (607Ah).
     pub(super) target: i32,
     /// Profile velocity, in counts/s.
@@ -92,8 +92,8 @@ impl Positioner {
     }
 
     /// Advances by one cycle. Returns the position demand value.
-    pub(super) fn step(&mut self, control: u16, order: Order, cycle_s: f64) -> i64 {
-        self.hear(control, order);
+    pub(super) fn step(&mut self, control: u16, order: SetpointCommand, cycle_s: f64) -> i64 {
+        self.handle_handshake(control, order);
         self.is_halted = control & HALT != 0;
         if let Some(setpoint) = self.active {
             self.move_to(setpoint, cycle_s);
@@ -102,18 +102,18 @@ impl Positioner {
     }
 
     /// Handles the handshake.
-    fn hear(&mut self, control: u16, order: Order) {
+    fn handle_handshake(&mut self, control: u16, order: SetpointCommand) {
         let has_bit_4 = control & NEW_SETPOINT != 0;
         let had_bit_4 = std::mem::replace(&mut self.has_bit_4, has_bit_4);
         if !has_bit_4 {
             self.is_acknowledged &= self.next.is_some();
         } else if !had_bit_4 && !self.is_acknowledged {
             self.is_acknowledged = true;
-            self.take(control, order);
+            self.accept_setpoint(control, order);
         }
     }
 
-    fn take(&mut self, control: u16, Order { target, velocity, ramp }: Order) {
+    fn accept_setpoint(&mut self, control: u16, SetpointCommand { target, velocity, ramp }: SetpointCommand) {
         self.last = match control & RELATIVE {
             0 => nearest(target, self.demand),
             _ => self.last.wrapping_add(target.into()),
@@ -133,9 +133,9 @@ impl Positioner {
         let speed = match (self.is_halted, passes) {
             (true, _) => 0.0,
             (false, true) => velocity,
-            (false, false) => velocity.min(stopping(left.abs(), ramp.down, cycle_s)),
+            (false, false) => velocity.min(stopping_velocity(left.abs(), ramp.down, cycle_s)),
         };
-        self.velocity = ramped(self.velocity, speed.copysign(left), ramp, cycle_s);
+        self.velocity = velocity_on_ramp(self.velocity, speed.copysign(left), ramp, cycle_s);
         let way = self.velocity * cycle_s;
         let arrives = !self.is_halted && way * left >= 0.0 && way.abs() >= left.abs();
         if arrives && !passes && self.velocity.abs() <= 2.0 * ramp.down * cycle_s {
@@ -154,7 +154,7 @@ impl Positioner {
 }
 
 /// Returns the velocity that can be stopped within a distance by steps of `down` times the cycle.
-fn stopping(distance: f64, down: f64, cycle_s: f64) -> f64 {
+fn stopping_velocity(distance: f64, down: f64, cycle_s: f64) -> f64 {
     let half = down * cycle_s / 2.0;
     (half * half + 2.0 * down * distance).sqrt() - half
 }
@@ -169,8 +169,8 @@ mod tests {
     const RAMP: Ramp = Ramp { up: 1_000.0, down: 1_000.0 };
 
     /// 100 counts/s.
-    fn order(target: i32) -> Order {
-        Order { target, velocity: 100.0, ramp: RAMP }
+    fn order(target: i32) -> SetpointCommand {
+        SetpointCommand { target, velocity: 100.0, ramp: RAMP }
     }
 
     fn at(count: i64) -> Positioner {

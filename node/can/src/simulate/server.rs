@@ -4,7 +4,7 @@
 //! Refuses  block transfers; segments without a transfer, or with a repeated toggle bit; lengths other than that of the object
 //! Source   CiA 301
 
-use super::table::Table;
+use super::table::ObjectTable;
 use crate::sdo::{Abort, Object};
 use crate::{Frame, Id};
 
@@ -33,7 +33,7 @@ impl Server {
     /// Handles a request. Returns the answer, and the object if it was written. A frame of another length, or an abort, has no answer.
     pub(super) fn answer(
         &mut self,
-        table: &mut Table,
+        table: &mut ObjectTable,
         request: &Frame,
         response: Id,
     ) -> Option<(Frame, Option<Object>)> {
@@ -41,10 +41,10 @@ impl Server {
         let [command, low, high, sub, ..] = bytes;
         let named = Object { index: u16::from_le_bytes([low, high]), sub };
         let (object, done) = match command >> 5 {
-            0 => (self.object(), self.take_segment(table, bytes)),
+            0 => (self.object(), self.handle_download_segment(table, bytes)),
             1 => (named, self.begin_download(table, named, bytes)),
             2 => (named, self.begin_upload(table, named, [low, high, sub])),
-            3 => (self.object(), self.give_segment(command)),
+            3 => (self.object(), self.next_upload_segment(command)),
             4 => {
                 self.transfer = None;
                 return None;
@@ -69,7 +69,7 @@ impl Server {
 
     fn begin_download(
         &mut self,
-        table: &mut Table,
+        table: &mut ObjectTable,
         object: Object,
         [command, low, high, sub, a, b, c, d]: [u8; 8],
     ) -> Answer {
@@ -81,7 +81,7 @@ impl Server {
             table.write(object, value, has_size.then_some(4 - (command >> 2 & 0x03)))?;
             return Ok((answer, Some(object)));
         }
-        let room = table.room(object)?;
+        let room = table.writable_length(object)?;
         if has_size && value as usize != room {
             return Err(Abort::LENGTH);
         }
@@ -90,7 +90,7 @@ impl Server {
     }
 
     /// Handles a segment of a download.
-    fn take_segment(&mut self, table: &mut Table, [command, segment @ ..]: [u8; 8]) -> Answer {
+    fn handle_download_segment(&mut self, table: &mut ObjectTable, [command, segment @ ..]: [u8; 8]) -> Answer {
         let Some(Transfer::Download { object, data, toggle }) = &mut self.transfer else { return Err(Abort::COMMAND) };
         if (command & 0x10 != 0) != *toggle {
             return Err(Abort::TOGGLE);
@@ -99,7 +99,7 @@ impl Server {
         let object = *object;
         let unused = usize::from(command >> 1 & 0x07);
         data.extend(segment.into_iter().take(SEGMENT - unused));
-        if data.len() > table.room(object)? {
+        if data.len() > table.writable_length(object)? {
             return Err(Abort::LENGTH);
         }
         let answer = [0x20 | command & 0x10, 0, 0, 0, 0, 0, 0, 0];
@@ -111,7 +111,7 @@ impl Server {
         Ok((answer, Some(object)))
     }
 
-    fn begin_upload(&mut self, table: &Table, object: Object, [low, high, sub]: [u8; 3]) -> Answer {
+    fn begin_upload(&mut self, table: &ObjectTable, object: Object, [low, high, sub]: [u8; 3]) -> Answer {
         self.transfer = None;
         let data = table.read_bytes(object)?;
         if (1..=4).contains(&data.len()) {
@@ -125,7 +125,7 @@ impl Server {
     }
 
     /// Returns the next segment of an upload.
-    fn give_segment(&mut self, command: u8) -> Answer {
+    fn next_upload_segment(&mut self, command: u8) -> Answer {
         let Some(Transfer::Upload { data, at, toggle, .. }) = &mut self.transfer else { return Err(Abort::COMMAND) };
         if (command & 0x10 != 0) != *toggle {
             return Err(Abort::TOGGLE);
@@ -157,17 +157,17 @@ mod tests {
     use super::*;
     use crate::config::{DeviceConfig, Write};
     use crate::drive::objects;
-    use crate::{NodeId, Watching};
+    use crate::{NodeId, Monitoring};
 
     /// Returns the objects of a drive with an object of 10 bytes.
-    fn table() -> Table {
-        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+    fn table() -> ObjectTable {
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
         device.startup = vec![Write { object: Object { index: 0x2001, sub: 0 }, data: vec![0; 10] }];
-        Table::new(&device, device.drive().unwrap())
+        ObjectTable::new(&device, device.drive().unwrap())
     }
 
     /// Returns the bytes of the answer.
-    fn answered(server: &mut Server, table: &mut Table, request: [u8; 8]) -> Option<Vec<u8>> {
+    fn answered(server: &mut Server, table: &mut ObjectTable, request: [u8; 8]) -> Option<Vec<u8>> {
         let node = NodeId::new(3).unwrap();
         let (frame, _) = server.answer(table, &Frame::of(node.sdo_request(), request), node.sdo_response())?;
         assert_eq!(frame.id().get(), 0x583);

@@ -6,7 +6,7 @@
 //! Reads    100Ch, 100Dh, 1016h, 1017h, the time
 //! Source   CiA 301 (error control)
 
-use super::table::Table;
+use super::table::ObjectTable;
 use crate::drive::objects;
 use crate::sdo::Object;
 use crate::{Id, NodeId};
@@ -24,13 +24,13 @@ pub(super) struct Supervision {
 }
 
 /// Returns the heartbeat time of the drive; `None` if it sends none.
-fn heartbeat(table: &Table) -> Option<Duration> {
+fn heartbeat(table: &ObjectTable) -> Option<Duration> {
     let ms = table.get(objects::PRODUCER_HEARTBEAT);
     (ms > 0).then_some(Duration::from_millis(ms.into()))
 }
 
 /// Returns the identifier and the time of the monitored heartbeat; `None` if none is monitored.
-fn consumed(table: &Table) -> Option<(Id, Duration)> {
+fn monitored_heartbeat(table: &ObjectTable) -> Option<(Id, Duration)> {
     let [low, high, node, _] = table.get(objects::CONSUMER_HEARTBEAT).to_le_bytes();
     let ms = u16::from_le_bytes([low, high]);
     let node = NodeId::new(node).filter(|_| ms > 0)?;
@@ -39,7 +39,7 @@ fn consumed(table: &Table) -> Option<(Id, Duration)> {
 
 impl Supervision {
     /// Updates the deadlines after an object was written.
-    pub(super) fn written(&mut self, object: Object, table: &Table, now: Duration) {
+    pub(super) fn update_deadlines(&mut self, object: Object, table: &ObjectTable, now: Duration) {
         match object {
             objects::PRODUCER_HEARTBEAT => self.next_heartbeat = heartbeat(table).map(|time| now + time),
             objects::CONSUMER_HEARTBEAT => self.master_until = None,
@@ -49,7 +49,7 @@ impl Supervision {
     }
 
     /// Handles a guarding request of the master. Returns the toggle bit of the answer; `None` if the drive sends heartbeats instead.
-    pub(super) fn guard(&mut self, table: &Table, now: Duration) -> Option<u8> {
+    pub(super) fn guard(&mut self, table: &ObjectTable, now: Duration) -> Option<u8> {
         if table.get(objects::PRODUCER_HEARTBEAT) != 0 {
             return None;
         }
@@ -61,8 +61,8 @@ impl Supervision {
     }
 
     /// Returns true if a frame is the monitored heartbeat.
-    pub(super) fn hear(&mut self, id: Id, table: &Table, now: Duration) -> bool {
-        let Some((master, limit)) = consumed(table) else { return false };
+    pub(super) fn is_monitored_heartbeat(&mut self, id: Id, table: &ObjectTable, now: Duration) -> bool {
+        let Some((master, limit)) = monitored_heartbeat(table) else { return false };
         if id == master {
             self.master_until = Some(now + limit);
         }
@@ -70,7 +70,7 @@ impl Supervision {
     }
 
     /// Returns true if a heartbeat of the drive is due. Missed heartbeats are not made up for.
-    pub(super) fn is_due(&mut self, table: &Table, now: Duration) -> bool {
+    pub(super) fn is_due(&mut self, table: &ObjectTable, now: Duration) -> bool {
         let (Some(due), Some(time)) = (self.next_heartbeat, heartbeat(table)) else { return false };
         if now < due {
             return false;

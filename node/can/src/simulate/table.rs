@@ -60,7 +60,7 @@ struct Long {
 
 /// Objects of a drive.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Table {
+pub(super) struct ObjectTable {
     numbers: BTreeMap<Object, Entry>,
     long: BTreeMap<Object, Long>,
     /// Whether 2000h contains the levels of the touch probe inputs.
@@ -142,7 +142,7 @@ const OBJECTS: [(Object, u8, Access, u32); 52] = [
     (objects::TARGET_VELOCITY, 4, Access::Receive, 0),
 ];
 
-impl Table {
+impl ObjectTable {
     /// Creates the objects of a drive of the cell after power-on. Objects that the cell writes at the start exist as well.
     pub(super) fn new(device: &DeviceConfig, drive: &DriveConfig) -> Self {
         let mut table = Self::default();
@@ -180,7 +180,7 @@ impl Table {
         table.add(objects::INTERPOLATION_VALUE, 1, Access::Write, 1);
         table.add(objects::INTERPOLATION_INDEX, 1, Access::Write, (-3_i32).cast_unsigned());
         table.add(objects::DIGITAL_OUTPUT_MASK, 4, Access::Write, u32::MAX);
-        if let Some((counts, turns)) = drive.per_revolution {
+        if let Some((counts, turns)) = drive.counts_per_shaft_revolution {
             for (object, number) in objects::FEED_CONSTANT.into_iter().zip([counts, turns]) {
                 table.add(object, 4, Access::Read, u32::try_from(number).unwrap_or(u32::MAX));
             }
@@ -238,7 +238,7 @@ impl Table {
     }
 
     /// Sets an object from inside the drive, truncated to its length. A missing object is not created.
-    pub(super) fn put(&mut self, object: Object, value: u32) {
+    pub(super) fn set(&mut self, object: Object, value: u32) {
         if let Some(entry) = self.numbers.get_mut(&object) {
             entry.value = value & entry.mask();
         }
@@ -248,7 +248,7 @@ impl Table {
     pub(super) fn restore(&mut self, initial: &Self, indices: &RangeInclusive<u16>) {
         for (object, entry) in &initial.numbers {
             if indices.contains(&object.index) && entry.access != Access::Transmit {
-                self.put(*object, entry.value);
+                self.set(*object, entry.value);
             }
         }
         for (object, long) in initial.long.iter().filter(|(object, _)| indices.contains(&object.index)) {
@@ -259,25 +259,25 @@ impl Table {
     /// Sets an object by PDO. A value that the drive refuses changes nothing.
     pub(super) fn receive(&mut self, object: Object, value: u32) {
         if self.check(object, value).is_ok() {
-            self.put(object, value);
+            self.set(object, value);
         }
     }
 
     /// Writes an object by SDO. `None` as length means the length of the object.
     pub(super) fn write(&mut self, object: Object, value: u32, bytes: Option<u8>) -> Result<(), Abort> {
-        let room = self.room(object)?;
+        let room = self.writable_length(object)?;
         if bytes.is_some_and(|bytes| usize::from(bytes) != room) || self.long.contains_key(&object) {
             return Err(Abort::LENGTH);
         }
         let entry = self.entry(object)?;
         let value = value & entry.mask();
         self.check(object, value)?;
-        self.put(object, value);
+        self.set(object, value);
         Ok(())
     }
 
     /// Returns the length of an object that can be written by SDO.
-    pub(super) fn room(&self, object: Object) -> Result<usize, Abort> {
+    pub(super) fn writable_length(&self, object: Object) -> Result<usize, Abort> {
         let (room, is_writable) = match self.long.get(&object) {
             Some(long) => (long.data.len(), long.is_writable),
             None => {
@@ -299,7 +299,7 @@ impl Table {
 
     /// Writes the bytes of an object by SDO.
     pub(super) fn write_bytes(&mut self, object: Object, data: &[u8]) -> Result<(), Abort> {
-        if data.len() != self.room(object)? {
+        if data.len() != self.writable_length(object)? {
             return Err(Abort::LENGTH);
         }
         match self.long.get_mut(&object) {
@@ -375,18 +375,18 @@ pub(super) fn mapped(entry: u32) -> (Object, u8) {
 mod tests {
     use super::*;
     use crate::config::Write;
-    use crate::{NodeId, Watching};
+    use crate::{NodeId, Monitoring};
 
-    impl Table {
+    impl ObjectTable {
         /// Returns the value of a number, and its number of bytes.
         fn read(&self, object: Object) -> Result<(u32, u8), Abort> {
             self.entry(object).map(|entry| (entry.value, entry.bytes))
         }
     }
 
-    fn table() -> Table {
-        let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
-        Table::new(&device, device.drive().unwrap())
+    fn table() -> ObjectTable {
+        let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
+        ObjectTable::new(&device, device.drive().unwrap())
     }
 
     #[test]
@@ -456,7 +456,7 @@ mod tests {
     #[test]
     fn values_keep_their_sign() {
         let mut table = table();
-        table.put(objects::TARGET_TORQUE, (-250_i32).cast_unsigned());
+        table.set(objects::TARGET_TORQUE, (-250_i32).cast_unsigned());
         assert_eq!((table.get(objects::TARGET_TORQUE), table.signed(objects::TARGET_TORQUE)), (0xFF06, -250));
         assert_eq!(table.signed(objects::INTERPOLATION_INDEX), -3);
     }
@@ -469,9 +469,9 @@ mod tests {
         let mut levels = table();
         assert_eq!([4, 3].map(|value| levels.write(object, value, Some(1))), [Err(RANGE), Ok(())]);
         assert_eq!(levels.probe_levels(), 3);
-        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
         device.startup.push(Write { object, data: vec![0; 4] });
-        let mut table = Table::new(&device, device.drive().unwrap());
+        let mut table = ObjectTable::new(&device, device.drive().unwrap());
         assert_eq!(table.write(object, 100_001, Some(4)), Ok(()));
         assert_eq!((table.read(object), table.probe_levels()), (Ok((100_001, 4)), 0));
     }
@@ -479,12 +479,12 @@ mod tests {
     /// Startup writes of lengths other than 1 to 4 bytes create objects of that length; power-on values are 0.
     #[test]
     fn objects_that_the_cell_writes_at_the_start_have_their_length() {
-        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
+        let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
         let (long, short) = (at(0x2001, 0), at(0x2002, 0));
         for (object, bytes) in [(long, 8), (short, 2)] {
             device.startup.push(Write { object, data: vec![1; bytes] });
         }
-        let initial = Table::new(&device, device.drive().unwrap());
+        let initial = ObjectTable::new(&device, device.drive().unwrap());
         let mut table = initial.clone();
         assert_eq!([table.read_bytes(long), table.read_bytes(short)], [Ok(vec![0; 8]), Ok(vec![0; 2])]);
         assert_eq!(table.write_bytes(long, &[5; 8]), Ok(()));

@@ -9,7 +9,7 @@
 //! Source   CiA 402-2, touch probe functionality
 
 use super::objects as simulated;
-use super::table::Table;
+use super::table::ObjectTable;
 use crate::drive::{objects, probe};
 use lineshaft_core::drive::DriveInput;
 
@@ -32,7 +32,7 @@ pub(super) struct TouchProbes {
 
 impl TouchProbes {
     /// Runs one cycle.
-    pub(super) fn step(&mut self, table: &mut Table, drive: &DriveInput) {
+    pub(super) fn step(&mut self, table: &mut ObjectTable, drive: &DriveInput) {
         let levels = table.probe_levels();
         let changed = levels ^ std::mem::replace(&mut self.levels, levels);
         for number in 0..2_u8 {
@@ -45,12 +45,12 @@ impl TouchProbes {
 
 /// Runs one cycle of a probe, 0 or 1. `edge`: edge of its input (0 rising, 1 falling) with its position; `zero_pulse`: position of the zero
 /// pulse.
-fn step(table: &mut Table, number: u8, edge: Option<(u8, i64)>, zero_pulse: Option<i64>) {
+fn step(table: &mut ObjectTable, number: u8, edge: Option<(u8, i64)>, zero_pulse: Option<i64>) {
     let shift = 8 * u32::from(number);
     let function = table.get(objects::TOUCH_PROBE_FUNCTION) >> shift;
     let status = table.get(simulated::TOUCH_PROBE_STATUS);
     if function & ENABLED == 0 {
-        table.put(simulated::TOUCH_PROBE_STATUS, status & !(0x07 << shift));
+        table.set(simulated::TOUCH_PROBE_STATUS, status & !(0x07 << shift));
         return;
     }
     let mut status = status | ENABLED << shift;
@@ -66,34 +66,34 @@ fn step(table: &mut Table, number: u8, edge: Option<(u8, i64)>, zero_pulse: Opti
             status |= stored;
             let [place, count] = probe::objects_of(2 * number + edge);
             // The position wraps in 32 bits, the count in 16 bits.
-            table.put(place, position as u32);
+            table.set(place, position as u32);
             let events = table.get(count).wrapping_add(1);
-            table.put(count, events);
+            table.set(count, events);
         }
     }
-    table.put(simulated::TOUCH_PROBE_STATUS, status);
+    table.set(simulated::TOUCH_PROBE_STATUS, status);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::config::DeviceConfig;
-    use crate::{NodeId, Watching};
+    use crate::{NodeId, Monitoring};
 
     /// A drive with this probe function.
-    struct Rig(Table, TouchProbes);
+    struct Rig(ObjectTable, TouchProbes);
 
     impl Rig {
         fn new(function: u32) -> Self {
-            let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Watching::None);
-            let mut table = Table::new(&device, device.drive().unwrap());
-            table.put(objects::TOUCH_PROBE_FUNCTION, function);
+            let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
+            let mut table = ObjectTable::new(&device, device.drive().unwrap());
+            table.set(objects::TOUCH_PROBE_FUNCTION, function);
             Self(table, TouchProbes::default())
         }
 
         /// Runs one cycle. Returns 60B9h after it.
         fn step(&mut self, levels: u32, count: i64, index: Option<i64>) -> u32 {
-            self.0.put(simulated::PROBE_INPUTS, levels);
+            self.0.set(simulated::PROBE_INPUTS, levels);
             self.1.step(&mut self.0, &DriveInput { count, index, ..DriveInput::default() });
             self.0.get(simulated::TOUCH_PROBE_STATUS)
         }
@@ -123,9 +123,9 @@ mod tests {
             rig.step(levels, count, None);
         }
         assert_eq!(rig.slot(2), (10, 1));
-        rig.0.put(objects::TOUCH_PROBE_FUNCTION, 0);
+        rig.0.set(objects::TOUCH_PROBE_FUNCTION, 0);
         assert_eq!(rig.step(0, 40, None), 0);
-        rig.0.put(objects::TOUCH_PROBE_FUNCTION, 0x1100);
+        rig.0.set(objects::TOUCH_PROBE_FUNCTION, 0x1100);
         assert_eq!(rig.step(2, 50, None), 0x0300);
         assert_eq!(rig.slot(2), (50, 2));
     }

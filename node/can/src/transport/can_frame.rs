@@ -31,7 +31,7 @@ const ACTIVE: u8 = 0x40;
 
 /// Content of a received frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Heard {
+pub(super) enum ReceivedContent {
     Frame(Frame),
     /// Report of the controller: state of the bus if it has changed; whether frames were lost; error counters if it reports them.
     Controller {
@@ -54,24 +54,24 @@ pub(super) fn bytes_of(frame: &Frame) -> [u8; SIZE] {
 }
 
 /// Returns the content of received bytes.
-pub(super) fn heard(&[a, b, c, d, length, _, _, _, ref data @ ..]: &[u8; SIZE]) -> Heard {
+pub(super) fn decode(&[a, b, c, d, length, _, _, _, ref data @ ..]: &[u8; SIZE]) -> ReceivedContent {
     let word = u32::from_ne_bytes([a, b, c, d]);
     if word & ERROR != 0 {
         return controller(word, *data);
     }
     if word & EXTENDED != 0 {
-        return Heard::Other;
+        return ReceivedContent::Other;
     }
-    let Ok(id) = Id::new((word & 0x7FF) as u16) else { return Heard::Other };
+    let Ok(id) = Id::new((word & 0x7FF) as u16) else { return ReceivedContent::Other };
     let frame = match data.get(..usize::from(length)) {
         _ if word & REMOTE != 0 => Frame::remote(id, length),
         Some(data) => Frame::data(id, data),
-        None => return Heard::Other,
+        None => return ReceivedContent::Other,
     };
-    frame.map_or(Heard::Other, Heard::Frame)
+    frame.map_or(ReceivedContent::Other, ReceivedContent::Frame)
 }
 
-fn controller(classes: u32, [_, detail, _, _, _, _, transmit, receive]: [u8; 8]) -> Heard {
+fn controller(classes: u32, [_, detail, _, _, _, _, transmit, receive]: [u8; 8]) -> ReceivedContent {
     let errors = (classes & COUNTERS != 0).then_some((transmit, receive));
     let detail = if classes & CONTROLLER != 0 { detail } else { 0 };
     let state = match () {
@@ -81,7 +81,7 @@ fn controller(classes: u32, [_, detail, _, _, _, _, transmit, receive]: [u8; 8])
         () if classes & RESTARTED != 0 || detail & (ACTIVE | WARNING) != 0 => Some(BusState::Active),
         () => None,
     };
-    Heard::Controller { state, has_lost: detail & OVERFLOW != 0, errors }
+    ReceivedContent::Controller { state, has_lost: detail & OVERFLOW != 0, errors }
 }
 
 #[cfg(test)]
@@ -103,14 +103,14 @@ mod tests {
         let frame = Frame::data(id, &[0x0F, 0, 1]).unwrap();
         assert_eq!(bytes_of(&frame), bytes(0x201, 3, [0x0F, 0, 1, 0, 0, 0, 0, 0]));
         assert_eq!(bytes_of(&Frame::remote(id, 2).unwrap()), bytes(0x4000_0201, 2, [0; 8]));
-        assert_eq!(heard(&bytes(0x8000_0201, 1, [0; 8])), Heard::Other, "extended");
-        assert_eq!(heard(&bytes(0x201, 9, [0; 8])), Heard::Other, "longer than a frame");
+        assert_eq!(decode(&bytes(0x8000_0201, 1, [0; 8])), ReceivedContent::Other, "extended");
+        assert_eq!(decode(&bytes(0x201, 9, [0; 8])), ReceivedContent::Other, "longer than a frame");
     }
 
     #[test]
     fn the_controller_tells_how_the_bus_does() {
-        let tells = |classes, detail| heard(&bytes(ERROR | classes, 8, [0, detail, 0, 0, 0, 0, 130, 7]));
-        let state = |state| Heard::Controller { state, has_lost: false, errors: None };
+        let tells = |classes, detail| decode(&bytes(ERROR | classes, 8, [0, detail, 0, 0, 0, 0, 130, 7]));
+        let state = |state| ReceivedContent::Controller { state, has_lost: false, errors: None };
         assert_eq!(tells(BUS_OFF, 0), state(Some(BusState::Off)));
         assert_eq!(tells(CONTROLLER, 0x10), state(Some(BusState::Passive)));
         assert_eq!(tells(CONTROLLER, 0x20 | 0x04), state(Some(BusState::Passive)));
@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(tells(RESTARTED, 0x10), state(Some(BusState::Active)), "the detail is of another class");
         assert_eq!(tells(0x2, 0), state(None));
         let errors = Some((130, 7));
-        assert_eq!(tells(CONTROLLER | COUNTERS, 0x01), Heard::Controller { state: None, has_lost: true, errors });
+        assert_eq!(tells(CONTROLLER | COUNTERS, 0x01), ReceivedContent::Controller { state: None, has_lost: true, errors });
     }
 
     proptest! {
@@ -130,12 +130,12 @@ mod tests {
                 true => Frame::remote(id, data.len() as u8).unwrap(),
                 false => Frame::data(id, &data).unwrap(),
             };
-            prop_assert_eq!(heard(&bytes_of(&frame)), Heard::Frame(frame));
+            prop_assert_eq!(decode(&bytes_of(&frame)), ReceivedContent::Frame(frame));
         }
 
         #[test]
         fn no_bytes_are_too_odd(bytes: [u8; SIZE]) {
-            heard(&bytes);
+            decode(&bytes);
         }
     }
 }

@@ -154,13 +154,13 @@ struct Message<'a> {
 ///
 /// # Errors
 /// The datagram is not a valid frame.
-pub(super) fn frame_of(datagram: &[u8]) -> Result<Option<Frame>, NoFrame> {
-    read(datagram).and_then(|message| message.frame()).ok_or(NoFrame)
+pub(super) fn frame_of(datagram: &[u8]) -> Result<Option<Frame>, InvalidDatagram> {
+    read(datagram).and_then(|message| message.frame()).ok_or(InvalidDatagram)
 }
 
 /// Error: the datagram is not a valid frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct NoFrame;
+pub(super) struct InvalidDatagram;
 
 fn read(datagram: &[u8]) -> Option<Message<'_>> {
     let mut reader = Reader(datagram);

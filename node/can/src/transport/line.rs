@@ -1,9 +1,9 @@
 //! slcan over a non-blocking byte stream: serial line, pseudo terminal or TCP.
 
 use super::piece::Piece;
-use super::slcan::{BEL, CLOSE, CR, Decoder, Line, OPEN, Said};
-use super::waiting::Waiting;
-use super::way::{Loss, Way};
+use super::slcan::{BEL, CLOSE, CR, Decoder, Line, OPEN, AdapterMessage};
+use super::waiting::SendQueue;
+use super::way::{Loss, TransportState};
 use super::{Transport, TransportError};
 use crate::Frame;
 use lineshaft_core::drive::BusState;
@@ -14,9 +14,9 @@ use std::time::{Duration, Instant};
 /// Time of silence after which the previous output of the adapter counts as finished.
 const SILENCE: Duration = Duration::from_millis(250);
 /// Longest time to wait for silence after the close command, in case the adapter never becomes silent.
-const TALK: Duration = Duration::from_secs(2);
+const SILENCE_TIMEOUT: Duration = Duration::from_secs(2);
 /// Time for the answer to a command. Some adapters send no answer.
-const PATIENCE: Duration = Duration::from_millis(100);
+const ANSWER_TIMEOUT: Duration = Duration::from_millis(100);
 
 /// Reason why the channel of an adapter could not be opened.
 #[derive(Debug, thiserror::Error)]
@@ -36,10 +36,10 @@ pub enum SlcanError {
 #[derive(Debug)]
 pub struct SlcanLine<S> {
     stream: S,
-    way: Way,
+    way: TransportState,
     decoder: Decoder,
     /// Queued lines, and the number of sent bytes of the first one.
-    waiting: Waiting<Line>,
+    waiting: SendQueue<Line>,
     gone: usize,
     piece: Piece,
     refused: u64,
@@ -50,9 +50,9 @@ impl<S: Read + Write> SlcanLine<S> {
     pub fn new(stream: S) -> Self {
         Self {
             stream,
-            way: Way::default(),
+            way: TransportState::default(),
             decoder: Decoder::default(),
-            waiting: Waiting::new(),
+            waiting: SendQueue::new(),
             gone: 0,
             piece: Piece::new(),
             refused: 0,
@@ -65,11 +65,11 @@ impl<S: Read + Write> SlcanLine<S> {
     /// # Errors
     /// The adapter refuses a command; the stream does not accept the few bytes at once, or is lost.
     pub fn open(&mut self, bit_rate: &[u8]) -> Result<(), SlcanError> {
-        self.say(b"\r")?;
+        self.send_command(b"\r")?;
         // An adapter whose channel is already closed refuses this; the refusal does not affect the next commands.
-        self.say(CLOSE)?;
+        self.send_command(CLOSE)?;
         let began = Instant::now();
-        while began.elapsed() < TALK && self.hears(SILENCE)?.is_some() {}
+        while began.elapsed() < SILENCE_TIMEOUT && self.read_byte(SILENCE)?.is_some() {}
         if self.is_refused(bit_rate)? {
             return Err(SlcanError::BitRate);
         }
@@ -79,16 +79,16 @@ impl<S: Read + Write> SlcanLine<S> {
         Ok(())
     }
 
-    fn say(&mut self, command: &[u8]) -> io::Result<()> {
+    fn send_command(&mut self, command: &[u8]) -> io::Result<()> {
         self.stream.write_all(command)?;
         self.stream.flush()
     }
 
     /// Returns true if the answer is BEL; an empty line or no answer means success.
     fn is_refused(&mut self, command: &[u8]) -> io::Result<bool> {
-        self.say(command)?;
+        self.send_command(command)?;
         loop {
-            match self.hears(PATIENCE)? {
+            match self.read_byte(ANSWER_TIMEOUT)? {
                 Some(BEL) => return Ok(true),
                 Some(CR) | None => return Ok(false),
                 Some(_) => {}
@@ -97,7 +97,7 @@ impl<S: Read + Write> SlcanLine<S> {
     }
 
     /// Returns the next byte if one arrives within `time`.
-    fn hears(&mut self, time: Duration) -> io::Result<Option<u8>> {
+    fn read_byte(&mut self, time: Duration) -> io::Result<Option<u8>> {
         let began = Instant::now();
         let mut byte = [0];
         loop {
@@ -118,8 +118,8 @@ impl<S: Read + Write> SlcanLine<S> {
     fn next_frame(&mut self) -> Option<Frame> {
         while let Some(byte) = self.piece.next() {
             match self.decoder.take(byte) {
-                Some(Said::Frame(frame)) => return Some(frame),
-                Some(Said::Refused) => self.refused = self.refused.saturating_add(1),
+                Some(AdapterMessage::Frame(frame)) => return Some(frame),
+                Some(AdapterMessage::Refused) => self.refused = self.refused.saturating_add(1),
                 None => {}
             }
         }
@@ -138,8 +138,8 @@ impl<S: Read + Write + Send> Transport for SlcanLine<S> {
         self.way.check()?;
         while let Some(line) = self.waiting.first() {
             let rest = line.bytes().get(self.gone..).unwrap_or_default();
-            match self.way.unless_later(self.stream.write(rest))? {
-                Some(0) => return Err(self.way.lose(Loss::Ended)),
+            match self.way.unless_would_block(self.stream.write(rest))? {
+                Some(0) => return Err(self.way.mark_lost(Loss::Ended)),
                 Some(count) if count < rest.len() => self.gone += count,
                 Some(_) => {
                     self.waiting.drop_first();
@@ -175,7 +175,7 @@ impl<S: Read + Write + Send> Transport for SlcanLine<S> {
         // A partly sent frame is ended with CR, so that the adapter ignores it.
         let command: &[u8] = if self.gone > 0 { b"\rC\r" } else { CLOSE };
         // The error of an adapter that was removed cannot be handled.
-        let _ = self.say(command);
+        let _ = self.send_command(command);
     }
 }
 

@@ -44,12 +44,12 @@ pub struct OpenError {
     /// Address that could not be opened.
     pub address: Address,
     /// Reason.
-    pub obstacle: Obstacle,
+    pub failure: OpenFailure,
 }
 
 /// Reason why a transport could not be opened, with a message that says what to do.
 #[derive(Debug, thiserror::Error)]
-pub enum Obstacle {
+pub enum OpenFailure {
     /// slcan adapters have no digit, or different ones, for the bit rate (bit/s).
     #[error("adapters do not know the bit rate {0} bit/s; they know {rates} bit/s", rates = BitRates)]
     BitRate(u32),
@@ -113,38 +113,38 @@ impl fmt::Display for BitRates {
 /// # Errors
 /// The transport cannot be opened.
 pub fn open(address: &Address, options: Options) -> Result<Box<dyn Transport>, OpenError> {
-    let opened: Result<Box<dyn Transport>, Obstacle> = match address {
+    let opened: Result<Box<dyn Transport>, OpenFailure> = match address {
         Address::Slcan(path) => {
             adapter(options.bit_rate, || Tty::open(path, options.baud.unwrap_or(BAUD))).map(|line| Box::new(line) as _)
         }
         Address::SlcanTcp(host) => adapter(options.bit_rate, || connect(host)).map(|line| Box::new(line) as _),
         Address::SocketCan(interface) => SocketCan::open(interface).map(|socket| Box::new(socket) as _),
         Address::Udp { group, port } => {
-            UdpBus::open(*group, *port).map(|bus| Box::new(bus) as _).map_err(Obstacle::System)
+            UdpBus::open(*group, *port).map(|bus| Box::new(bus) as _).map_err(OpenFailure::System)
         }
     };
-    opened.map_err(|obstacle| OpenError { address: address.clone(), obstacle })
+    opened.map_err(|obstacle| OpenError { address: address.clone(), failure: obstacle })
 }
 
 fn adapter<S: Read + Write>(
     bit_rate: u32,
-    stream: impl FnOnce() -> Result<S, Obstacle>,
-) -> Result<SlcanLine<S>, Obstacle> {
+    stream: impl FnOnce() -> Result<S, OpenFailure>,
+) -> Result<SlcanLine<S>, OpenFailure> {
     let is_whole = bit_rate.is_multiple_of(1000);
-    let command = slcan::bit_rate(bit_rate / 1000).filter(|_| is_whole).ok_or(Obstacle::BitRate(bit_rate))?;
+    let command = slcan::bit_rate(bit_rate / 1000).filter(|_| is_whole).ok_or(OpenFailure::BitRate(bit_rate))?;
     let mut line = SlcanLine::new(stream()?);
     line.open(command)?;
     Ok(line)
 }
 
 /// Tries all addresses of a host.
-fn connect(host: &str) -> Result<TcpStream, Obstacle> {
-    let mut last = Obstacle::Name(ErrorKind::NotFound.into());
-    for address in host.to_socket_addrs().map_err(Obstacle::Name)? {
+fn connect(host: &str) -> Result<TcpStream, OpenFailure> {
+    let mut last = OpenFailure::Name(ErrorKind::NotFound.into());
+    for address in host.to_socket_addrs().map_err(OpenFailure::Name)? {
         match TcpStream::connect_timeout(&address, TIMEOUT).and_then(prepared) {
             Ok(stream) => return Ok(stream),
-            Err(error) if error.kind() == ErrorKind::TimedOut => last = Obstacle::Silent,
-            Err(error) => last = Obstacle::Unreachable(error),
+            Err(error) if error.kind() == ErrorKind::TimedOut => last = OpenFailure::Silent,
+            Err(error) => last = OpenFailure::Unreachable(error),
         }
     }
     Err(last)

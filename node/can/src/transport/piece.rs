@@ -1,7 +1,7 @@
 //! Bytes of one read from a stream.
 
 use super::TransportError;
-use super::way::{Loss, Way};
+use super::way::{Loss, TransportState};
 use std::io::Read;
 
 /// Maximum number of bytes of one read.
@@ -32,10 +32,10 @@ impl Piece {
     ///
     /// # Errors
     /// The stream has ended or failed.
-    pub(super) fn read(&mut self, stream: &mut impl Read, way: &mut Way) -> Result<bool, TransportError> {
+    pub(super) fn read(&mut self, stream: &mut impl Read, way: &mut TransportState) -> Result<bool, TransportError> {
         (self.at, self.end) = (0, 0);
-        match way.unless_later(stream.read(&mut self.bytes))? {
-            Some(0) => Err(way.lose(Loss::Ended)),
+        match way.unless_would_block(stream.read(&mut self.bytes))? {
+            Some(0) => Err(way.mark_lost(Loss::Ended)),
             Some(count) => {
                 self.end = count;
                 Ok(true)

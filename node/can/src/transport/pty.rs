@@ -7,7 +7,7 @@
 
 use super::piece::Piece;
 use super::slcan::{BEL, CR, Line, bit_rates, frame_of};
-use super::way::{Loss, Way};
+use super::way::{Loss, TransportState};
 use super::{Transport, TransportError};
 use crate::Frame;
 use lineshaft_core::drive::BusState;
@@ -121,7 +121,7 @@ impl Write for Pty {
 #[derive(Debug)]
 struct SlcanAdapter<S> {
     stream: S,
-    way: Way,
+    way: TransportState,
     is_open: bool,
     /// Present input line, up to its CR.
     line: Vec<u8>,
@@ -134,7 +134,7 @@ impl<S: MasterStream> SlcanAdapter<S> {
     fn new(stream: S) -> Self {
         Self {
             stream,
-            way: Way::default(),
+            way: TransportState::default(),
             is_open: false,
             line: Vec::with_capacity(LONGEST),
             piece: Piece::new(),
@@ -211,8 +211,8 @@ impl<S: MasterStream + Send> Transport for SlcanAdapter<S> {
     fn flush(&mut self) -> Result<(), TransportError> {
         self.way.check()?;
         while !self.waiting.is_empty() {
-            match self.way.unless_later(self.stream.write(self.waiting.as_slices().0))? {
-                Some(0) => return Err(self.way.lose(Loss::Ended)),
+            match self.way.unless_would_block(self.stream.write(self.waiting.as_slices().0))? {
+                Some(0) => return Err(self.way.mark_lost(Loss::Ended)),
                 Some(count) => drop(self.waiting.drain(..count)),
                 None => break,
             }

@@ -97,7 +97,7 @@ fn value_of(digit: u8) -> Option<u8> {
 
 /// Message of an adapter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Said {
+pub enum AdapterMessage {
     /// Received frame.
     Frame(Frame),
     /// Refusal of the last command.
@@ -115,17 +115,17 @@ pub struct Decoder {
 
 impl Decoder {
     /// Handles a byte. Returns the message that it completes, if any.
-    pub fn take(&mut self, byte: u8) -> Option<Said> {
+    pub fn take(&mut self, byte: u8) -> Option<AdapterMessage> {
         match byte {
             CR => {
                 let line = self.line.get(..self.length).filter(|_| !self.is_too_long);
-                let frame = line.and_then(frame_of).map(Said::Frame);
+                let frame = line.and_then(frame_of).map(AdapterMessage::Frame);
                 (self.length, self.is_too_long) = (0, false);
                 frame
             }
             BEL => {
                 (self.length, self.is_too_long) = (0, false);
-                Some(Said::Refused)
+                Some(AdapterMessage::Refused)
             }
             _ => {
                 match self.line.get_mut(self.length) {
@@ -174,7 +174,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn said(bytes: &[u8]) -> Vec<Said> {
+    fn said(bytes: &[u8]) -> Vec<AdapterMessage> {
         let mut decoder = Decoder::default();
         bytes.iter().filter_map(|byte| decoder.take(*byte)).collect()
     }
@@ -189,8 +189,8 @@ mod tests {
         assert_eq!(Line::of(&data(0x123, &[0x11, 0xFF])).bytes(), b"t123211FF\r");
         assert_eq!(Line::of(&data(0, &[])).bytes(), b"t0000\r");
         assert_eq!(Line::of(&Frame::remote(Id::new(0x705).unwrap(), 1).unwrap()).bytes(), b"r7051\r");
-        assert_eq!(said(b"z\rt1232aBcD\r\r\x07"), [Said::Frame(data(0x123, &[0xAB, 0xCD])), Said::Refused]);
-        assert_eq!(said(b"t100101ABCD\r"), [Said::Frame(data(0x100, &[1]))], "with a time stamp");
+        assert_eq!(said(b"z\rt1232aBcD\r\r\x07"), [AdapterMessage::Frame(data(0x123, &[0xAB, 0xCD])), AdapterMessage::Refused]);
+        assert_eq!(said(b"t100101ABCD\r"), [AdapterMessage::Frame(data(0x100, &[1]))], "with a time stamp");
     }
 
     #[test]
@@ -211,7 +211,7 @@ mod tests {
         for line in none {
             assert_eq!(said(line), [], "{}", String::from_utf8_lossy(line));
             // The next frame is not lost.
-            assert_eq!(said(&[line, b"t1230\r"].concat()), [Said::Frame(data(0x123, &[]))]);
+            assert_eq!(said(&[line, b"t1230\r"].concat()), [AdapterMessage::Frame(data(0x123, &[]))]);
         }
     }
 
@@ -234,7 +234,7 @@ mod tests {
                 true => Frame::remote(id, bytes.len() as u8).unwrap(),
                 false => Frame::data(id, &bytes).unwrap(),
             };
-            prop_assert_eq!(said(Line::of(&frame).bytes()), [Said::Frame(frame)]);
+            prop_assert_eq!(said(Line::of(&frame).bytes()), [AdapterMessage::Frame(frame)]);
         }
 
         /// After any bytes, the frame after the next CR is decoded.
@@ -242,7 +242,7 @@ mod tests {
         fn noise_ends_at_the_next_line(noise in prop::collection::vec(any::<u8>(), 0..100)) {
             let frame = data(0x181, &[7]);
             let all = said(&[&noise, &b"\r"[..], Line::of(&frame).bytes()].concat());
-            prop_assert_eq!(all.last(), Some(&Said::Frame(frame)));
+            prop_assert_eq!(all.last(), Some(&AdapterMessage::Frame(frame)));
         }
     }
 }

@@ -6,10 +6,10 @@
 //! Refuses  an interface that is down or missing: the transport is lost
 //! Source   Linux `Documentation/networking/can.rst`; `net/can/raw.c`
 
-use super::can_frame::{ERRORS, Heard, SIZE, bytes_of, heard};
-use super::waiting::Waiting;
-use super::way::Way;
-use super::{Obstacle, Transport, TransportError};
+use super::can_frame::{ERRORS, ReceivedContent, SIZE, bytes_of, decode};
+use super::waiting::SendQueue;
+use super::way::TransportState;
+use super::{OpenFailure, Transport, TransportError};
 use crate::Frame;
 use ::socketcan::{CanAddr, CanFilter, CanSocket, Socket, SocketOptions};
 use lineshaft_core::drive::BusState;
@@ -23,8 +23,8 @@ const EXTENDED: u32 = 1 << 31;
 #[derive(Debug)]
 pub struct SocketCan {
     socket: CanSocket,
-    way: Way,
-    waiting: Waiting<[u8; SIZE]>,
+    way: TransportState,
+    waiting: SendQueue<[u8; SIZE]>,
     state: BusState,
     faults: u64,
     errors: Option<(u8, u8)>,
@@ -35,7 +35,7 @@ impl SocketCan {
     ///
     /// # Errors
     /// The kernel does not support CAN; the interface is missing, or is down.
-    pub fn open(interface: &str) -> Result<Self, Obstacle> {
+    pub fn open(interface: &str) -> Result<Self, OpenFailure> {
         // First all interfaces: a kernel without CAN needs another message than a missing interface.
         CanSocket::open_addr(&CanAddr::new(0)).map_err(|error| obstacle(error, interface))?;
         let opened = || {
@@ -48,7 +48,7 @@ impl SocketCan {
             pending.map_or(Ok(socket), Err)
         };
         let socket = opened().map_err(|error| obstacle(error, interface))?;
-        let (way, waiting, state) = (Way::default(), Waiting::new(), BusState::Active);
+        let (way, waiting, state) = (TransportState::default(), SendQueue::new(), BusState::Active);
         Ok(Self { socket, way, waiting, state, faults: 0, errors: None })
     }
 
@@ -61,13 +61,13 @@ impl SocketCan {
     }
 }
 
-fn obstacle(error: io::Error, interface: &str) -> Obstacle {
+fn obstacle(error: io::Error, interface: &str) -> OpenFailure {
     let interface = interface.to_owned();
     match Errno::from_io_error(&error) {
-        Some(Errno::AFNOSUPPORT | Errno::PROTONOSUPPORT) => Obstacle::NoCan,
-        Some(Errno::NODEV | Errno::NXIO) => Obstacle::NoInterface(interface),
-        Some(Errno::NETDOWN) => Obstacle::InterfaceDown(interface),
-        _ => Obstacle::System(error),
+        Some(Errno::AFNOSUPPORT | Errno::PROTONOSUPPORT) => OpenFailure::NoCan,
+        Some(Errno::NODEV | Errno::NXIO) => OpenFailure::NoInterface(interface),
+        Some(Errno::NETDOWN) => OpenFailure::InterfaceDown(interface),
+        _ => OpenFailure::System(error),
     }
 }
 
@@ -81,7 +81,7 @@ impl Transport for SocketCan {
     fn flush(&mut self) -> Result<(), TransportError> {
         self.way.check()?;
         while let Some(bytes) = self.waiting.first() {
-            if self.way.unless_later(self.socket.write(bytes))?.is_none() {
+            if self.way.unless_would_block(self.socket.write(bytes))?.is_none() {
                 break;
             }
             self.waiting.drop_first();
@@ -92,15 +92,15 @@ impl Transport for SocketCan {
     fn receive(&mut self) -> Result<Option<Frame>, TransportError> {
         self.way.check()?;
         let mut bytes = [0; SIZE];
-        while let Some(count) = self.way.unless_later(self.socket.read(&mut bytes))? {
-            match heard(&bytes) {
+        while let Some(count) = self.way.unless_would_block(self.socket.read(&mut bytes))? {
+            match decode(&bytes) {
                 _ if count != SIZE => self.faults = self.faults.saturating_add(1),
-                Heard::Frame(frame) => return Ok(Some(frame)),
-                Heard::Controller { state, has_lost, errors } => {
+                ReceivedContent::Frame(frame) => return Ok(Some(frame)),
+                ReceivedContent::Controller { state, has_lost, errors } => {
                     self.errors = errors.or(self.errors);
                     self.controller_tells(state, has_lost);
                 }
-                Heard::Other => {}
+                ReceivedContent::Other => {}
             }
         }
         Ok(None)

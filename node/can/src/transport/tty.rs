@@ -4,7 +4,7 @@
 //! Refuses  a path that is no terminal; a terminal that another program uses; a baud rate that the line does not support
 //! Source   termios(3), tty_ioctl(4)
 
-use super::Obstacle;
+use super::OpenFailure;
 use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
 use rustix::termios::{ControlModes, OptionalActions, QueueSelector};
@@ -19,14 +19,14 @@ pub(super) struct Tty(File);
 
 impl Tty {
     /// Opens a line at `baud` (bit/s), which a pseudo terminal ignores.
-    pub(super) fn open(path: &Path, baud: u32) -> Result<Self, Obstacle> {
+    pub(super) fn open(path: &Path, baud: u32) -> Result<Self, OpenFailure> {
         // Without NONBLOCK, opening a line without carrier would block; with NOCTTY, a hang-up does not end this process.
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = File::from(fs::open(path, flags, Mode::empty()).map_err(obstacle)?);
         let mut settings = termios::tcgetattr(&file).map_err(obstacle)?;
         // The exclusive flag locks out other users; the lock also locks out programs of root that check it, as this one does.
         match file.try_lock() {
-            Err(TryLockError::WouldBlock) => return Err(Obstacle::Busy),
+            Err(TryLockError::WouldBlock) => return Err(OpenFailure::Busy),
             // Programs cannot use locks on a file system without them.
             Err(TryLockError::Error(_)) | Ok(()) => {}
         }
@@ -35,9 +35,9 @@ impl Tty {
         settings.make_raw();
         settings.control_modes |= ControlModes::CLOCAL | ControlModes::CREAD;
         settings.control_modes -= ControlModes::CRTSCTS | ControlModes::CSTOPB;
-        settings.set_speed(baud).map_err(|_| Obstacle::Baud(baud))?;
+        settings.set_speed(baud).map_err(|_| OpenFailure::Baud(baud))?;
         termios::tcsetattr(&tty.0, OptionalActions::Now, &settings).map_err(|error| match error {
-            Errno::INVAL => Obstacle::Baud(baud),
+            Errno::INVAL => OpenFailure::Baud(baud),
             error => obstacle(error),
         })?;
         termios::tcflush(&tty.0, QueueSelector::IOFlush).map_err(obstacle)?;
@@ -45,13 +45,13 @@ impl Tty {
     }
 }
 
-fn obstacle(error: Errno) -> Obstacle {
+fn obstacle(error: Errno) -> OpenFailure {
     match error {
-        Errno::NOENT | Errno::NODEV | Errno::NXIO => Obstacle::NoDevice,
-        Errno::ACCESS | Errno::PERM => Obstacle::Denied,
-        Errno::BUSY => Obstacle::Busy,
-        Errno::NOTTY | Errno::ISDIR => Obstacle::NoLine,
-        error => Obstacle::System(error.into()),
+        Errno::NOENT | Errno::NODEV | Errno::NXIO => OpenFailure::NoDevice,
+        Errno::ACCESS | Errno::PERM => OpenFailure::Denied,
+        Errno::BUSY => OpenFailure::Busy,
+        Errno::NOTTY | Errno::ISDIR => OpenFailure::NoLine,
+        error => OpenFailure::System(error.into()),
     }
 }
 

@@ -6,8 +6,8 @@
 //! Source   python-can 4.6.1 (`interfaces/udp_multicast`)
 
 use super::datagram::{Datagram, frame_of};
-use super::waiting::Waiting;
-use super::way::Way;
+use super::waiting::SendQueue;
+use super::way::TransportState;
 use super::{Transport, TransportError};
 use crate::Frame;
 use lineshaft_core::drive::BusState;
@@ -26,8 +26,8 @@ pub struct UdpBus {
     says: UdpSocket,
     group: SocketAddrV4,
     own: u16,
-    way: Way,
-    waiting: Waiting<Frame>,
+    way: TransportState,
+    waiting: SendQueue<Frame>,
     faults: u64,
 }
 
@@ -52,7 +52,7 @@ impl UdpBus {
         hears.set_nonblocking(true)?;
         says.set_nonblocking(true)?;
         let own = says.local_addr()?.port();
-        Ok(Self { hears, says, group, own, way: Way::default(), waiting: Waiting::new(), faults: 0 })
+        Ok(Self { hears, says, group, own, way: TransportState::default(), waiting: SendQueue::new(), faults: 0 })
     }
 }
 
@@ -67,7 +67,7 @@ impl Transport for UdpBus {
         self.way.check()?;
         while let Some(frame) = self.waiting.first() {
             let sent = self.says.send_to(Datagram::of(frame).bytes(), self.group);
-            if self.way.unless_later(sent)?.is_none() {
+            if self.way.unless_would_block(sent)?.is_none() {
                 break;
             }
             self.waiting.drop_first();
@@ -78,7 +78,7 @@ impl Transport for UdpBus {
     fn receive(&mut self) -> Result<Option<Frame>, TransportError> {
         self.way.check()?;
         let mut bytes = [0; LONGEST];
-        while let Some((count, from)) = self.way.unless_later(self.hears.recv_from(&mut bytes))? {
+        while let Some((count, from)) = self.way.unless_would_block(self.hears.recv_from(&mut bytes))? {
             if from.ip() == Ipv4Addr::LOCALHOST && from.port() == self.own {
                 continue;
             }

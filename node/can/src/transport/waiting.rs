@@ -11,9 +11,9 @@ pub(super) const ROOM: usize = 256;
 
 /// Queue of a fixed size.
 #[derive(Debug)]
-pub(super) struct Waiting<T>(VecDeque<T>);
+pub(super) struct SendQueue<T>(VecDeque<T>);
 
-impl<T> Waiting<T> {
+impl<T> SendQueue<T> {
     pub(super) fn new() -> Self {
         Self(VecDeque::with_capacity(ROOM))
     }
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn a_full_queue_refuses_keeps_what_it_has_and_takes_no_memory() {
-        let mut waiting = Waiting::new();
+        let mut waiting = SendQueue::new();
         let room = waiting.0.capacity();
         for round in 0..3 {
             for number in 0..ROOM {

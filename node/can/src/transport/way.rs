@@ -29,27 +29,27 @@ impl From<io::Error> for Loss {
 
 /// Reason why the transport is lost, if it is.
 #[derive(Debug, Default)]
-pub(super) struct Way(Option<Loss>);
+pub(super) struct TransportState(Option<Loss>);
 
-impl Way {
+impl TransportState {
     /// Returns an error if the transport is lost.
     pub(super) fn check(&self) -> Result<(), TransportError> {
         self.0.map_or(Ok(()), |loss| Err(TransportError::Lost(loss)))
     }
 
     /// Marks the transport as lost.
-    pub(super) fn lose(&mut self, loss: Loss) -> TransportError {
+    pub(super) fn mark_lost(&mut self, loss: Loss) -> TransportError {
         TransportError::Lost(*self.0.get_or_insert(loss))
     }
 
     /// Returns the result of an operation; `None` if it would block. Any other error marks the transport as lost.
-    pub(super) fn unless_later<T>(&mut self, result: io::Result<T>) -> Result<Option<T>, TransportError> {
+    pub(super) fn unless_would_block<T>(&mut self, result: io::Result<T>) -> Result<Option<T>, TransportError> {
         match result {
             Ok(done) => Ok(Some(done)),
             Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => Ok(None),
             // A CAN interface returns this error if its queue is full.
             Err(error) if Errno::from_io_error(&error) == Some(Errno::NOBUFS) => Ok(None),
-            Err(error) => Err(self.lose(error.into())),
+            Err(error) => Err(self.mark_lost(error.into())),
         }
     }
 
@@ -65,15 +65,15 @@ mod tests {
 
     #[test]
     fn a_way_stays_lost_for_its_first_reason() {
-        let mut way = Way::default();
+        let mut way = TransportState::default();
         way.check().unwrap();
         for later in [ErrorKind::WouldBlock.into(), io::Error::from_raw_os_error(Errno::NOBUFS.raw_os_error())] {
-            assert_eq!(way.unless_later::<()>(Err(later)).unwrap(), None);
+            assert_eq!(way.unless_would_block::<()>(Err(later)).unwrap(), None);
         }
         assert_eq!(way.state(BusState::Passive), BusState::Passive);
-        let first = way.unless_later::<()>(Err(io::Error::from_raw_os_error(19))).unwrap_err().to_string();
+        let first = way.unless_would_block::<()>(Err(io::Error::from_raw_os_error(19))).unwrap_err().to_string();
         assert_eq!(first, "the way to the bus is lost: No such device (os error 19)");
-        assert_eq!(way.lose(Loss::Ended).to_string(), first);
+        assert_eq!(way.mark_lost(Loss::Ended).to_string(), first);
         assert_eq!(way.check().unwrap_err().to_string(), first);
         assert_eq!(way.state(BusState::Passive), BusState::Off);
     }

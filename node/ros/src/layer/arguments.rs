@@ -4,7 +4,7 @@ mod overrides;
 mod remap;
 mod yaml;
 
-pub use self::overrides::{Given, Overrides};
+pub use self::overrides::{OverrideValue, Overrides};
 pub use self::remap::Names;
 
 use self::overrides::Override;

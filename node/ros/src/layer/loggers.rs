@@ -60,7 +60,7 @@ impl Level {
     }
 
     /// Returns the name in a filter; the program itself logs no fatal messages.
-    fn word(self) -> &'static str {
+    fn filter_name(self) -> &'static str {
         match self {
             Self::Debug => "debug",
             Self::Info => "info",
@@ -165,42 +165,42 @@ impl Loggers {
     }
 
     /// Returns true if the logger of the node passes messages of this severity.
-    pub(super) fn lets_through(&self, severity: Severity) -> bool {
+    pub(super) fn is_enabled(&self, severity: Severity) -> bool {
         severity.level() >= self.0.threshold.load(Ordering::Relaxed)
     }
 
     fn filter(&self, levels: &BTreeMap<String, Level>) -> String {
         let mut filter = match (levels.get(""), &self.0.base) {
             (None, Some(base)) => base.clone(),
-            (level, _) => log_filter(level.copied().unwrap_or(Level::Info).word()),
+            (level, _) => log_filter(level.copied().unwrap_or(Level::Info).filter_name()),
         };
         // Other names could conflict with the filter syntax; no part of this program has such a name.
         let is_plain = |name: &str| name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
         for (name, level) in levels.iter().filter(|(name, _)| !name.is_empty() && is_plain(name)) {
             let target = name.replace('.', "::");
-            filter += &format!(",{target}={}", level.word());
+            filter += &format!(",{target}={}", level.filter_name());
         }
-        if levels.contains_key("") || self.0.base.is_none() || has_own(levels, &self.0.node) {
+        if levels.contains_key("") || self.0.base.is_none() || has_level(levels, &self.0.node) {
             // Added last, so that it has precedence over a logger with the name of the program.
-            filter += &format!(",{PROGRAM}={}", effective(levels, &self.0.node).word());
+            filter += &format!(",{PROGRAM}={}", effective(levels, &self.0.node).filter_name());
         }
         filter
     }
 }
 
 /// Returns true if a logger, or one of its parents, has a level.
-fn has_own(levels: &BTreeMap<String, Level>, name: &str) -> bool {
-    upwards(name).any(|name| levels.contains_key(name))
+fn has_level(levels: &BTreeMap<String, Level>, name: &str) -> bool {
+    name_and_parents(name).any(|name| levels.contains_key(name))
 }
 
 /// Returns the effective level of a logger: its own, otherwise that of the nearest parent.
 fn effective(levels: &BTreeMap<String, Level>, name: &str) -> Level {
-    let own = upwards(name).find_map(|name| levels.get(name).copied());
+    let own = name_and_parents(name).find_map(|name| levels.get(name).copied());
     own.or_else(|| levels.get("").copied()).unwrap_or(Level::Info)
 }
 
 /// Returns a name and its parents: `a.b.c`, `a.b`, `a`.
-fn upwards(name: &str) -> impl Iterator<Item = &str> {
+fn name_and_parents(name: &str) -> impl Iterator<Item = &str> {
     std::iter::successors(Some(name).filter(|name| !name.is_empty()), |name| Some(name.rsplit_once('.')?.0))
 }
 
@@ -231,12 +231,12 @@ mod tests {
         loggers.set_number("cell.shaft", 40).unwrap();
         assert_eq!(loggers.get("cell.shaft"), 40);
         assert!(last(&applied).ends_with(",cell::shaft=error,lineshaft=error"), "{}", last(&applied));
-        assert!(!loggers.lets_through(Severity::Warn) && loggers.lets_through(Severity::Error));
+        assert!(!loggers.is_enabled(Severity::Warn) && loggers.is_enabled(Severity::Error));
         // The level of a parent applies if the logger has none.
         loggers.set_number("cell.shaft", 0).unwrap();
         loggers.set_number("cell", 10).unwrap();
         assert!(last(&applied).ends_with(",lineshaft=debug"));
-        assert!(loggers.lets_through(Severity::Debug));
+        assert!(loggers.is_enabled(Severity::Debug));
         loggers.set_number("rustdds.rtps", 10).unwrap();
         assert!(last(&applied).contains(",rustdds::rtps=debug"));
     }
@@ -249,7 +249,7 @@ mod tests {
         loggers.set("", Some(Level::Fatal)).unwrap();
         assert!(last(&applied).starts_with("off,rustdds=warn"), "{}", last(&applied));
         assert_eq!(loggers.get(""), 50);
-        assert!(!loggers.lets_through(Severity::Error));
+        assert!(!loggers.is_enabled(Severity::Error));
     }
 
     #[test]

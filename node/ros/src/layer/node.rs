@@ -27,7 +27,7 @@ use super::tap::{Tap, TappedPublisher};
 use super::time_source::TimeSource;
 use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
-use crate::link::{Growth, Link, LinkError, Loss, Settings, Side};
+use crate::link::{MemoryLimit, Link, LinkError, Loss, Settings, Side};
 
 /// Callback for a loss of the ROS side.
 pub type OnLoss = Arc<dyn Fn(&Loss) + Send + Sync>;
@@ -156,7 +156,7 @@ impl Node {
             participants: side.participants,
             on_loss: side.on_loss,
             loss_timeout: side.loss_timeout,
-            growth: Growth::default(),
+            growth: MemoryLimit::default(),
         })?;
         let (open, closed) = watch::channel(());
         let (names, clock) = (Arc::new(names), Clock::of(host_clock));
@@ -301,7 +301,7 @@ impl NodeHandle {
 
     /// Returns QoS overrides that match no topic so far.
     pub fn unused_qos(&self) -> Overrides {
-        self.given.qos.unused()
+        self.given.qos.unused_overrides()
     }
 
     /// Returns all endpoints that were ever opened; further ones are added.

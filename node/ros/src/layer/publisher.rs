@@ -11,7 +11,7 @@ use super::name::FullName;
 use super::tap::TappedPublisher;
 use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
-use crate::link::{Unwritten, Writer};
+use crate::link::{WriteError, Writer};
 
 /// Error: a message was not published.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -32,13 +32,13 @@ pub enum PublishError {
 
 /// Publisher of one topic; dropping it removes the topic from the node.
 pub struct Publisher<M> {
-    inner: Untyped,
+    inner: UntypedPublisher,
     message: PhantomData<fn(&M)>,
 }
 
 impl<M: Message> Publisher<M> {
     pub(super) fn new(context: &Context, topic: FullName, qos: Qos, copies: Option<TappedPublisher>) -> Self {
-        let inner = Untyped { copies, ..Untyped::new(context, topic, WireType::message::<M>(), qos) };
+        let inner = UntypedPublisher { copies, ..UntypedPublisher::new(context, topic, WireType::message::<M>(), qos) };
         Self { inner, message: PhantomData }
     }
 
@@ -59,7 +59,7 @@ impl<M: Message> Publisher<M> {
 }
 
 /// Publisher whose caller ensures the message type.
-pub(super) struct Untyped {
+pub(super) struct UntypedPublisher {
     writer: Writer,
     topic: FullName,
     closed: watch::Receiver<()>,
@@ -67,7 +67,7 @@ pub(super) struct Untyped {
     copies: Option<TappedPublisher>,
 }
 
-impl Untyped {
+impl UntypedPublisher {
     pub(super) fn new(context: &Context, topic: FullName, wire: WireType, qos: Qos) -> Self {
         let writer = context.writer(&topic.topic(), wire, qos);
         Self { writer, topic, closed: context.closed.clone(), copies: None }
@@ -84,8 +84,8 @@ impl Untyped {
             copies.copy(&message);
         }
         self.writer.write(message).map_err(|failure| match failure {
-            Unwritten::Full => PublishError::Full { topic: topic() },
-            Unwritten::Closed => PublishError::Closed { topic: topic() },
+            WriteError::Full => PublishError::Full { topic: topic() },
+            WriteError::Closed => PublishError::Closed { topic: topic() },
         })
     }
 }

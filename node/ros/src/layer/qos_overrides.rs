@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterType, ParameterValue};
 
-use super::arguments::{Given, Overrides};
+use super::arguments::{OverrideValue, Overrides};
 use super::name::FullName;
 use crate::link::qos::Qos;
 
@@ -26,7 +26,7 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl QosOverrides {
     /// Removes the QoS overrides from all overrides.
     pub(super) fn new(all: &mut Overrides) -> Self {
-        let given = all.take_where(|name| name.starts_with(PREFIX));
+        let given = all.take_matching(|name| name.starts_with(PREFIX));
         Self { given: Mutex::new(given), shown: Mutex::default() }
     }
 
@@ -42,11 +42,11 @@ impl QosOverrides {
         let mut taken = |policy: &str| {
             let name = name(policy);
             let before = || {
-                Some(Given {
+                Some(OverrideValue {
                     value: shown.get(&name)?.clone(),
                     place: name.clone(),
                     is_of_file: false,
-                    is_strict: true,
+                    is_for_this_node_only: true,
                 })
             };
             given.take(&name).or_else(before)
@@ -82,13 +82,13 @@ impl QosOverrides {
     }
 
     /// Returns overrides that match no topic.
-    pub(super) fn unused(&self) -> Overrides {
+    pub(super) fn unused_overrides(&self) -> Overrides {
         locked(&self.given).clone()
     }
 }
 
 /// Returns the index of a given word among the allowed ones.
-fn word(given: Option<Given>, allowed: &[&str]) -> Result<Option<usize>, String> {
+fn word(given: Option<OverrideValue>, allowed: &[&str]) -> Result<Option<usize>, String> {
     let Some(given) = given else { return Ok(None) };
     let is_text = given.value.r#type == ParameterType::PARAMETER_STRING;
     let index = allowed.iter().position(|word| is_text && *word == given.value.string_value);
@@ -99,7 +99,7 @@ fn word(given: Option<Given>, allowed: &[&str]) -> Result<Option<usize>, String>
     index.map(Some).ok_or_else(sentence)
 }
 
-fn depth(given: &Given) -> Result<u16, String> {
+fn depth(given: &OverrideValue) -> Result<u16, String> {
     let value = &given.value;
     let depth = Some(value.integer_value).filter(|_| value.r#type == ParameterType::PARAMETER_INTEGER);
     let depth = depth.and_then(|depth| u16::try_from(depth).ok()).filter(|depth| *depth > 0);
@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(others.iter().count(), 1);
         let expected = Qos { depth: 3, reliable: false, latched: true, ..Qos::STREAM };
         assert_eq!(overrides.apply(&topic(), "publisher", Qos::STREAM), Ok(expected));
-        assert!(overrides.unused().is_empty());
+        assert!(overrides.unused_overrides().is_empty());
         assert_eq!(overrides.apply(&topic(), "subscription", Qos::CLOCK), Ok(Qos::CLOCK));
         assert_eq!(overrides.apply(&topic(), "publisher", Qos::STREAM), Ok(expected), "opened again");
         let shown = overrides.shown();
@@ -164,6 +164,6 @@ mod tests {
         }
         let (overrides, _) = given("qos_overrides./b.publisher.depth:=1");
         overrides.apply(&topic(), "publisher", Qos::STREAM).unwrap();
-        assert!(overrides.unused().unknown().is_err());
+        assert!(overrides.unused_overrides().check_unused().is_err());
     }
 }

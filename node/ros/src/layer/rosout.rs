@@ -11,7 +11,7 @@ use super::tap::TappedPublisher;
 use crate::link::Writer;
 
 /// Target of log messages that are sent to `/rosout` directly: code that forwards the log must skip them.
-pub const TOLD: &str = "lineshaft_ros::told";
+pub const SENT_TO_ROSOUT: &str = "lineshaft_ros::told";
 
 /// Origin of a log message.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -45,7 +45,7 @@ impl Rosout {
     /// Sends a message, stamped with the present time, if the level of the node's logger allows it. Never blocks: messages are dropped
     /// while a reader does not keep up.
     pub fn log(&self, severity: Severity, text: impl Into<String>, source: Source) {
-        let Some(lines) = self.lines.as_ref().filter(|_| self.loggers.lets_through(severity)) else { return };
+        let Some(lines) = self.lines.as_ref().filter(|_| self.loggers.is_enabled(severity)) else { return };
         let Source { file, function, line } = source;
         let (name, level) = (self.logger.clone(), severity.level());
         let line = Log { stamp: self.clock.now(), level, name, msg: text.into(), file, function, line };

@@ -8,7 +8,7 @@ use tokio::sync::watch;
 
 use super::endpoint::{Context, age};
 use super::name::FullName;
-use crate::line_limit::LineLimit;
+use crate::line_limit::MessageRateLimit;
 use crate::link::Reader;
 use crate::link::protocol::{Sample, WireType};
 use crate::link::qos::Qos;
@@ -22,7 +22,7 @@ pub struct Subscription<M> {
     latched: bool,
     timeout: Duration,
     closed: watch::Receiver<()>,
-    refusals: LineLimit<()>,
+    refusals: MessageRateLimit<()>,
     message: PhantomData<fn() -> M>,
 }
 
@@ -34,7 +34,7 @@ impl<M: Message> Subscription<M> {
             latched: qos.latched,
             timeout: context.request_timeout,
             closed: context.closed.clone(),
-            refusals: LineLimit::default(),
+            refusals: MessageRateLimit::default(),
             message: PhantomData,
         }
     }
@@ -65,12 +65,12 @@ impl<M: Message> Subscription<M> {
                 },
                 Err(reason) => {
                     self.refusals
-                        .say((), |more| tracing::warn!("{}: a message was refused: {reason}{more}", self.topic));
+                        .log((), |more| tracing::warn!("{}: a message was refused: {reason}{more}", self.topic));
                     continue;
                 }
             };
             let from = from.prefix();
-            self.refusals.say((), |more| {
+            self.refusals.log((), |more| {
                 tracing::warn!("{}: a message of participant {from} was refused: {refusal}{more}", self.topic);
             });
         }

@@ -215,7 +215,7 @@ async fn what_the_application_drops_is_rejected_or_aborted() {
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn the_application_decides_about_cancel_requests_if_it_wants() {
     let serving = node("asks");
-    let options = ActionOptions { cancels: Cancels::Ask, ..ActionOptions::default() };
+    let options = ActionOptions { cancels: CancelPolicy::Ask, ..ActionOptions::default() };
     let mut server = serving.action::<HomeAxis>("~/home_axis", options).unwrap();
     let mut client = Asking::new("asks").await;
     client.send_goal(1);

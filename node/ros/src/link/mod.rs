@@ -16,7 +16,7 @@ mod running;
 mod start;
 mod supervisor;
 
-pub(crate) use self::registry::{Reader, Unwritten, Writer};
+pub(crate) use self::registry::{Reader, WriteError, Writer};
 pub use self::start::Side;
-pub(crate) use self::supervisor::{Growth, Link, Opener, Settings};
+pub(crate) use self::supervisor::{MemoryLimit, Link, Opener, Settings};
 pub use self::supervisor::{LinkError, Loss};

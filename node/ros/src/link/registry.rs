@@ -29,7 +29,7 @@ const PATIENCE_ANEW: Duration = Duration::from_secs(10);
 
 /// Reason why a sample was not written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unwritten {
+pub(crate) enum WriteError {
     /// The side does not keep up.
     Full,
     /// The node has ended.
@@ -43,8 +43,8 @@ pub(super) struct Registry {
 
 #[derive(Default)]
 struct State {
-    endpoints: BTreeMap<Endpoint, Known>,
-    replies: BTreeMap<u64, UnderWay>,
+    endpoints: BTreeMap<Endpoint, EndpointState>,
+    replies: BTreeMap<u64, PendingReply>,
     endpoints_made: u32,
     replies_made: u64,
     /// The side in charge.
@@ -102,7 +102,7 @@ impl Orders {
 }
 
 /// A reply that was not sent yet: its writer, and the channel for its result.
-struct UnderWay {
+struct PendingReply {
     /// Number of the side that has the order; 0: none.
     side: u32,
     endpoint: Endpoint,
@@ -110,12 +110,12 @@ struct UnderWay {
     answer: oneshot::Sender<Result<(), ReplyFailure>>,
 }
 
-struct Known {
+struct EndpointState {
     spec: Spec,
-    more: More,
+    more: EndpointDetails,
 }
 
-enum More {
+enum EndpointDetails {
     Writer {
         readers: watch::Sender<u32>,
         /// Latched values, the newest last.
@@ -136,7 +136,7 @@ impl Registry {
 
     pub(super) fn open_writer(self: &Arc<Self>, topic: &str, wire: WireType, qos: super::qos::Qos) -> Writer {
         let (readers, matched) = watch::channel(0);
-        let more = More::Writer { readers, kept: VecDeque::new() };
+        let more = EndpointDetails::Writer { readers, kept: VecDeque::new() };
         let endpoint = self.open(Kind::Writer, topic, wire, qos, more);
         Writer { endpoint, registry: Arc::clone(self), matched }
     }
@@ -144,19 +144,19 @@ impl Registry {
     pub(super) fn open_reader(self: &Arc<Self>, topic: &str, wire: WireType, qos: super::qos::Qos) -> Reader {
         let (samples, taken) = unbounded_channel();
         let waiting = Arc::new(AtomicU32::new(0));
-        let more = More::Reader { samples, waiting: Arc::clone(&waiting) };
+        let more = EndpointDetails::Reader { samples, waiting: Arc::clone(&waiting) };
         let endpoint = self.open(Kind::Reader(CREDIT), topic, wire, qos, more);
         Reader { endpoint, registry: Arc::clone(self), samples: taken, waiting, owed: 0 }
     }
 
-    fn open(&self, kind: Kind, topic: &str, wire: WireType, qos: super::qos::Qos, more: More) -> Endpoint {
+    fn open(&self, kind: Kind, topic: &str, wire: WireType, qos: super::qos::Qos, more: EndpointDetails) -> Endpoint {
         let (type_name, type_hash) = (wire.name.to_owned(), wire.hash.to_owned());
         let spec = Spec { kind, topic: topic.to_owned(), type_name, type_hash, qos };
         let mut state = self.state();
         let endpoint = state.endpoints_made;
         state.endpoints_made += 1;
         state.send_to_all(&Order::Open(endpoint, spec.clone()));
-        state.endpoints.insert(endpoint, Known { spec, more });
+        state.endpoints.insert(endpoint, EndpointState { spec, more });
         endpoint
     }
 
@@ -166,13 +166,13 @@ impl Registry {
         state.send_to_all(&Order::Close(endpoint));
     }
 
-    fn write(&self, endpoint: Endpoint, bytes: Bytes) -> Result<(), Unwritten> {
+    fn write(&self, endpoint: Endpoint, bytes: Bytes) -> Result<(), WriteError> {
         let mut state = self.state();
         if state.is_closed {
-            return Err(Unwritten::Closed);
+            return Err(WriteError::Closed);
         }
         let is_latched = match state.endpoints.get_mut(&endpoint) {
-            Some(Known { spec, more: More::Writer { kept, .. } })
+            Some(EndpointState { spec, more: EndpointDetails::Writer { kept, .. } })
                 if spec.qos.latched && spec.qos.lifespan.is_none() =>
             {
                 if kept.len() >= usize::from(spec.qos.depth) {
@@ -187,7 +187,7 @@ impl Registry {
         if is_latched {
             state.send_to_all(&order);
         } else if state.queued() > QUEUED {
-            return Err(Unwritten::Full);
+            return Err(WriteError::Full);
         } else {
             state.send(order);
         }
@@ -214,7 +214,7 @@ impl Registry {
         let reply = Reply { token, place, answers, patience_ms: milliseconds(patience), bytes };
         state.send(Order::Reply(endpoint, reply.clone()));
         let side = state.side.as_ref().map_or(0, |side| side.number);
-        state.replies.insert(token, UnderWay { side, endpoint, reply, answer });
+        state.replies.insert(token, PendingReply { side, endpoint, reply, answer });
         answered
     }
 
@@ -241,8 +241,8 @@ impl Registry {
         let state = self.state();
         let Some(next) = &state.next else { return false };
         state.endpoints.iter().all(|(endpoint, known)| match &known.more {
-            More::Writer { readers, .. } => next.readers.get(endpoint).copied().unwrap_or(0) >= *readers.borrow(),
-            More::Reader { .. } => true,
+            EndpointDetails::Writer { readers, .. } => next.readers.get(endpoint).copied().unwrap_or(0) >= *readers.borrow(),
+            EndpointDetails::Reader { .. } => true,
         })
     }
 
@@ -251,7 +251,7 @@ impl Registry {
         let mut state = self.state();
         let Some(NextSide { side, readers: matched }) = state.next.take() else { return };
         for (endpoint, known) in &state.endpoints {
-            if let More::Writer { readers, .. } = &known.more {
+            if let EndpointDetails::Writer { readers, .. } = &known.more {
                 readers.send_replace(matched.get(endpoint).copied().unwrap_or(0));
             }
         }
@@ -283,7 +283,7 @@ impl Registry {
         let mut state = self.state();
         (state.side, state.next, state.previous, state.forwarded) = (None, None, None, None);
         for known in state.endpoints.values() {
-            if let More::Writer { readers, .. } = &known.more {
+            if let EndpointDetails::Writer { readers, .. } = &known.more {
                 readers.send_replace(0);
             }
         }
@@ -313,13 +313,13 @@ impl Registry {
     }
 
     /// Forwards a report of a side to its receiver.
-    pub(super) fn heard(&self, number: u32, report: Report) {
+    pub(super) fn handle_report(&self, number: u32, report: Report) {
         let mut state = self.state();
         match report {
             Report::Matched(endpoint, count) => state.on_match(number, endpoint, count),
             Report::Taken(endpoint, sample) => state.on_sample(number, endpoint, sample),
             Report::Replied(token, outcome) => {
-                if let Some(UnderWay { answer, .. }) = state.replies.remove(&token) {
+                if let Some(PendingReply { answer, .. }) = state.replies.remove(&token) {
                     // Fails if the caller does not wait for the result.
                     let _ = answer.send(outcome);
                 }
@@ -370,11 +370,11 @@ impl State {
         side.send(Order::Join(join));
         for (endpoint, known) in &self.endpoints {
             let mut spec = known.spec.clone();
-            if let More::Reader { waiting, .. } = &known.more {
+            if let EndpointDetails::Reader { waiting, .. } = &known.more {
                 spec.kind = Kind::Reader(CREDIT.saturating_sub(waiting.load(Ordering::Relaxed)));
             }
             side.send(Order::Open(*endpoint, spec));
-            if let More::Writer { kept, .. } = &known.more {
+            if let EndpointDetails::Writer { kept, .. } = &known.more {
                 kept.iter().for_each(|bytes| side.send(Order::Write(*endpoint, bytes.clone())));
             }
         }
@@ -397,7 +397,7 @@ impl State {
         {
             next.readers.insert(endpoint, count);
         } else if self.is_in_charge(number)
-            && let Some(Known { more: More::Writer { readers, .. }, .. }) = self.endpoints.get(&endpoint)
+            && let Some(EndpointState { more: EndpointDetails::Writer { readers, .. }, .. }) = self.endpoints.get(&endpoint)
         {
             readers.send_replace(count);
         }
@@ -419,7 +419,7 @@ impl State {
                 _ => {}
             }
         }
-        if let Some(Known { more: More::Reader { samples, waiting }, .. }) = self.endpoints.get(&endpoint) {
+        if let Some(EndpointState { more: EndpointDetails::Reader { samples, waiting }, .. }) = self.endpoints.get(&endpoint) {
             waiting.fetch_add(1, Ordering::Relaxed);
             // Fails if the reader is being dropped.
             let _ = samples.send(sample);
@@ -453,7 +453,7 @@ pub(crate) struct Writer {
 
 impl Writer {
     /// Writes to all matched readers; never waits.
-    pub(crate) fn write(&self, bytes: impl Into<Bytes>) -> Result<(), Unwritten> {
+    pub(crate) fn write(&self, bytes: impl Into<Bytes>) -> Result<(), WriteError> {
         self.registry.write(self.endpoint, bytes.into())
     }
 

@@ -14,7 +14,7 @@ use super::participants::Entry;
 use super::protocol::{Departed, Line, Order, Report};
 use super::registry::{Orders, Registry};
 use super::start::{Side, Started};
-use crate::line_limit::LineLimit;
+use crate::line_limit::MessageRateLimit;
 use crate::silence::{Check, Silence};
 
 /// Period of the probes.
@@ -28,7 +28,7 @@ const LEAVE: Duration = Duration::from_secs(2);
 const EXIT_STATUS: Duration = Duration::from_millis(20);
 
 /// Rate limit for the log messages of all sides: a side that restarts repeatedly logs the same messages.
-pub(super) type SideLines = LineLimit<(String, u32)>;
+pub(super) type SideLines = MessageRateLimit<(String, u32)>;
 
 /// A side and its state.
 pub(super) struct Running {
@@ -37,7 +37,7 @@ pub(super) struct Running {
     stream: UnixStream,
     started: Started,
     threads: [JoinHandle<()>; 2],
-    heard: Receiver<Heard>,
+    heard: Receiver<ReaderMessage>,
     since: Instant,
     /// Its participant, once it has joined the domain.
     pub(super) joined: Option<Departed>,
@@ -58,7 +58,7 @@ struct Probe {
 }
 
 /// A message from the thread that reads the reports.
-enum Heard {
+enum ReaderMessage {
     Reported(Report),
     Silent(io::Error),
 }
@@ -113,10 +113,10 @@ impl Running {
         let mut wait = wait;
         loop {
             match self.heard.recv_timeout(std::mem::take(&mut wait)) {
-                Ok(Heard::Reported(Report::Joined(prefix))) => return SideEvent::Joined(prefix),
-                Ok(Heard::Reported(Report::Failed(reason))) => return SideEvent::Failed(reason),
-                Ok(Heard::Reported(report)) => self.on_report(report),
-                Ok(Heard::Silent(error)) => return SideEvent::Failed(silence(&error)),
+                Ok(ReaderMessage::Reported(Report::Joined(prefix))) => return SideEvent::Joined(prefix),
+                Ok(ReaderMessage::Reported(Report::Failed(reason))) => return SideEvent::Failed(reason),
+                Ok(ReaderMessage::Reported(report)) => self.on_report(report),
+                Ok(ReaderMessage::Silent(error)) => return SideEvent::Failed(silence(&error)),
                 Err(RecvTimeoutError::Timeout) => break,
                 Err(RecvTimeoutError::Disconnected) => return SideEvent::Failed("is not heard any more".to_owned()),
             }
@@ -201,24 +201,24 @@ fn write_orders(mut stream: UnixStream, orders: &Orders) {
     let _ = stream.shutdown(Shutdown::Write);
 }
 
-fn read_reports(mut stream: UnixStream, number: u32, registry: &Registry, heard: &Sender<Heard>, lines: &SideLines) {
+fn read_reports(mut stream: UnixStream, number: u32, registry: &Registry, heard: &Sender<ReaderMessage>, lines: &SideLines) {
     let mut buffer = Vec::new();
     loop {
         let word = match frame::read(&mut stream, &mut buffer) {
             Ok(Report::Line(line)) => {
-                lines.say(line.place, |more| repeat(line.severity, &(line.text + more)));
+                lines.log(line.place, |more| repeat(line.severity, &(line.text + more)));
                 continue;
             }
             Ok(report @ (Report::Joined(_) | Report::Failed(_) | Report::Alive(_) | Report::Stuck(_))) => {
-                Heard::Reported(report)
+                ReaderMessage::Reported(report)
             }
             Ok(report) => {
-                registry.heard(number, report);
+                registry.handle_report(number, report);
                 continue;
             }
-            Err(error) => Heard::Silent(error),
+            Err(error) => ReaderMessage::Silent(error),
         };
-        let is_last = matches!(word, Heard::Silent(_));
+        let is_last = matches!(word, ReaderMessage::Silent(_));
         if heard.send(word).is_err() || is_last {
             return;
         }

@@ -68,18 +68,18 @@ pub(crate) struct Settings {
     pub(crate) on_loss: Arc<dyn Fn(&Loss) + Send + Sync>,
     /// Maximum time without an answer of the side.
     pub(crate) loss_timeout: Duration,
-    pub(crate) growth: Growth,
+    pub(crate) growth: MemoryLimit,
 }
 
 /// Limit of the memory of a side.
-pub(crate) struct Growth {
+pub(crate) struct MemoryLimit {
     /// Maximum resident memory in bytes.
     pub(crate) memory: u64,
     /// Period of the check.
     pub(crate) check: Duration,
 }
 
-impl Default for Growth {
+impl Default for MemoryLimit {
     fn default() -> Self {
         Self { memory: MEMORY, check: CHECK }
     }
@@ -188,7 +188,7 @@ impl Supervisor {
         let (mut failures, mut pause) = (0, PAUSE);
         while !self.is_closed.load(Ordering::Acquire) {
             let begun = Instant::now();
-            let (reason, has_answered) = match self.live() {
+            let (reason, has_answered) = match self.run_sides() {
                 Ok(End::Closed) => break,
                 Ok(End::Lost { reason, has_answered }) => (reason, has_answered),
                 Err(error) => (format!("cannot be started: {error}"), false),
@@ -214,7 +214,7 @@ impl Supervisor {
     }
 
     /// Runs a side, and the sides to which it hands over, until one of them ends.
-    fn live(&mut self) -> io::Result<End> {
+    fn run_sides(&mut self) -> io::Result<End> {
         let left = self.settings.participants.as_deref().map(participants::dead).unwrap_or_default();
         let dead = left.iter().map(|(who, _)| who.clone()).chain(self.dead.clone()).collect();
         (self.set_back, self.tried) = (SetBack::new(), None);
@@ -389,7 +389,7 @@ mod tests {
         let (namespace, name) = ("/".to_owned(), "supervised".to_owned());
         // A separate domain: no side of these tests ever joins it.
         let networks = Some(vec![Ipv4Addr::LOCALHOST]);
-        let growth = Growth::default();
+        let growth = MemoryLimit::default();
         let settings = Settings {
             side,
             domain: 232,
@@ -436,7 +436,7 @@ mod tests {
         let start = |memory| {
             let (mut settings, losses) = settings(Side::Thread);
             settings.domain = domain;
-            settings.growth = Growth { memory, check: Duration::from_millis(100) };
+            settings.growth = MemoryLimit { memory, check: Duration::from_millis(100) };
             (Link::start(settings).unwrap(), losses)
         };
         let ((grows, losses), (other, _)) = (start(0), start(u64::MAX));

@@ -30,7 +30,7 @@ use super::member::Shared;
 use super::returning::LIBRARY;
 use super::rtps::{ACKNACK, DATA, FINAL, GAP, HEARTBEAT, Message, SENTINEL, number, parameter};
 use super::socket::OwnSocket;
-use super::spdp::{Announcement, Played, parameters, u16_at};
+use super::spdp::{Announcement, SimulatedParticipant, parameters, u16_at};
 use crate::link::guid::{Guid, Prefix};
 
 /// Built-in endpoints of a participant that reads the announcements of participants, writers and readers.
@@ -165,7 +165,7 @@ impl Hashes {
     /// Announces the simulated participant to our library, which ignores a repetition.
     fn play(&self, library: SocketAddrV4) {
         let addresses = [self.socket.address()];
-        let player = Played { who: self.player, addresses: &addresses, builtin: READER, lease_s: LEASE_S };
+        let player = SimulatedParticipant { who: self.player, addresses: &addresses, builtin: READER, lease_s: LEASE_S };
         self.socket.send(&player.announced(1), library);
     }
 
@@ -582,7 +582,7 @@ mod tests {
     /// Hashes of a participant that the library has announced.
     fn hashes() -> Hashes {
         let hashes = Hashes::new(OWN).unwrap();
-        let participant = Played { who: OWN, addresses: &[], builtin: READER, lease_s: 1 };
+        let participant = SimulatedParticipant { who: OWN, addresses: &[], builtin: READER, lease_s: 1 };
         hashes.take(&participant.announced(1));
         hashes
     }
@@ -608,7 +608,7 @@ mod tests {
     fn nobody_is_introduced_before_the_library_has_announced_our_participant() {
         let hashes = Hashes::new(OWN).unwrap();
         assert!(!is_introduced(&hashes, OTHER));
-        let participant = Played { who: OWN, addresses: &[], builtin: READER, lease_s: 1 };
+        let participant = SimulatedParticipant { who: OWN, addresses: &[], builtin: READER, lease_s: 1 };
         hashes.take(&participant.announced(1));
         assert!(hashes.introduction(OTHER, News::Heard(&[])).is_some(), "when it is heard next");
     }

@@ -12,7 +12,7 @@ use tracing_subscriber::{EnvFilter, Layer};
 
 use super::library_lines;
 use crate::layer::log_filter;
-use crate::line_limit::LineLimit;
+use crate::line_limit::MessageRateLimit;
 use crate::link::protocol::{Line, Report};
 
 /// Maximum length of a message in bytes: some messages contain received data.
@@ -23,7 +23,7 @@ pub(super) fn start(reports: Sender<Report>) {
     let given = std::env::var("RUST_LOG").ok().filter(|text| !text.is_empty());
     let filter = given.and_then(|text| EnvFilter::try_new(text).ok());
     let filter = filter.unwrap_or_else(|| EnvFilter::new(log_filter("info")));
-    let lines = Lines { reports: Mutex::new(reports), limit: LineLimit::default() };
+    let lines = Lines { reports: Mutex::new(reports), limit: MessageRateLimit::default() };
     // Cannot fail: this is the first subscriber of the process.
     let _ = tracing_subscriber::registry().with(filter).with(lines).try_init();
 }
@@ -31,7 +31,7 @@ pub(super) fn start(reports: Sender<Report>) {
 struct Lines {
     reports: Mutex<Sender<Report>>,
     /// Messages from the same place in the source code are of the same kind.
-    limit: LineLimit<(String, u32)>,
+    limit: MessageRateLimit<(String, u32)>,
 }
 
 impl<S: Subscriber> Layer<S> for Lines {
@@ -48,7 +48,7 @@ impl<S: Subscriber> Layer<S> for Lines {
             _ => Line::DEBUG,
         };
         let severity = library_lines::severity(&text.target, &text.text, severity);
-        self.limit.say(place.clone(), |more| {
+        self.limit.log(place.clone(), |more| {
             // Our own messages need no prefix with their target.
             let is_own = text.target.starts_with(env!("CARGO_CRATE_NAME"));
             let mut text = if is_own { text.text } else { format!("{}: {}", text.target, text.text) };
@@ -107,7 +107,7 @@ mod tests {
     #[test]
     fn lines_of_the_library_are_sent_with_their_severity_for_users() {
         let (reports, sent) = channel();
-        let lines = Lines { reports: Mutex::new(reports), limit: LineLimit::default() };
+        let lines = Lines { reports: Mutex::new(reports), limit: MessageRateLimit::default() };
         tracing::subscriber::with_default(tracing_subscriber::registry().with(lines), || {
             let text = "Participant was updated, but DB does not have it. Strange.";
             tracing::error!(target: "rustdds::rtps::dp_event_loop", "{text}");

@@ -250,7 +250,7 @@ impl Member {
             Order::Probe(number) => {
                 let (probe, shared) = (Arc::clone(&self.probe), Arc::clone(&self.shared));
                 self.runtime.spawn(async move {
-                    shared.report(match probe.try_it(&shared).await {
+                    shared.report(match probe.check(&shared).await {
                         Ok(()) => Report::Alive(number),
                         Err(what) => Report::Stuck(what.to_owned()),
                     });

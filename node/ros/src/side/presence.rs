@@ -18,7 +18,7 @@ const MOST: usize = 256;
 /// Maximum number of lost participants that are requested to announce themselves in one round, in turn.
 const ASKED: usize = 16;
 /// Time after its loss for which a participant is requested to announce itself. Later it is back only when it announces itself.
-const HOPE: Duration = Duration::from_secs(3600);
+const REQUEST_PERIOD: Duration = Duration::from_secs(3600);
 
 /// Effect of an announcement on the DDS library. The library treats the announcements of a lost participant, and all later ones, as
 /// known.
@@ -115,7 +115,7 @@ impl Presence {
 
     /// Handles that all announcements of a coming participant were sent to the library. It is back if the library has discovered it.
     /// Returns whether that is so.
-    pub(super) fn told(&mut self, who: Prefix, now: Instant) -> bool {
+    pub(super) fn announcements_sent(&mut self, who: Prefix, now: Instant) -> bool {
         let Some(participant) = self.all.get_mut(&who) else { return false };
         let State::Coming { since, said, is_found } = participant.state else { return false };
         participant.state = match is_found {
@@ -141,7 +141,7 @@ impl Presence {
         let mut lost = Vec::new();
         for participant in self.all.values_mut() {
             if let State::Lost { since, asked, .. } = &mut participant.state
-                && now.duration_since(*since) < HOPE
+                && now.duration_since(*since) < REQUEST_PERIOD
                 && !participant.addresses.iter().any(|address| taken.contains(address))
             {
                 lost.push((asked, &participant.addresses));
@@ -177,7 +177,7 @@ fn digest(said: &Announcement) -> u64 {
 mod tests {
     use std::net::Ipv4Addr;
 
-    use super::super::spdp::{BARE, Played, disposal};
+    use super::super::spdp::{BARE, SimulatedParticipant, disposal};
     use super::*;
 
     fn who(number: u16) -> Prefix {
@@ -192,7 +192,7 @@ mod tests {
 
     fn announced(number: u16, lease_s: i32) -> Announcement {
         let addresses = [address(number)];
-        let played = Played { who: who(number), addresses: &addresses, builtin: BARE, lease_s };
+        let played = SimulatedParticipant { who: who(number), addresses: &addresses, builtin: BARE, lease_s };
         Announcement::read(&played.announced(1)).unwrap()
     }
 
@@ -214,7 +214,7 @@ mod tests {
             assert_eq!(presence.ask(now), [], "it has answered");
             assert_eq!(presence.heard(&announced(1, 10), now), Heard::Known, "once");
             presence.found(who(1));
-            assert!(presence.told(who(1), now));
+            assert!(presence.announcements_sent(who(1), now));
             assert_eq!(presence.since(who(1)), Some(now));
         }
     }
@@ -224,16 +224,16 @@ mod tests {
         let (mut presence, now) = (Presence::default(), Instant::now());
         presence.lost(who(1), now);
         assert_eq!(presence.heard(&announced(1, 10), now), Heard::Coming);
-        assert!(!presence.told(who(1), now));
+        assert!(!presence.announcements_sent(who(1), now));
         assert_eq!(presence.ask(now), [address(1)]);
         assert_eq!(presence.heard(&announced(1, 10), now), Heard::Coming);
         presence.found(who(1));
         presence.lost(who(1), now);
-        assert!(!presence.told(who(1), now), "lost again meanwhile");
+        assert!(!presence.announcements_sent(who(1), now), "lost again meanwhile");
         // The announcement has a sequence number that the library did not know; the endpoints stay unknown.
         presence.found(who(1));
         assert_eq!(presence.heard(&announced(1, 10), now), Heard::Coming);
-        assert!(presence.told(who(1), now));
+        assert!(presence.announcements_sent(who(1), now));
     }
 
     #[test]
@@ -255,7 +255,7 @@ mod tests {
         presence.lost(who(1), now);
         presence.heard(&announced(1, 10), now);
         presence.found(who(1));
-        presence.told(who(1), now);
+        presence.announcements_sent(who(1), now);
         assert_eq!(presence.heard(&announced(1, 10), now), Heard::Known);
         assert_eq!(presence.heard(&announced(1, 20), now), Heard::Changed);
         assert_eq!(presence.heard(&announced(1, 20), now), Heard::Known);
@@ -278,6 +278,6 @@ mod tests {
         let (first, second) = (presence.ask(later(1000)), presence.ask(later(1002)));
         assert_eq!((first.len(), second.len()), (ASKED, ASKED));
         assert!(first.iter().all(|address| !second.contains(address)), "each in its turn");
-        assert_eq!(presence.ask(later(1000) + HOPE), [], "not for ever");
+        assert_eq!(presence.ask(later(1000) + REQUEST_PERIOD), [], "not for ever");
     }
 }

@@ -14,7 +14,7 @@ use tokio::sync::watch;
 
 use super::dds::{Barrier, DdsError, Participant};
 use super::member::Shared;
-use super::spdp::{self, BARE, Played};
+use super::spdp::{self, BARE, SimulatedParticipant};
 use crate::link::guid::Prefix;
 use crate::offset::{SET_BACK_NS, SetBack};
 
@@ -34,7 +34,7 @@ const LEASE_S: i32 = 600;
 pub(super) struct Probe {
     barrier: Barrier,
     /// Prefix of the simulated participant.
-    player: Prefix,
+    simulated_participant: Prefix,
     /// How often the library has discovered it, and how often the library has lost it.
     seen: watch::Sender<(u64, u64)>,
     turn: Mutex<Turn>,
@@ -50,7 +50,7 @@ struct Turn {
 
 impl Turn {
     /// Returns true if the library discovers nothing because the clock was set back, and is still allowed to.
-    fn is_excused(&mut self) -> bool {
+    fn is_failure_expected(&mut self) -> bool {
         let by_ns = self.set_back.by_ns();
         if self.deaf.map_or(0, |(_, before)| before).saturating_add(SMALL_STEP_NS) < by_ns {
             self.deaf = Some((Instant::now(), by_ns));
@@ -68,25 +68,25 @@ impl Probe {
         // The same vendor ID; no other participant has this prefix.
         player.0[2..].iter_mut().for_each(|byte| *byte ^= 0x5a);
         let turn = Mutex::new(Turn { next: Instant::now(), sequence: 1, set_back: SetBack::new(), deaf: None });
-        Ok(Self { barrier: participant.barrier()?, player, seen: watch::Sender::default(), turn })
+        Ok(Self { barrier: participant.barrier()?, simulated_participant: player, seen: watch::Sender::default(), turn })
     }
 
     /// Records that the library has discovered a participant.
     pub(super) fn found(&self, participant: Prefix) {
-        if participant == self.player {
+        if participant == self.simulated_participant {
             self.seen.send_modify(|(found, _)| *found += 1);
         }
     }
 
     /// Records that the library has lost a participant.
     pub(super) fn gone(&self, participant: Prefix) {
-        if participant == self.player {
+        if participant == self.simulated_participant {
             self.seen.send_modify(|(_, lost)| *lost += 1);
         }
     }
 
     /// Probes the library. Returns the part that does not work as an error.
-    pub(super) async fn try_it(&self, shared: &Shared) -> Result<(), &'static str> {
+    pub(super) async fn check(&self, shared: &Shared) -> Result<(), &'static str> {
         if !self.barrier.pass().await {
             return Err("the event loop of its DDS library takes nothing");
         }
@@ -99,7 +99,7 @@ impl Probe {
     async fn discovers(&self, shared: &Shared) -> bool {
         let mut sequence = {
             let mut turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-            if Instant::now() < turn.next || turn.is_excused() {
+            if Instant::now() < turn.next || turn.is_failure_expected() {
                 return true;
             }
             turn.next = Instant::now() + ANNOUNCEMENTS;
@@ -109,11 +109,11 @@ impl Probe {
         let (socket, to) = (&shared.socket, shared.participant.discovery_address());
         let before = *self.seen.borrow();
         let addresses = [socket.address()];
-        let player = Played { who: self.player, addresses: &addresses, builtin: BARE, lease_s: LEASE_S };
+        let player = SimulatedParticipant { who: self.simulated_participant, addresses: &addresses, builtin: BARE, lease_s: LEASE_S };
         for _ in 0..TRIES {
             socket.send(&player.announced(sequence), to);
             let is_found = self.comes(|(found, _)| found > before.0).await;
-            socket.send(&spdp::disposal(self.player, None, sequence + 1), to);
+            socket.send(&spdp::disposal(self.simulated_participant, None, sequence + 1), to);
             if self.comes(|(_, lost)| lost > before.1).await && is_found {
                 return true;
             }

@@ -30,7 +30,7 @@ use super::member::Shared;
 use super::presence::{Heard, Presence};
 use super::sedp::Endpoint;
 use super::socket::OwnSocket;
-use super::spdp::{self, ANNOUNCER, Announcement, BARE, LATE, Played};
+use super::spdp::{self, ANNOUNCER, Announcement, BARE, LATE, SimulatedParticipant};
 use super::{hashes, listeners};
 use crate::link::guid::Prefix;
 
@@ -128,7 +128,7 @@ impl Returning {
             if here.is_empty() {
                 here.push(self.socket.address());
             }
-            let asking = Played { who, addresses: &here, builtin: BARE, lease_s: ASKING_S };
+            let asking = SimulatedParticipant { who, addresses: &here, builtin: BARE, lease_s: ASKING_S };
             self.socket.send(&asking.announced(LATE + self.number()), address);
         }
     }
@@ -197,7 +197,7 @@ async fn introduce(shared: Weak<Shared>, said: Announcement) {
     sleep(MATCHING).await;
     let Some(shared) = shared.upgrade() else { return };
     tell_all(&shared, &[spdp::disposal(player, None, 2)]);
-    if shared.returning.presence().told(said.who, Instant::now()) {
+    if shared.returning.presence().announcements_sent(said.who, Instant::now()) {
         // With the same severity as its loss.
         tracing::warn!("DDS participant {} speaks again, and is answered", said.who);
     }
@@ -222,7 +222,7 @@ fn announce(shared: &Weak<Shared>, said: &Announcement) -> Option<Prefix> {
     let shared = shared.upgrade()?;
     let this = &shared.returning;
     let number = this.number();
-    let player = Played {
+    let player = SimulatedParticipant {
         who: played(this.own, number),
         addresses: &[this.socket.address()],
         builtin: ANNOUNCER,

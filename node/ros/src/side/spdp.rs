@@ -160,7 +160,7 @@ pub(super) fn gone(guid: &[u8], key: u16, (reader, writer): (Entity, Entity), se
 }
 
 /// A simulated participant.
-pub(super) struct Played<'a> {
+pub(super) struct SimulatedParticipant<'a> {
     pub(super) who: Prefix,
     /// Addresses on which it reads.
     pub(super) addresses: &'a [SocketAddrV4],
@@ -174,7 +174,7 @@ pub(super) const BARE: u32 = 0x3;
 /// Built-in endpoints of a participant that also announces endpoints, and reads no announcements of endpoints.
 pub(super) const ANNOUNCER: u32 = 0x15;
 
-impl Played<'_> {
+impl SimulatedParticipant<'_> {
     /// Returns its announcement as sample `sequence`.
     pub(super) fn announced(&self, sequence: i64) -> Vec<u8> {
         let mut list = vec![0, 3, 0, 0];
@@ -200,7 +200,7 @@ mod tests {
     const ADDRESS: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::new(10, 1, 2, 3), 7410);
 
     fn announced() -> Vec<u8> {
-        Played { who: Prefix([5; 12]), addresses: &[ADDRESS], builtin: BARE, lease_s: 3 }.announced(1)
+        SimulatedParticipant { who: Prefix([5; 12]), addresses: &[ADDRESS], builtin: BARE, lease_s: 3 }.announced(1)
     }
 
     #[test]

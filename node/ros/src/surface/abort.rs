@@ -1,7 +1,7 @@
 //! `~/abort`: the Esc command of MACS for the whole machine; answered when every axis is at rest, or has failed to stop. It uses a standard
 //! type, so that an operator panel needs no package of this program.
 
-use super::axes::perform;
+use super::axes::wait_and_summarize;
 use super::hub::Hub;
 use super::table;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
@@ -26,7 +26,7 @@ async fn serve(mut server: ServiceServer<Trigger>, hub: Arc<Hub>) {
         let given = hub.submit(Action::Abort);
         let hub = Arc::clone(&hub);
         open.spawn(async move {
-            let response = match perform(&hub, given, axes, "stopped and locked; ~/reset_errors unlocks").await {
+            let response = match wait_and_summarize(&hub, given, axes, "stopped and locked; ~/reset_errors unlocks").await {
                 Ok(message) => TriggerResponse { success: true, message },
                 Err(message) => TriggerResponse { success: false, message },
             };

@@ -1,8 +1,8 @@
 //! `~/enable`, `~/disable`, `~/halt`, `~/quick_stop`, `~/reset_errors`: each answers when its axes have finished the command, or failed.
 
-use super::host::Busy;
-use super::hub::{Answers, Hub};
-use super::table::{self, Served};
+use super::host::SubmitError;
+use super::hub::{CommandEvents, Hub};
+use super::table::{self, ServiceRow};
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_core::command::Action;
 use lineshaft_core::event::{Event, Kind};
@@ -20,7 +20,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 type Command = fn(AxisSet) -> Action;
 
 /// Service, command, and past participle for the answer.
-const SERVICES: [(Served<AxesCommand>, Command, &str); 5] = [
+const SERVICES: [(ServiceRow<AxesCommand>, Command, &str); 5] = [
     (table::ENABLE, Action::Enable, "enabled"),
     (table::DISABLE, Action::Disable, "disabled"),
     (table::HALT, Action::Halt, "halted"),
@@ -54,7 +54,7 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Co
         let given = hub.submit(action(axes));
         let hub = Arc::clone(&hub);
         open.spawn(async move {
-            let response = match perform(&hub, given, axes.len(), done).await {
+            let response = match wait_and_summarize(&hub, given, axes.len(), done).await {
                 Ok(message) => AxesCommandResponse { success: true, message },
                 Err(message) => AxesCommandResponse { success: false, message },
             };
@@ -69,20 +69,20 @@ fn summary(count: usize, done: &str) -> String {
 }
 
 /// Waits until each axis has reported the end of the command. Returns a summary, or the reason for a failure.
-pub(super) async fn perform(
+pub(super) async fn wait_and_summarize(
     hub: &Hub,
-    given: Result<Answers, Busy>,
+    given: Result<CommandEvents, SubmitError>,
     axes: usize,
     done: &str,
 ) -> Result<String, String> {
-    match tokio::time::timeout(PATIENCE, ends(hub, given, axes)).await {
+    match tokio::time::timeout(PATIENCE, wait_for_ends(hub, given, axes)).await {
         Ok(ended) => ended.map(|()| summary(axes, done)),
         Err(_) => Err(format!("no end within {} s; see ~/axis_states", PATIENCE.as_secs())),
     }
 }
 
 /// Waits until each axis has reported the end of the command.
-async fn ends(hub: &Hub, given: Result<Answers, Busy>, axes: usize) -> Result<(), String> {
+async fn wait_for_ends(hub: &Hub, given: Result<CommandEvents, SubmitError>, axes: usize) -> Result<(), String> {
     let sentence = |event: &Event| text::sentence(event, hub.host.config());
     let mut answers = given.map_err(|busy| busy.to_string())?;
     let (mut is_accepted, mut ended, mut failures) = (false, 0, Vec::new());

@@ -1,9 +1,9 @@
 //! Common part of all actions of the machine: from the request to the end of its goal.
 
-use super::host::{Busy, Snapshot};
-use super::hub::{Answers, Hub};
+use super::host::{SubmitError, Snapshot};
+use super::hub::{CommandEvents, Hub};
 use super::signals::AxisView;
-use super::table::Acted;
+use super::table::ActionRow;
 use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
@@ -76,7 +76,7 @@ pub(super) trait GoalAction: lineshaft_msgs::Action + Sized {
     type View: View;
 
     /// Row of the interface table.
-    const SERVED_AS: Acted<Self>;
+    const SERVED_AS: ActionRow<Self>;
 
     /// Returns the index of the object, and the command for a goal.
     fn resolve(config: &MachineConfig, goal: &Self::Goal) -> Result<(u16, Action), RequestError>;
@@ -125,10 +125,10 @@ async fn serve<A: GoalAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
 }
 
 /// Executes an accepted goal until it ends.
-async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<Answers, Busy>, view: A::View) {
+async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<CommandEvents, SubmitError>, view: A::View) {
     let ending = match given {
         Ok(answers) => follow(&hub, &handle, answers, &view).await,
-        Err(busy) => stands(&view, &hub.host.snapshot(), busy.code(), busy.to_string()),
+        Err(busy) => ending_without_answer(&view, &hub.host.snapshot(), busy.code(), busy.to_string()),
     };
     let code = ending.code;
     let result = A::result(&view, ending);
@@ -139,7 +139,7 @@ async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<
     }
 }
 
-async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answers: Answers, view: &A::View) -> Ending {
+async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answers: CommandEvents, view: &A::View) -> Ending {
     let mut ticks = feedback_ticks();
     let goal = answers.sequence;
     let (mut accepted, mut cancelled) = (false, false);
@@ -158,11 +158,11 @@ async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answe
                 },
                 None => {
                     let message = "the machine has stopped".to_owned();
-                    return stands(view, &hub.host.snapshot(), Code::DISABLED, message);
+                    return ending_without_answer(view, &hub.host.snapshot(), Code::DISABLED, message);
                 }
             },
             () = handle.cancel_requested(), if !cancelled => {
-                cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();
+                cancelled = hub.submit_without_answer(Action::Cancel { goal }).is_ok();
                 if !cancelled {
                     // The command queue is full; tried again a little later.
                     ticks.tick().await;
@@ -193,6 +193,6 @@ fn ending(hub: &Hub, event: &Event) -> Ending {
 }
 
 /// Returns the end of a goal without an answer of the machine, with the present position of its object.
-fn stands(view: &impl View, snapshot: &Snapshot, code: Code, message: String) -> Ending {
+fn ending_without_answer(view: &impl View, snapshot: &Snapshot, code: Code, message: String) -> Ending {
     Ending { code, message, position: view.position(&snapshot.board), mark: None, shift: None }
 }

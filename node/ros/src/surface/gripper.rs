@@ -8,10 +8,10 @@
 
 use super::controllers::Controllers;
 use super::group::Group;
-use super::hub::{Answers, Hub};
+use super::hub::{CommandEvents, Hub};
 use super::joint_names::with_joint;
 use super::signals::AxisView;
-use super::table::{self, Acted};
+use super::table::{self, ActionRow};
 use crate::layer::{ActionEvent, ActionServer, CreateError, GoalHandle, Node};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Move, MoveMode};
@@ -61,14 +61,14 @@ struct Gripper {
 
 /// Target of a goal (m or rad, and per s); velocity 0 means the default.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Wish {
+struct GripperTarget {
     position: f64,
     velocity: f64,
     effort: f64,
 }
 
 /// State of a gripper.
-struct Found {
+struct GripperState {
     position: f64,
     velocity: f64,
     effort: f64,
@@ -78,41 +78,41 @@ struct Found {
 
 /// One of the two action types.
 trait GripperAction: lineshaft_msgs::Action + Sized {
-    const SERVED_AS: Acted<Self>;
+    const SERVED_AS: ActionRow<Self>;
 
     /// Returns the target of a goal.
     ///
     /// # Errors
     /// The goal is invalid; with a message.
-    fn wish(joint: &str, goal: &Self::Goal) -> Result<Wish, String>;
+    fn wish(joint: &str, goal: &Self::Goal) -> Result<GripperTarget, String>;
 
-    fn result(joint: &str, found: &Found) -> Self::Result;
+    fn result(joint: &str, found: &GripperState) -> Self::Result;
 
-    fn feedback(joint: &str, found: &Found) -> Self::Feedback;
+    fn feedback(joint: &str, found: &GripperState) -> Self::Feedback;
 }
 
 impl GripperAction for GripperCommand {
-    const SERVED_AS: Acted<Self> = table::GRIPPER_CMD;
+    const SERVED_AS: ActionRow<Self> = table::GRIPPER_CMD;
 
-    fn wish(_joint: &str, goal: &GripperCommandGoal) -> Result<Wish, String> {
-        Ok(Wish { position: goal.command.position, velocity: 0.0, effort: goal.command.max_effort })
+    fn wish(_joint: &str, goal: &GripperCommandGoal) -> Result<GripperTarget, String> {
+        Ok(GripperTarget { position: goal.command.position, velocity: 0.0, effort: goal.command.max_effort })
     }
 
-    fn result(_joint: &str, found: &Found) -> GripperCommandResult {
-        let Found { position, effort, stalled, reached, .. } = *found;
+    fn result(_joint: &str, found: &GripperState) -> GripperCommandResult {
+        let GripperState { position, effort, stalled, reached, .. } = *found;
         GripperCommandResult { position, effort, stalled, reached_goal: reached }
     }
 
-    fn feedback(_joint: &str, found: &Found) -> GripperCommandFeedback {
-        let Found { position, effort, stalled, reached, .. } = *found;
+    fn feedback(_joint: &str, found: &GripperState) -> GripperCommandFeedback {
+        let GripperState { position, effort, stalled, reached, .. } = *found;
         GripperCommandFeedback { position, effort, stalled, reached_goal: reached }
     }
 }
 
 impl GripperAction for ParallelGripperCommand {
-    const SERVED_AS: Acted<Self> = table::PARALLEL_GRIPPER_CMD;
+    const SERVED_AS: ActionRow<Self> = table::PARALLEL_GRIPPER_CMD;
 
-    fn wish(joint: &str, goal: &ParallelGripperCommandGoal) -> Result<Wish, String> {
+    fn wish(joint: &str, goal: &ParallelGripperCommandGoal) -> Result<GripperTarget, String> {
         let JointState { name, position, velocity, effort, .. } = &goal.command;
         if !name.is_empty() && *name != [joint] {
             return Err(format!("command.name is {name:?}; `{joint}` or none is expected"));
@@ -125,24 +125,24 @@ impl GripperAction for ParallelGripperCommand {
                 Err(format!("command.{field} has {} numbers; one{or_none} is expected", list.len()))
             }
         };
-        Ok(Wish {
+        Ok(GripperTarget {
             position: one("position", position, false)?,
             velocity: one("velocity", velocity, true)?,
             effort: one("effort", effort, true)?,
         })
     }
 
-    fn result(joint: &str, found: &Found) -> ParallelGripperCommandResult {
-        let Found { stalled, reached, .. } = *found;
+    fn result(joint: &str, found: &GripperState) -> ParallelGripperCommandResult {
+        let GripperState { stalled, reached, .. } = *found;
         ParallelGripperCommandResult { state: state(joint, found), stalled, reached_goal: reached }
     }
 
-    fn feedback(joint: &str, found: &Found) -> ParallelGripperCommandFeedback {
+    fn feedback(joint: &str, found: &GripperState) -> ParallelGripperCommandFeedback {
         ParallelGripperCommandFeedback { state: state(joint, found) }
     }
 }
 
-fn state(joint: &str, found: &Found) -> JointState {
+fn state(joint: &str, found: &GripperState) -> JointState {
     JointState {
         name: vec![joint.to_owned()],
         position: vec![found.position],
@@ -154,10 +154,10 @@ fn state(joint: &str, found: &Found) -> JointState {
 
 impl Gripper {
     /// Returns the state for a goal to `target` (m, rad).
-    fn found(&self, board: &Board, target: f64, stalled: bool) -> Found {
+    fn state_for(&self, board: &Board, target: f64, stalled: bool) -> GripperState {
         let view = &self.view;
         let position = view.si(view.int(board, AxisSignal::ActualPosition), 0.0);
-        Found {
+        GripperState {
             position,
             velocity: view.rate(board, AxisSignal::ActualVelocity),
             effort: view.effort(board),
@@ -167,7 +167,7 @@ impl Gripper {
     }
 
     /// Returns the command for a goal.
-    fn command(&self, hub: &Hub, wish: &Wish) -> Result<Action, String> {
+    fn command(&self, hub: &Hub, wish: &GripperTarget) -> Result<Action, String> {
         self.controllers.check(self.place)?;
         if wish.effort != 0.0 {
             return Err(format!(
@@ -188,14 +188,14 @@ impl Gripper {
         let command = config.resolve_move(&request).map_err(|error| error.to_string())?;
         let (place, image) = (usize::from(command.axis), hub.host.parameters());
         Ok(Action::Move(match config.axes.get(place).zip(image.effective.get(place)) {
-            Some((axis, parameters)) => on_limit(command, axis, parameters),
+            Some((axis, parameters)) => snapped_to_limit(command, axis, parameters),
             None => command,
         }))
     }
 }
 
 /// Returns the move with its target on the position limit if it exceeds the limit by at most [`ROUNDING`].
-fn on_limit(command: Move, axis: &AxisConfig, parameters: &AxisParameters) -> Move {
+fn snapped_to_limit(command: Move, axis: &AxisConfig, parameters: &AxisParameters) -> Move {
     let per_increment = axis.scale.rate_to_si(1.0).abs();
     let is_near = |beyond: i64| beyond > 0 && beyond as f64 * per_increment <= ROUNDING;
     let target = command.target.nearest;
@@ -260,7 +260,7 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
                     }
                     Err(busy) => {
                         hub.refuse(format!("{name}: {busy}"));
-                        let found = gripper.found(&hub.host.snapshot().board, target, false);
+                        let found = gripper.state_for(&hub.host.snapshot().board, target, false);
                         handle.abort(A::result(&gripper.joint, &found));
                     }
                 }
@@ -278,7 +278,7 @@ async fn serve<A: GripperAction>(mut server: ActionServer<A>, hub: Arc<Hub>, gri
 async fn run<A: GripperAction>(
     hub: Arc<Hub>,
     handle: GoalHandle<A>,
-    mut answers: Answers,
+    mut answers: CommandEvents,
     gripper: Gripper,
     (name, target): (String, f64),
 ) {
@@ -317,7 +317,7 @@ async fn run<A: GripperAction>(
             // Before that, the signals do not belong to this goal yet.
             _ = ticks.tick(), if accepted => {
                 let snapshot = hub.host.snapshot();
-                let found = gripper.found(&snapshot.board, target, stalled);
+                let found = gripper.state_for(&snapshot.board, target, stalled);
                 // Feedback that a client does not read is dropped.
                 let _ = handle.feedback(&A::feedback(&gripper.joint, &found));
                 if arrived && found.reached {
@@ -335,7 +335,7 @@ async fn run<A: GripperAction>(
             }
         }
     };
-    let result = A::result(&gripper.joint, &gripper.found(&hub.host.snapshot().board, target, stalled));
+    let result = A::result(&gripper.joint, &gripper.state_for(&hub.host.snapshot().board, target, stalled));
     match code {
         code if code.succeeds() => handle.succeed(result),
         Code::CANCELLED if handle.is_cancel_requested() => handle.canceled(result),
@@ -346,7 +346,7 @@ async fn run<A: GripperAction>(
 
 /// Cancels a goal of the machine; returns false if the command queue is full, after a short pause.
 async fn cancel(hub: &Hub, goal: u64, ticks: &mut Interval) -> bool {
-    let is_given = hub.submit_unheard(Action::Cancel { goal }).is_ok();
+    let is_given = hub.submit_without_answer(Action::Cancel { goal }).is_ok();
     if !is_given {
         ticks.tick().await;
     }
@@ -382,14 +382,14 @@ mod tests {
                 ..MoveRequest::default()
             };
             let command = config.resolve_move(&request).expect("a sound request");
-            assert_eq!(on_limit(command, &config.axes[0], &parameters).target.nearest, target, "{position}");
+            assert_eq!(snapped_to_limit(command, &config.axes[0], &parameters).target.nearest, target, "{position}");
         }
     }
 
     #[test]
     fn goals_of_both_types_ask_for_a_position() {
         let goal = GripperCommandGoal { command: msg::GripperCommand { position: 0.02, max_effort: 5.0 } };
-        assert_eq!(GripperCommand::wish("finger", &goal), Ok(Wish { position: 0.02, velocity: 0.0, effort: 5.0 }));
+        assert_eq!(GripperCommand::wish("finger", &goal), Ok(GripperTarget { position: 0.02, velocity: 0.0, effort: 5.0 }));
         let of = |name: &[&str], position: &[f64], velocity: &[f64], effort: &[f64]| {
             let command = JointState {
                 name: name.iter().map(|name| (*name).to_owned()).collect(),
@@ -400,9 +400,9 @@ mod tests {
             };
             ParallelGripperCommand::wish("finger", &ParallelGripperCommandGoal { command })
         };
-        assert_eq!(of(&[], &[0.02], &[], &[]), Ok(Wish { position: 0.02, velocity: 0.0, effort: 0.0 }));
-        assert_eq!(of(&["finger"], &[0.02], &[0.1], &[3.0]), Ok(Wish { position: 0.02, velocity: 0.1, effort: 3.0 }));
-        let refused = |wish: Result<Wish, String>, sentence: &str| assert_eq!(wish.unwrap_err(), sentence);
+        assert_eq!(of(&[], &[0.02], &[], &[]), Ok(GripperTarget { position: 0.02, velocity: 0.0, effort: 0.0 }));
+        assert_eq!(of(&["finger"], &[0.02], &[0.1], &[3.0]), Ok(GripperTarget { position: 0.02, velocity: 0.1, effort: 3.0 }));
+        let refused = |wish: Result<GripperTarget, String>, sentence: &str| assert_eq!(wish.unwrap_err(), sentence);
         refused(of(&["thumb"], &[0.02], &[], &[]), "command.name is [\"thumb\"]; `finger` or none is expected");
         refused(of(&[], &[], &[], &[]), "command.position has 0 numbers; one is expected");
         refused(of(&[], &[0.0], &[0.1, 0.2], &[]), "command.velocity has 2 numbers; one or none is expected");

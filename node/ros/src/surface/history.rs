@@ -29,7 +29,7 @@ impl History {
         }
         let mut text = message.text.clone();
         if event.kind == Kind::Error {
-            if let Some(stood) = self.stood(host, event) {
+            if let Some(stood) = self.axis_state_at(host, event) {
                 text.push_str(&stood);
             }
             if let Some(row) = event.code.row() {
@@ -42,19 +42,19 @@ impl History {
     }
 
     /// Returns the state of the axis at the error, if no newer error has occurred since.
-    fn stood(&self, host: &dyn Host, event: &CoreEvent) -> Option<String> {
+    fn axis_state_at(&self, host: &dyn Host, event: &CoreEvent) -> Option<String> {
         let Object::Axis(axis) = event.source else { return None };
         let view = self.views.get(usize::from(axis))?;
         let snapshot = host.snapshot();
         let board = &snapshot.board;
         let is_it = view.int(board, AxisSignal::FaultCycle).cast_unsigned() == event.cycle
             && view.int(board, AxisSignal::FaultCode) == i64::from(event.code.0);
-        is_it.then(|| format!(" ({})", fault(view, board)))
+        is_it.then(|| format!(" ({})", error_state_text(view, board)))
     }
 }
 
 /// Returns the state of an axis at its last error.
-pub(super) fn fault(view: &AxisView, board: &Board) -> String {
+pub(super) fn error_state_text(view: &AxisView, board: &Board) -> String {
     let length = |signal| view.length_text(board, signal);
     format!(
         "cycle {}: command {} at {}, actual {}, following error {}",

@@ -22,7 +22,7 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>) {
     let service = server.name().to_string();
     while let Some(Request { message, reply }) = server.next().await {
         while open.try_join_next().is_some() {}
-        let axes = match choose(&hub, &message.axes) {
+        let axes = match axes_of_request(&hub, &message.axes) {
             Ok(axes) => axes,
             Err(sentence) => {
                 hub.refuse(format!("{service}: {sentence}"));
@@ -58,7 +58,7 @@ fn home(axis: u16) -> Action {
 }
 
 /// Returns the axes of a request: the named ones, or all with a homing method.
-fn choose(hub: &Hub, names: &[String]) -> Result<AxisSet, String> {
+fn axes_of_request(hub: &Hub, names: &[String]) -> Result<AxisSet, String> {
     let config = hub.host.config();
     if !names.is_empty() {
         return config.find_axes(names).map_err(|error| error.to_string());

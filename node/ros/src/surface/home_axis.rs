@@ -3,7 +3,7 @@
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
-use super::table::{self, Acted};
+use super::table::{self, ActionRow};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::request::{HomeRequest, RequestError};
@@ -13,7 +13,7 @@ use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal, HomeAxisR
 impl GoalAction for HomeAxis {
     type View = AxisView;
 
-    const SERVED_AS: Acted<Self> = table::HOME_AXIS;
+    const SERVED_AS: ActionRow<Self> = table::HOME_AXIS;
 
     fn resolve(config: &MachineConfig, goal: &HomeAxisGoal) -> Result<(u16, Action), RequestError> {
         let HomeAxisGoal { axis, scheme, method } = goal;

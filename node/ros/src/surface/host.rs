@@ -21,7 +21,7 @@ use tokio::sync::oneshot;
 pub const NO_BUS: &str = "the cell has no backend on CAN";
 
 /// Answer that arrives within a bounded time.
-pub type Coming<T> = Pin<Box<dyn Future<Output = T> + Send>>;
+pub type PendingAnswer<T> = Pin<Box<dyn Future<Output = T> + Send>>;
 
 /// Signals of one cycle, with its time.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +49,7 @@ pub const MOST_COMMANDS: usize = 2048;
 
 /// Reason why a command is not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Busy {
+pub enum SubmitError {
     /// The queues are full: the machine does not keep up with the commands.
     #[error("{MOST_COMMANDS} commands wait for the machine already; try again")]
     Full,
@@ -58,7 +58,7 @@ pub enum Busy {
     Unconfigured,
 }
 
-impl Busy {
+impl SubmitError {
     /// Returns the code for a result.
     pub fn code(self) -> Code {
         match self {
@@ -135,7 +135,7 @@ pub struct BackendHealth {
 
 /// Selection of parameters to list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Listing {
+pub enum ParameterSelection {
     /// All parameters.
     All,
     /// Parameters that differ from the default of the catalogue.
@@ -170,7 +170,7 @@ pub struct Tuning {
     /// Progress, and the means to cancel the run.
     pub watch: Arc<dyn TuningWatch>,
     /// Result, once the axis is off.
-    pub found: Coming<Result<Tuned, Untuned>>,
+    pub found: PendingAnswer<Result<TuningResult, TuningFailure>>,
 }
 
 /// Progress of a tuning run.
@@ -198,7 +198,7 @@ pub enum TuningPhase {
 
 /// Result of a tuning run.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tuned {
+pub struct TuningResult {
     /// Report for the user.
     pub report: String,
     /// Gains by parameter key; empty if there are none.
@@ -207,7 +207,7 @@ pub struct Tuned {
 
 /// Reason why tuning has no result.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Untuned {
+pub struct TuningFailure {
     /// Code.
     pub code: Code,
     /// Message.
@@ -229,7 +229,7 @@ pub trait Host: Send + Sync + 'static {
     ///
     /// # Errors
     /// The queue is full, or no cycles run; nothing was submitted.
-    fn submit(&self, action: Action) -> Result<u64, Busy>;
+    fn submit(&self, action: Action) -> Result<u64, SubmitError>;
 
     /// Returns the store of commands from messages of topics, if events name these topics.
     fn topic_commands(&self) -> Option<&TopicCommands> {
@@ -241,7 +241,7 @@ pub trait Host: Send + Sync + 'static {
     ///
     /// # Errors
     /// No cycles run; nothing was submitted.
-    fn stream(&self, setpoints: &Setpoints) -> Result<(), Busy>;
+    fn stream(&self, setpoints: &Setpoints) -> Result<(), SubmitError>;
 
     /// Returns the command for a verb of an earlier controller; `arguments` are YAML. May block.
     ///
@@ -256,7 +256,7 @@ pub trait Host: Send + Sync + 'static {
     fn read_parameters(&self, text: &str) -> Result<Action, String>;
 
     /// Returns the active parameters as a text for [`Host::read_parameters`]. May block.
-    fn write_parameters(&self, axes: AxisSet, what: Listing) -> String;
+    fn write_parameters(&self, axes: AxisSet, what: ParameterSelection) -> String;
 
     /// Starts to tune an axis.
     ///
@@ -278,7 +278,7 @@ pub trait Host: Send + Sync + 'static {
     ///
     /// # Errors
     /// The request is invalid, as a message; no device was accessed.
-    fn read_object(&self, _request: &SdoReadRequest) -> Result<Coming<SdoReadResponse>, String> {
+    fn read_object(&self, _request: &SdoReadRequest) -> Result<PendingAnswer<SdoReadResponse>, String> {
         Err(NO_BUS.to_owned())
     }
 
@@ -286,7 +286,7 @@ pub trait Host: Send + Sync + 'static {
     ///
     /// # Errors
     /// The request is invalid, as a message; no device was accessed.
-    fn write_object(&self, _request: &SdoWriteRequest) -> Result<Coming<SdoWriteResponse>, String> {
+    fn write_object(&self, _request: &SdoWriteRequest) -> Result<PendingAnswer<SdoWriteResponse>, String> {
         Err(NO_BUS.to_owned())
     }
 
@@ -301,14 +301,14 @@ pub trait Host: Send + Sync + 'static {
     }
 
     /// Returns true if cycles run from the start, and axes may be enabled; otherwise cycles start with [`Host::open`].
-    fn begins_active(&self) -> bool;
+    fn is_active_at_start(&self) -> bool;
 
     /// Starts the backends and the cycles, with a deactivated machine in the first cycle. [`Host::gate`] reports when they run. The machine
     /// continues from its previous state.
     fn open(&self);
 
     /// Accepts commands again, once cycles run.
-    fn take_commands(&self);
+    fn resume_commands(&self);
 
     /// Stops accepting commands, executes those that wait, then ends the cycles and stops the backends.
     fn close(&self);

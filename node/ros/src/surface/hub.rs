@@ -1,12 +1,12 @@
 //! Hub: submits commands, and delivers every event to `~/events` and to the waiting requester.
 
 use super::history::History;
-use super::host::{Busy, Host, StampedEvent};
+use super::host::{SubmitError, Host, StampedEvent};
 use super::messages;
 use super::parameters::own::OwnParameters;
 use super::table;
-use crate::layer::{Clock, CreateError, Node, Publisher, Rosout, Severity, Source, TOLD};
-use crate::line_limit::LineLimit;
+use crate::layer::{Clock, CreateError, Node, Publisher, Rosout, Severity, Source, SENT_TO_ROSOUT};
+use crate::line_limit::MessageRateLimit;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::event::{Event as CoreEvent, Kind};
@@ -32,17 +32,17 @@ pub(super) struct Hub {
     pub own: OwnParameters,
     /// Waiting requesters by command number. Locked before a command is submitted, so that its answer cannot arrive before the entry
     /// exists.
-    waiting: Mutex<HashMap<u64, Place>>,
+    waiting: Mutex<HashMap<u64, Requester>>,
     /// Newest errors of each axis with their messages: several errors may be reported at once.
     errors: Mutex<HashMap<u16, VecDeque<(Code, String)>>>,
     rosout: Rosout,
     /// Clock for stamps.
     pub clock: Clock,
     /// The kind of a refusal is the requested name, the text before the colon.
-    refusals: LineLimit<String>,
+    refusals: MessageRateLimit<String>,
 }
 
-enum Place {
+enum Requester {
     /// Receives the events of its command.
     Asker(UnboundedSender<StampedEvent>),
     /// Message about a request that was refused before it became a command.
@@ -50,13 +50,13 @@ enum Place {
 }
 
 /// Events of one command; dropping it ends the waiting.
-pub(super) struct Answers {
+pub(super) struct CommandEvents {
     pub sequence: u64,
     events: UnboundedReceiver<StampedEvent>,
     hub: Arc<Hub>,
 }
 
-impl Answers {
+impl CommandEvents {
     /// Returns the next event of the command; `None` once the machine has ended.
     pub(super) async fn next(&mut self) -> Option<StampedEvent> {
         self.events.recv().await
@@ -90,7 +90,7 @@ impl Answers {
     }
 }
 
-impl Drop for Answers {
+impl Drop for CommandEvents {
     fn drop(&mut self) {
         self.hub.waiting().remove(&self.sequence);
     }
@@ -112,13 +112,13 @@ impl Hub {
             errors: Mutex::default(),
             rosout: node.rosout()?,
             clock: node.clock().clone(),
-            refusals: LineLimit::default(),
+            refusals: MessageRateLimit::default(),
         });
         tasks.spawn(Arc::clone(&hub).pass_on(events, publisher, history));
         Ok(hub)
     }
 
-    fn waiting(&self) -> MutexGuard<'_, HashMap<u64, Place>> {
+    fn waiting(&self) -> MutexGuard<'_, HashMap<u64, Requester>> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -126,7 +126,7 @@ impl Hub {
     ///
     /// # Errors
     /// The command queue is full, or no cycles run.
-    pub(super) fn submit(self: &Arc<Self>, action: Action) -> Result<Answers, Busy> {
+    pub(super) fn submit(self: &Arc<Self>, action: Action) -> Result<CommandEvents, SubmitError> {
         self.submit_with(|| self.host.submit(action))
     }
 
@@ -134,35 +134,35 @@ impl Hub {
     ///
     /// # Errors
     /// As for [`Self::submit`].
-    pub(super) fn submit_message(self: &Arc<Self>, topic: &str, action: Action) -> Result<Answers, Busy> {
+    pub(super) fn submit_message(self: &Arc<Self>, topic: &str, action: Action) -> Result<CommandEvents, SubmitError> {
         self.submit_with(|| match self.host.topic_commands() {
             Some(commands) => commands.submit(topic, || self.host.submit(action)),
             None => self.host.submit(action),
         })
     }
 
-    fn submit_with(self: &Arc<Self>, submit: impl FnOnce() -> Result<u64, Busy>) -> Result<Answers, Busy> {
+    fn submit_with(self: &Arc<Self>, submit: impl FnOnce() -> Result<u64, SubmitError>) -> Result<CommandEvents, SubmitError> {
         let (sender, events) = unbounded_channel();
         let mut waiting = self.waiting();
         let sequence = submit()?;
-        waiting.insert(sequence, Place::Asker(sender));
+        waiting.insert(sequence, Requester::Asker(sender));
         drop(waiting);
-        Ok(Answers { sequence, events, hub: Arc::clone(self) })
+        Ok(CommandEvents { sequence, events, hub: Arc::clone(self) })
     }
 
     /// Submits a command without waiting for its events.
-    pub(super) fn submit_unheard(&self, action: Action) -> Result<u64, Busy> {
+    pub(super) fn submit_without_answer(&self, action: Action) -> Result<u64, SubmitError> {
         self.host.submit(action)
     }
 
     /// Takes each lock once, which proves that none is held permanently.
-    pub(super) fn pulse(&self) {
+    pub(super) fn check_locks(&self) {
         drop(self.waiting());
         drop(self.errors.lock());
     }
 
     /// Ends the waiting of all requesters, because no cycles run any more.
-    pub(super) fn forget_askers(&self) {
+    pub(super) fn end_waiting(&self) {
         self.waiting().clear();
     }
 
@@ -180,12 +180,12 @@ impl Hub {
     /// Reports a request that was refused before it became a command, on `/rosout` and as an event.
     pub(super) fn refuse(&self, sentence: String) {
         let asked = sentence.split_once(':').map_or("", |(asked, _)| asked).to_owned();
-        self.refusals.say(asked, |more| tracing::warn!(target: TOLD, "{sentence}{more}"));
+        self.refusals.log(asked, |more| tracing::warn!(target: SENT_TO_ROSOUT, "{sentence}{more}"));
         self.say(Severity::Warn, &sentence);
         let mut waiting = self.waiting();
         // If the queue is full, the message is only on /rosout.
         if let Ok(sequence) = self.host.submit(Action::Refuse(sentence.as_str().into())) {
-            waiting.insert(sequence, Place::Refused(sentence));
+            waiting.insert(sequence, Requester::Refused(sentence));
         }
     }
 
@@ -215,7 +215,7 @@ impl Hub {
                 known.push_front((event.event.code, message.text.clone()));
                 known.truncate(ERRORS);
             }
-            self.tell(&event, &message.text);
+            self.log_event(&event, &message.text);
             history.keep(self.host.as_ref(), &event.event, &message);
             if let Err(error) = publisher.publish(&message) {
                 failed += 1;
@@ -231,27 +231,27 @@ impl Hub {
     fn deliver(&self, event: &StampedEvent) -> Option<String> {
         let mut waiting = self.waiting();
         let refused = match waiting.get(&event.event.command)? {
-            Place::Asker(asker) => {
+            Requester::Asker(asker) => {
                 // A requester that has ended removes its entry itself.
                 let _ = asker.send(*event);
                 return None;
             }
-            Place::Refused(sentence) => sentence.clone(),
+            Requester::Refused(sentence) => sentence.clone(),
         };
         waiting.remove(&event.event.command);
         Some(refused)
     }
 
     /// Logs errors and refusals on `/rosout`, with their remedies.
-    fn tell(&self, event: &StampedEvent, sentence: &str) {
-        if let Some(severity) = told(&event.event) {
+    fn log_event(&self, event: &StampedEvent, sentence: &str) {
+        if let Some(severity) = rosout_severity(&event.event) {
             self.say(severity, &text::with_remedy(sentence, event.event.code));
         }
     }
 }
 
 /// Returns the severity of an event on `/rosout`, if it is logged there.
-fn told(event: &CoreEvent) -> Option<Severity> {
+fn rosout_severity(event: &CoreEvent) -> Option<Severity> {
     use lineshaft_core::event::Severity as Matters;
     // A request that never became a command was already logged when it was refused.
     if event.code == Code::BAD_REQUEST {
@@ -267,8 +267,8 @@ fn told(event: &CoreEvent) -> Option<Severity> {
 }
 
 /// Returns true if the surface logs an event on `/rosout`, so that the log message about it is not sent there again.
-pub fn is_told(event: &CoreEvent) -> bool {
-    told(event).is_some()
+pub fn is_logged_on_rosout(event: &CoreEvent) -> bool {
+    rosout_severity(event).is_some()
 }
 
 fn missed_its_tolerance(code: Code) -> bool {

@@ -38,7 +38,7 @@ impl JointNames {
     }
 
     /// Returns the object names of axes with a different joint name, with that joint name.
-    pub fn renamed<'a>(&'a self, config: &'a MachineConfig) -> impl Iterator<Item = (&'a str, &'a str)> {
+    pub fn different_names<'a>(&'a self, config: &'a MachineConfig) -> impl Iterator<Item = (&'a str, &'a str)> {
         let pairs = config.axes.iter().map(|axis| axis.name.as_str()).zip(self.iter());
         pairs.filter(|(object, joint)| object != joint)
     }
@@ -47,14 +47,14 @@ impl JointNames {
     ///
     /// # Errors
     /// No axis has the joint name; the message suggests the intended one, or lists all.
-    pub fn object<'c>(&self, joint: &str, field: &str, config: &'c MachineConfig) -> Result<&'c str, String> {
+    pub fn object_name_of<'c>(&self, joint: &str, field: &str, config: &'c MachineConfig) -> Result<&'c str, String> {
         if let Some(axis) = self.find(joint).and_then(|axis| config.axes.get(usize::from(axis))) {
             return Ok(&axis.name);
         }
-        let meant = self.renamed(config).find(|(object, _)| *object == joint);
+        let meant = self.different_names(config).find(|(object, _)| *object == joint);
         Err(meant.map_or_else(
             || format!("{field} has the joint `{}`; there are {}", excerpt(joint), self.0.join(", ")),
-            |(axis, joint)| object_name(field, axis, joint),
+            |(axis, joint)| object_name_refusal(field, axis, joint),
         ))
     }
 }
@@ -68,7 +68,7 @@ pub(super) fn with_joint(sentence: String, axis: &str, joint: &str) -> String {
 }
 
 /// Returns the message that a name in `field` is refused because it is the object name of an axis.
-pub(super) fn object_name(field: &str, axis: &str, joint: &str) -> String {
+pub(super) fn object_name_refusal(field: &str, axis: &str, joint: &str) -> String {
     format!("{field} has `{axis}`, the object name of an axis; its joint name is `{joint}`")
 }
 
@@ -84,10 +84,10 @@ mod tests {
         let config = fake::config();
         let names = JointNames::of_objects(&config);
         assert!(names.iter().eq(config.axes.iter().map(|axis| axis.name.as_str())));
-        assert_eq!(names.renamed(&config).count(), 0);
-        assert_eq!(names.object("x", "joint_names", &config), Ok("x"));
+        assert_eq!(names.different_names(&config).count(), 0);
+        assert_eq!(names.object_name_of("x", "joint_names", &config), Ok("x"));
         let sentence = "joint_names has the joint `w`; there are line, x";
-        assert_eq!(names.object("w", "joint_names", &config), Err(sentence.to_owned()));
+        assert_eq!(names.object_name_of("w", "joint_names", &config), Err(sentence.to_owned()));
     }
 
     #[test]
@@ -114,10 +114,10 @@ mod tests {
         let names = JointNames::new(["line", "left/arm_1"].map(str::to_owned).to_vec());
         assert_eq!((names.find("left/arm_1"), names.find("x"), names.find("")), (Some(1), None, None));
         assert_eq!((names.get(1), names.get(2)), ("left/arm_1", ""));
-        assert_eq!(names.object("left/arm_1", "joint_names", &config), Ok("x"));
-        assert_eq!(names.object("line", "joint_names", &config), Ok("line"));
+        assert_eq!(names.object_name_of("left/arm_1", "joint_names", &config), Ok("x"));
+        assert_eq!(names.object_name_of("line", "joint_names", &config), Ok("line"));
         let sentence = "joint_names has `x`, the object name of an axis; its joint name is `left/arm_1`";
-        assert_eq!(names.object("x", "joint_names", &config), Err(sentence.to_owned()));
-        assert!(names.renamed(&config).eq([("x", "left/arm_1")]));
+        assert_eq!(names.object_name_of("x", "joint_names", &config), Err(sentence.to_owned()));
+        assert!(names.different_names(&config).eq([("x", "left/arm_1")]));
     }
 }

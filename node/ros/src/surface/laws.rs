@@ -72,7 +72,7 @@ fn tune_law(bytes: &[u8]) {
         Ok(goal) => goal,
         Err(error) => return assert!(error.to_string().len() < LONGEST_SENTENCE, "{error}"),
     };
-    match super::tune::order(&config(), &goal) {
+    match super::tune::tune_order(&config(), &goal) {
         Err(error) => assert!(error.to_string().len() < LONGEST_SENTENCE, "{error}"),
         Ok(order) => {
             assert!(order.axis < 2 && [order.travel, order.velocity].iter().flatten().all(|value| value.is_finite()));

@@ -51,7 +51,7 @@ mod urdf;
 mod vocabulary;
 
 pub use group::{GripperSettings, Group, TrajectorySettings};
-pub use hub::is_told;
+pub use hub::is_logged_on_rosout;
 pub use joint_names::JointNames;
 #[cfg(any(test, feature = "fuzz"))]
 pub use laws::any_goal;
@@ -136,7 +136,7 @@ impl Surface {
     /// Returns a function that takes and releases all locks that requests need.
     pub fn pulse(&self) -> impl Fn() + Send + Sync + 'static {
         let hub = Arc::clone(&self.hub);
-        move || hub.pulse()
+        move || hub.check_locks()
     }
 }
 

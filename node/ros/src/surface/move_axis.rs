@@ -3,7 +3,7 @@
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
-use super::table::{self, Acted};
+use super::table::{self, ActionRow};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, Units};
@@ -13,7 +13,7 @@ use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisR
 impl GoalAction for MoveAxis {
     type View = AxisView;
 
-    const SERVED_AS: Acted<Self> = table::MOVE_AXIS;
+    const SERVED_AS: ActionRow<Self> = table::MOVE_AXIS;
 
     fn resolve(config: &MachineConfig, goal: &MoveAxisGoal) -> Result<(u16, Action), RequestError> {
         let request = config.resolve_move(&MoveRequest {

@@ -3,7 +3,7 @@
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
-use super::table::{self, Acted};
+use super::table::{self, ActionRow};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::request::{Amount, PhaseRequest, RequestError};
@@ -13,7 +13,7 @@ use lineshaft_msgs::action::{Phase, PhaseFeedback, PhaseGoal, PhaseResult};
 impl GoalAction for Phase {
     type View = AxisView;
 
-    const SERVED_AS: Acted<Self> = table::PHASE;
+    const SERVED_AS: ActionRow<Self> = table::PHASE;
 
     fn resolve(config: &MachineConfig, goal: &PhaseGoal) -> Result<(u16, Action), RequestError> {
         let request = config.resolve_phase(&PhaseRequest {

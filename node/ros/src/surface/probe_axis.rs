@@ -3,7 +3,7 @@
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
-use super::table::{self, Acted};
+use super::table::{self, ActionRow};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::Position;
@@ -14,7 +14,7 @@ use lineshaft_msgs::action::{ProbeAxis, ProbeAxisFeedback, ProbeAxisGoal, ProbeA
 impl GoalAction for ProbeAxis {
     type View = AxisView;
 
-    const SERVED_AS: Acted<Self> = table::PROBE_AXIS;
+    const SERVED_AS: ActionRow<Self> = table::PROBE_AXIS;
 
     fn resolve(config: &MachineConfig, goal: &ProbeAxisGoal) -> Result<(u16, Action), RequestError> {
         let request = config.resolve_probe(&ProbeRequest {

@@ -17,12 +17,12 @@ use lineshaft_msgs::srv::{
 };
 
 /// Response to requests of type `Q`.
-pub(super) trait Refusing<Q> {
+pub(super) trait RefusalResponse<Q> {
     /// Returns the response with the reason why nothing was done.
     fn refusing(request: &Q, sentence: String) -> Self;
 }
 
-macro_rules! with_a_message {
+macro_rules! refusal_with_message {
     ($($request:ident, $response:ident;)*) => {$(
         impl Refusing<$request> for $response {
             fn refusing(_: &$request, message: String) -> Self {
@@ -32,7 +32,7 @@ macro_rules! with_a_message {
     )*};
 }
 
-with_a_message! {
+refusal_with_message! {
     AbortTriggerRequest, AbortTriggerResponse;
     AxesCommandRequest, AxesCommandResponse;
     GearOutRequest, GearOutResponse;
@@ -49,45 +49,45 @@ with_a_message! {
     VocabularyRequest, VocabularyResponse;
 }
 
-impl Refusing<RecordRequest> for RecordResponse {
+impl RefusalResponse<RecordRequest> for RecordResponse {
     fn refusing(_: &RecordRequest, message: String) -> Self {
         Self { success: false, message, ..Self::default() }
     }
 }
 
-impl Refusing<CommandFunctionRequest> for CommandFunctionResponse {
+impl RefusalResponse<CommandFunctionRequest> for CommandFunctionResponse {
     fn refusing(_: &CommandFunctionRequest, message: String) -> Self {
         Self { success: false, message, ..Self::default() }
     }
 }
 
-impl Refusing<SdoReadRequest> for SdoReadResponse {
+impl RefusalResponse<SdoReadRequest> for SdoReadResponse {
     fn refusing(_: &SdoReadRequest, message: String) -> Self {
         Self { success: false, message, ..Self::default() }
     }
 }
 
-impl Refusing<SwitchControllerRequest> for SwitchControllerResponse {
+impl RefusalResponse<SwitchControllerRequest> for SwitchControllerResponse {
     fn refusing(_: &SwitchControllerRequest, message: String) -> Self {
         Self { ok: false, message }
     }
 }
 
-impl Refusing<ChangeStateRequest> for ChangeStateResponse {
+impl RefusalResponse<ChangeStateRequest> for ChangeStateResponse {
     /// The message of ROS has no field for the reason, which is only logged.
     fn refusing(_: &ChangeStateRequest, _: String) -> Self {
         Self { success: false }
     }
 }
 
-impl Refusing<SetParametersRequest> for SetParametersResponse {
+impl RefusalResponse<SetParametersRequest> for SetParametersResponse {
     fn refusing(request: &SetParametersRequest, reason: String) -> Self {
         let refused = SetParametersResult { successful: false, reason };
         Self { results: vec![refused; request.parameters.len()] }
     }
 }
 
-impl Refusing<SetParametersAtomicallyRequest> for SetParametersAtomicallyResponse {
+impl RefusalResponse<SetParametersAtomicallyRequest> for SetParametersAtomicallyResponse {
     fn refusing(_: &SetParametersAtomicallyRequest, reason: String) -> Self {
         Self { result: SetParametersResult { successful: false, reason } }
     }

@@ -1,7 +1,7 @@
 //! `robot_description`: URDF of the cell, for RViz and other tools that display the robot.
 
 use super::hub::Hub;
-use super::parameters::own::Own;
+use super::parameters::own::OwnParameter;
 use super::table::{ROBOT_DESCRIPTION, ROBOT_DESCRIPTION_PARAMETER};
 use super::urdf::published;
 use crate::layer::{CreateError, Node};
@@ -30,9 +30,9 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
     Ok(())
 }
 
-fn parameter(urdf: &str) -> Own {
+fn parameter(urdf: &str) -> OwnParameter {
     let row = ROBOT_DESCRIPTION_PARAMETER;
-    Own {
+    OwnParameter {
         descriptor: ParameterDescriptor {
             name: row.name.to_owned(),
             r#type: ParameterType::PARAMETER_STRING,
@@ -45,6 +45,6 @@ fn parameter(urdf: &str) -> Own {
             string_value: urdf.to_owned(),
             ..ParameterValue::default()
         },
-        ..Own::default()
+        ..OwnParameter::default()
     }
 }

@@ -1,8 +1,8 @@
 //! `~/sdo_read` and `~/sdo_write`: objects of CAN devices, answered when the device has answered, or when no answer can arrive any more.
 
-use super::host::{Coming, Host};
+use super::host::{PendingAnswer, Host};
 use super::hub::Hub;
-use super::refusing::Refusing;
+use super::refusing::RefusalResponse;
 use super::table;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_msgs::Service;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use tokio::task::JoinSet;
 
 /// Requests an object, or returns an error message.
-type Ask<S> = fn(&dyn Host, &<S as Service>::Request) -> Result<Coming<<S as Service>::Response>, String>;
+type Ask<S> = fn(&dyn Host, &<S as Service>::Request) -> Result<PendingAnswer<<S as Service>::Response>, String>;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let (read, write) = (table::SDO_READ.server(node)?, table::SDO_WRITE.server(node)?);
@@ -21,7 +21,7 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 
 async fn serve<S: Service>(mut server: ServiceServer<S>, hub: Arc<Hub>, ask: Ask<S>)
 where
-    S::Response: Refusing<S::Request>,
+    S::Response: RefusalResponse<S::Request>,
 {
     // Waiting requests end with the service.
     let mut open = JoinSet::new();

@@ -14,11 +14,11 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
     let outputs = table::SET_OUTPUT.server(node)?;
     let cells = table::SET_MEMORY.server(node)?;
     tasks.spawn(one_command::serve(outputs, Arc::clone(hub), set_output, |outcome| {
-        let (success, message) = told(outcome);
+        let (success, message) = response(outcome);
         SetOutputResponse { success, message }
     }));
     tasks.spawn(one_command::serve(cells, Arc::clone(hub), set_memory, |outcome| {
-        let (success, message) = told(outcome);
+        let (success, message) = response(outcome);
         SetMemoryResponse { success, message }
     }));
     Ok(())
@@ -44,6 +44,6 @@ fn pairs(what: &str, names: Vec<String>, values: Vec<f64>) -> Result<Vec<(String
     Ok(std::iter::zip(names, values).collect())
 }
 
-fn told(outcome: Result<(), String>) -> (bool, String) {
+fn response(outcome: Result<(), String>) -> (bool, String) {
     (outcome.is_ok(), outcome.err().unwrap_or_default())
 }

@@ -26,7 +26,7 @@ use std::time::{Duration, Instant};
 use tokio::task::JoinSet;
 
 /// Minimum time between two refusal messages of one topic: a wrong stream is wrong many times per second.
-const PAUSE: Duration = Duration::from_secs(1);
+const REFUSAL_PERIOD: Duration = Duration::from_secs(1);
 /// Excess over max_velocity that is limited instead of refused (m/s, rad/s): clients round limits to six decimals.
 const ROUNDING: f64 = 1e-6;
 /// Numbers from here on are not accepted by the core.
@@ -50,7 +50,7 @@ async fn follow<M: Message>(
     (name, shown): (&'static str, JointNames),
     read: impl Fn(M, &JointNames, &MachineConfig) -> Result<Asked, String> + Send,
 ) {
-    let mut refusals = Refusals::default();
+    let mut refusals = RefusalLimit::default();
     while let Some(message) = topic.next().await {
         let asked = read(message, hub.host.joint_names(), hub.host.config());
         let set = asked.and_then(|asked| resolve(&asked, &*hub.host, &shown, hub.clock.request_time()));
@@ -65,15 +65,15 @@ async fn follow<M: Message>(
 
 /// Passes one refusal per period and counts the others.
 #[derive(Debug, Default)]
-struct Refusals {
+struct RefusalLimit {
     last: Option<Instant>,
     held: u64,
 }
 
-impl Refusals {
+impl RefusalLimit {
     /// Returns the note about the number of skipped refusals if this one may be reported.
     fn say(&mut self, now: Instant) -> Option<String> {
-        if self.last.is_some_and(|last| now.duration_since(last) < PAUSE) {
+        if self.last.is_some_and(|last| now.duration_since(last) < REFUSAL_PERIOD) {
             self.held += 1;
             return None;
         }
@@ -102,7 +102,7 @@ fn jog(message: JointJog, joints: &JointNames, config: &MachineConfig) -> Result
     let duration = (duration > 0.0).then_some(ns);
     let pairs = joint_names.iter().zip(&velocities);
     for (name, velocity) in pairs.clone() {
-        joints.object(name, "joint_names", config)?;
+        joints.object_name_of(name, "joint_names", config)?;
         if !velocity.is_finite() || velocity.abs() >= LARGEST {
             return Err(format!("velocity of `{name}` is {velocity:?}; a finite number within +-1e38 is expected"));
         }
@@ -114,7 +114,7 @@ fn jog(message: JointJog, joints: &JointNames, config: &MachineConfig) -> Result
         return Err(format!("joint_names has the joint `{name}` twice; once is expected"));
     }
     for name in &mut joint_names {
-        *name = joints.object(name, "joint_names", config)?.to_owned();
+        *name = joints.object_name_of(name, "joint_names", config)?.to_owned();
     }
     Ok((header.stamp, pair("joint_names", joint_names, velocities, duration)?))
 }

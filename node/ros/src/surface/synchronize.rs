@@ -3,7 +3,7 @@
 use super::goal::{Ending, GoalAction, Progress};
 use super::host::Snapshot;
 use super::signals::AxisView;
-use super::table::{self, Acted};
+use super::table::{self, ActionRow};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
@@ -14,7 +14,7 @@ use lineshaft_msgs::action::{Synchronize, SynchronizeFeedback, SynchronizeGoal, 
 impl GoalAction for Synchronize {
     type View = AxisView;
 
-    const SERVED_AS: Acted<Self> = table::SYNCHRONIZE;
+    const SERVED_AS: ActionRow<Self> = table::SYNCHRONIZE;
 
     fn resolve(config: &MachineConfig, goal: &SynchronizeGoal) -> Result<(u16, Action), RequestError> {
         let request = config.resolve_synchronize(&SynchronizeRequest {

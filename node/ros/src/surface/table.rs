@@ -1,9 +1,9 @@
 //! Table of the complete ROS 2 interface of the node: the surface creates its endpoints from it, and docs/interfaces.md is generated from
 //! it.
 
-use super::refusing::Refusing;
+use super::refusing::RefusalResponse;
 use crate::layer::{
-    ActionOptions, ActionServer, Care, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
+    ActionOptions, ActionServer, RequestPolicy, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
 };
 use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, Tune};
 use lineshaft_msgs::foreign::control_msgs::action::{FollowJointTrajectory, GripperCommand, ParallelGripperCommand};
@@ -80,13 +80,13 @@ pub struct ParameterRow {
 }
 
 /// Topic of type `M`.
-pub struct Topic<M>(pub Row, PhantomData<fn(M)>);
+pub struct TopicRow<M>(pub Row, PhantomData<fn(M)>);
 /// Service of type `S`, with the kinds of requests that are refused before they are handled.
-pub struct Served<S: Service>(pub Row, Care<S>);
+pub struct ServiceRow<S: Service>(pub Row, RequestPolicy<S>);
 /// Action of type `A`.
-pub struct Acted<A>(pub Row, PhantomData<fn(A)>);
+pub struct ActionRow<A>(pub Row, PhantomData<fn(A)>);
 
-impl<M: Message> Topic<M> {
+impl<M: Message> TopicRow<M> {
     const fn new(kind: Kind, name: &'static str, qos: Qos, text: &'static str) -> Self {
         Self(Row { kind, name, interface: M::NAME, qos, text }, PhantomData)
     }
@@ -118,31 +118,31 @@ impl<M: Message> Topic<M> {
     }
 }
 
-impl Topic<Clock> {
+impl TopicRow<Clock> {
     pub(super) fn time_source(&self, node: &NodeHandle) -> Result<TimeSource, CreateError> {
         node.time_source(self.0.name, self.0.qos)
     }
 }
 
-impl<S: Service> Served<S> {
+impl<S: Service> ServiceRow<S> {
     const fn new(name: &'static str, qos: Qos, text: &'static str) -> Self {
-        Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, Care::Asks)
+        Self(Row { kind: Kind::Service, name, interface: S::NAME, qos, text }, RequestPolicy::Asks)
     }
 
     /// Returns the service with requests that are commands.
-    const fn in_time(self) -> Self
+    const fn as_command(self) -> Self
     where
-        S::Response: Refusing<S::Request>,
+        S::Response: RefusalResponse<S::Request>,
     {
-        Self(self.0, Care::Commands(<S::Response as Refusing<S::Request>>::refusing))
+        Self(self.0, RequestPolicy::Commands(<S::Response as RefusalResponse<S::Request>>::refusing))
     }
 
     /// Returns the service with requests that are stops.
-    const fn at_any_time(self) -> Self
+    const fn as_stop(self) -> Self
     where
-        S::Response: Refusing<S::Request>,
+        S::Response: RefusalResponse<S::Request>,
     {
-        Self(self.0, Care::Stops(<S::Response as Refusing<S::Request>>::refusing))
+        Self(self.0, RequestPolicy::Stops(<S::Response as RefusalResponse<S::Request>>::refusing))
     }
 
     pub(super) fn server(&self, node: &NodeHandle) -> Result<ServiceServer<S>, CreateError> {
@@ -151,22 +151,22 @@ impl<S: Service> Served<S> {
 
     /// Creates the server for a group of axes.
     pub(super) fn server_as(&self, node: &NodeHandle, name: &str) -> Result<ServiceServer<S>, CreateError> {
-        Ok(node.service(name, self.0.qos)?.with_care(self.1))
+        Ok(node.service(name, self.0.qos)?.with_policy(self.1))
     }
 }
 
 /// Prefix of the names of controller_manager in the table.
 const CONTROLLER_MANAGER: &str = "/controller_manager";
 
-impl<S: Service> Served<S> {
+impl<S: Service> ServiceRow<S> {
     /// Creates a service of the controller manager with this absolute name.
     pub(super) fn server_below(&self, node: &NodeHandle, manager: &str) -> Result<ServiceServer<S>, CreateError> {
         let name = self.0.name.strip_prefix(CONTROLLER_MANAGER).unwrap_or(self.0.name);
-        Ok(node.service(&format!("{manager}{name}"), self.0.qos)?.with_care(self.1))
+        Ok(node.service(&format!("{manager}{name}"), self.0.qos)?.with_policy(self.1))
     }
 }
 
-impl<A: Action> Acted<A> {
+impl<A: Action> ActionRow<A> {
     const fn new(name: &'static str, text: &'static str) -> Self {
         Self(Row { kind: Kind::Action, name, interface: A::NAME, qos: Qos::SERVICE, text }, PhantomData)
     }
@@ -181,267 +181,267 @@ impl<A: Action> Acted<A> {
     }
 }
 
-pub(super) const JOINT_STATES: Topic<JointState> = Topic::published(
+pub(super) const JOINT_STATES: TopicRow<JointState> = TopicRow::published(
     "joint_states",
     Qos::STREAM,
     "actual position, velocity, effort of all axes but virtual ones, by their joint names; position unwrapped; each cycle of `joint_states_rate`",
 );
-pub(super) const AXIS_STATES: Topic<AxisStates> =
-    Topic::published("~/axis_states", Qos::STREAM, "all axes in file order; each cycle of `axis_states_rate`");
-pub(super) const SHAFT: Topic<ShaftStates> = Topic::published(
+pub(super) const AXIS_STATES: TopicRow<AxisStates> =
+    TopicRow::published("~/axis_states", Qos::STREAM, "all axes in file order; each cycle of `axis_states_rate`");
+pub(super) const SHAFT: TopicRow<ShaftStates> = TopicRow::published(
     "~/shaft",
     Qos::STREAM,
     "what leads: encoders, commands of virtual axes, masters of several, machine.vmaster; each cycle of `shaft_rate`, only where that is not 0; see [shaft.md](shaft.md#leader-states)",
 );
-pub(super) const FUNCTIONS: Topic<FunctionStates> = Topic::published(
+pub(super) const FUNCTIONS: TopicRow<FunctionStates> = TopicRow::published(
     "~/functions",
     Qos::STREAM,
     "all function slots: ten times a second, and when one starts, ends, is refused or has another input or output, at most 50 times a second; only where the cell has functions",
 );
-pub(super) const EVENTS: Topic<Event> =
-    Topic::published("~/events", Qos::EVENTS, "every event, with a sequence number without gaps");
-pub(super) const ERRORS: Topic<Event> = Topic::published(
+pub(super) const EVENTS: TopicRow<Event> =
+    TopicRow::published("~/events", Qos::EVENTS, "every event, with a sequence number without gaps");
+pub(super) const ERRORS: TopicRow<Event> = TopicRow::published(
     "~/errors",
     Qos::HISTORY,
     "the last 32 errors and resets, with how the axis stood and the remedy, also for who comes later; see [errors.md](errors.md)",
 );
-pub(super) const PARAMETER_EVENTS: Topic<ParameterEvent> =
-    Topic::published("/parameter_events", Qos::PARAMETERS, "every change of a parameter, from any source; see below");
-pub(super) const ROSOUT: Topic<Log> = Topic::published("/rosout", Qos::ROSOUT, "errors, refusals, limits");
-pub(super) const ROBOT_DESCRIPTION: Topic<Text> = Topic::published(
+pub(super) const PARAMETER_EVENTS: TopicRow<ParameterEvent> =
+    TopicRow::published("/parameter_events", Qos::PARAMETERS, "every change of a parameter, from any source; see below");
+pub(super) const ROSOUT: TopicRow<Log> = TopicRow::published("/rosout", Qos::ROSOUT, "errors, refusals, limits");
+pub(super) const ROBOT_DESCRIPTION: TopicRow<Text> = TopicRow::published(
     "robot_description",
     Qos::STATUS,
     "the URDF that the cell names with `ros: {robot_description: FILE}`; only then; see below",
 );
-pub(super) const CLOCK: Topic<Clock> =
-    Topic::subscribed("/clock", Qos::CLOCK, "the time of a simulation, only while `use_sim_time` is true; see below");
-pub(super) const TRANSITION_EVENT: Topic<TransitionEvent> =
-    Topic::published("~/transition_event", Qos::STREAM, "every step of the life cycle; see [Lifecycle](#lifecycle)");
-pub(super) const DIAGNOSTICS: Topic<DiagnosticArray> = Topic::published(
+pub(super) const CLOCK: TopicRow<Clock> =
+    TopicRow::subscribed("/clock", Qos::CLOCK, "the time of a simulation, only while `use_sim_time` is true; see below");
+pub(super) const TRANSITION_EVENT: TopicRow<TransitionEvent> =
+    TopicRow::published("~/transition_event", Qos::STREAM, "every step of the life cycle; see [Lifecycle](#lifecycle)");
+pub(super) const DIAGNOSTICS: TopicRow<DiagnosticArray> = TopicRow::published(
     "/diagnostics",
     Qos::STREAM,
     "how cycle, drives, buses and recorder do: once a second, and at once when a level changes; see [Diagnostics](#diagnostics)",
 );
-pub(super) const CYCLE_STATISTICS: Topic<CycleStatistics> =
-    Topic::published("~/cycle_statistics", Qos::STREAM, "how well the cycle keeps its time, once a second");
-pub(super) const CHANGE_STATE: Served<ChangeState> =
-    Served::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made")
-        .in_time();
-pub(super) const GET_STATE: Served<GetState> =
-    Served::new("~/get_state", Qos::SERVICE, "the present state of the life cycle");
-pub(super) const GET_AVAILABLE_STATES: Served<GetAvailableStates> =
-    Served::new("~/get_available_states", Qos::SERVICE, "all states of the life cycle");
-pub(super) const GET_AVAILABLE_TRANSITIONS: Served<GetAvailableTransitions> =
-    Served::new("~/get_available_transitions", Qos::SERVICE, "the transitions from the present state");
-pub(super) const GET_TRANSITION_GRAPH: Served<GetAvailableTransitions> =
-    Served::new("~/get_transition_graph", Qos::SERVICE, "all transitions of the life cycle");
-pub(super) const JOG: Topic<JointJog> = Topic::subscribed(
+pub(super) const CYCLE_STATISTICS: TopicRow<CycleStatistics> =
+    TopicRow::published("~/cycle_statistics", Qos::STREAM, "how well the cycle keeps its time, once a second");
+pub(super) const CHANGE_STATE: ServiceRow<ChangeState> =
+    ServiceRow::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made")
+        .as_command();
+pub(super) const GET_STATE: ServiceRow<GetState> =
+    ServiceRow::new("~/get_state", Qos::SERVICE, "the present state of the life cycle");
+pub(super) const GET_AVAILABLE_STATES: ServiceRow<GetAvailableStates> =
+    ServiceRow::new("~/get_available_states", Qos::SERVICE, "all states of the life cycle");
+pub(super) const GET_AVAILABLE_TRANSITIONS: ServiceRow<GetAvailableTransitions> =
+    ServiceRow::new("~/get_available_transitions", Qos::SERVICE, "the transitions from the present state");
+pub(super) const GET_TRANSITION_GRAPH: ServiceRow<GetAvailableTransitions> =
+    ServiceRow::new("~/get_transition_graph", Qos::SERVICE, "all transitions of the life cycle");
+pub(super) const JOG: TopicRow<JointJog> = TopicRow::subscribed(
     "~/jog",
     Qos::STREAM,
     "moves axes at velocities, by hand, until it stops coming; names joints; see below",
 );
-pub(super) const SETPOINTS: Topic<Setpoints> = Topic::subscribed(
+pub(super) const SETPOINTS: TopicRow<Setpoints> = TopicRow::subscribed(
     "~/setpoints",
     Qos::STREAM,
     "velocities for axes, from a machine, until they stop coming; see below",
 );
-pub(super) const ENABLE: Served<AxesCommand> = axes("~/enable", "switches axes on").in_time();
-pub(super) const DISABLE: Served<AxesCommand> = axes("~/disable", "stops axes, then switches them off").at_any_time();
-pub(super) const HALT: Served<AxesCommand> = axes("~/halt", "stops axes; a new goal may follow at once").at_any_time();
-pub(super) const QUICK_STOP: Served<AxesCommand> =
-    axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`").at_any_time();
-pub(super) const RESET_ERRORS: Served<AxesCommand> = axes("~/reset_errors", "clears errors and locks").in_time();
-pub(super) const HOME: Served<AxesCommand> = Served::new(
+pub(super) const ENABLE: ServiceRow<AxesCommand> = axes("~/enable", "switches axes on").as_command();
+pub(super) const DISABLE: ServiceRow<AxesCommand> = axes("~/disable", "stops axes, then switches them off").as_stop();
+pub(super) const HALT: ServiceRow<AxesCommand> = axes("~/halt", "stops axes; a new goal may follow at once").as_stop();
+pub(super) const QUICK_STOP: ServiceRow<AxesCommand> =
+    axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`").as_stop();
+pub(super) const RESET_ERRORS: ServiceRow<AxesCommand> = axes("~/reset_errors", "clears errors and locks").as_command();
+pub(super) const HOME: ServiceRow<AxesCommand> = ServiceRow::new(
     "~/home",
     Qos::SERVICE,
     "starts homing of axes, an empty list: of all that have a method; answers at once, when each has accepted or refused; see [homing.md](homing.md)",
-).in_time();
-pub(super) const SET_POSITION: Served<SetPosition> = Served::new(
+).as_command();
+pub(super) const SET_POSITION: ServiceRow<SetPosition> = ServiceRow::new(
     "~/set_position",
     Qos::SERVICE,
     "the present position of an axis gets a new value, or that of an encoder, or of a master (`x.master`); nothing moves, and a motion that refers to no place goes on; see [homing.md](homing.md#a-new-position) and [encoders.md](encoders.md)",
-).in_time();
-pub(super) const SET_POSITION_RELATIVE: Served<SetPosition> = Served::new(
+).as_command();
+pub(super) const SET_POSITION_RELATIVE: ServiceRow<SetPosition> = ServiceRow::new(
     "~/set_position_relative",
     Qos::SERVICE,
     "the same of an axis by a distance: all of its positions are `position` more from then on (MC_SetPosition with Relative)",
 )
-.in_time();
-pub(super) const GEAR_OUT: Served<GearOut> = Served::new(
+.as_command();
+pub(super) const GEAR_OUT: ServiceRow<GearOut> = ServiceRow::new(
     "~/gear_out",
     Qos::SERVICE,
     "ends the coupling of an axis now, or where its leader or it comes to a place; its goal of `~/synchronize` succeeds; see [shaft.md](shaft.md#gear-out)",
 )
-.in_time();
-pub(super) const TOUCH_PROBE: Served<TouchProbe> = Served::new(
+.as_command();
+pub(super) const TOUCH_PROBE: ServiceRow<TouchProbe> = ServiceRow::new(
     "~/touch_probe",
     Qos::SERVICE,
     "records where an axis is when an input, an encoder or a drive latches, once or until it is aborted, within a window if that is asked for; moves nothing; each record is an event `latch` of the axis; see [motion.md](motion.md#touch-probe-without-a-motion)",
 )
-.in_time();
-pub(super) const ABORT_TRIGGER: Served<AbortTrigger> =
-    Served::new("~/abort_trigger", Qos::SERVICE, "ends touch probes of an axis, those of one trigger or all").in_time();
-pub(super) const SET_OUTPUT: Served<SetOutput> = Served::new(
+.as_command();
+pub(super) const ABORT_TRIGGER: ServiceRow<AbortTrigger> =
+    ServiceRow::new("~/abort_trigger", Qos::SERVICE, "ends touch probes of an axis, those of one trigger or all").as_command();
+pub(super) const SET_OUTPUT: ServiceRow<SetOutput> = ServiceRow::new(
     "~/set_output",
     Qos::SERVICE,
     "sets digital outputs (0, 1) and analog ones (V) permanently, all of a request in one cycle, or none; see [io.md](io.md)",
-).in_time();
-pub(super) const SET_MEMORY: Served<SetMemory> = Served::new(
+).as_command();
+pub(super) const SET_MEMORY: ServiceRow<SetMemory> = ServiceRow::new(
     "~/set_memory",
     Qos::SERVICE,
     "sets memory cells, which functions read, all of a request in one cycle, or none; see [functions.md](functions.md)",
 )
-.in_time();
-pub(super) const COMMAND_FUNCTION: Served<CommandFunction> = Served::new(
+.as_command();
+pub(super) const COMMAND_FUNCTION: ServiceRow<CommandFunction> = ServiceRow::new(
     "~/command_function",
     Qos::SERVICE,
     "stages values of a function's fields and commands it in the same cycle (RESET, START, VALUE_NEW, READ_VALUE), or changes nothing; answers with the set in force; see below",
 )
-.in_time();
-pub(super) const LOAD_PROGRAM: Served<LoadProgram> = Served::new(
+.as_command();
+pub(super) const LOAD_PROGRAM: ServiceRow<LoadProgram> = ServiceRow::new(
     "~/load_program",
     Qos::SERVICE,
     "another module for a program, in the functions that run it, which go on with their state or begin again; refused where it is no program, or its state is not as long",
 )
-.in_time();
-pub(super) const LOAD_TABLE: Served<LoadTable> = Served::new(
+.as_command();
+pub(super) const LOAD_TABLE: ServiceRow<LoadTable> = ServiceRow::new(
     "~/load_table",
     Qos::SERVICE,
     "new numbers for a table, of the form that it has; refused while a started function reads it, but by types that take them while they run",
 )
-.in_time();
-pub(super) const GET_TABLE: Served<GetTable> =
-    Served::new("~/get_table", Qos::SERVICE, "the numbers of a table in force");
-pub(super) const SDO_READ: Served<SdoRead> = Served::new(
+.as_command();
+pub(super) const GET_TABLE: ServiceRow<GetTable> =
+    ServiceRow::new("~/get_table", Qos::SERVICE, "the numbers of a table in force");
+pub(super) const SDO_READ: ServiceRow<SdoRead> = ServiceRow::new(
     "~/sdo_read",
     Qos::SERVICE,
     "an object of a device on CAN, by its name in the EDS or its index, while the cycles run; see [can.md](can.md#objects-by-ros)",
 )
-.in_time();
-pub(super) const SDO_WRITE: Served<SdoWrite> = Served::new(
+.as_command();
+pub(super) const SDO_WRITE: ServiceRow<SdoWrite> = ServiceRow::new(
     "~/sdo_write",
     Qos::SERVICE,
     "the same the other way; refused for what the master writes, and for mapped objects of a drive under power",
 )
-.in_time();
-pub(super) const ABORT: Served<Trigger> = Served::new(
+.as_command();
+pub(super) const ABORT: ServiceRow<Trigger> = ServiceRow::new(
     "~/abort",
     Qos::SERVICE,
     "the Esc of MACS: stops all axes as fast as they can, closes brakes, sets outputs as `esccond` says, and locks the axes until `~/reset_errors`; answers when all stand; see [io.md](io.md)",
-).at_any_time();
-pub(super) const RECORD: Served<Record> = Served::new(
+).as_stop();
+pub(super) const RECORD: ServiceRow<Record> = ServiceRow::new(
     "~/record",
     Qos::SERVICE,
     "STATUS, START a bag, STOP it, SAVE what the flight recorder holds; see [recording.md](recording.md)",
 )
-.in_time();
-pub(super) const VOCABULARY: Served<Vocabulary> = Served::new(
+.as_command();
+pub(super) const VOCABULARY: ServiceRow<Vocabulary> = ServiceRow::new(
     "~/vocabulary",
     Qos::SERVICE,
     "a verb of an old controller for one axis; answers when the machine has accepted or refused it; see below",
 )
-.in_time();
-pub(super) const GET_PARAMETERS: Served<GetParameters> = parameters("~/get_parameters", "values of parameters");
-pub(super) const GET_PARAMETER_TYPES: Served<GetParameterTypes> = parameters("~/get_parameter_types", "their types");
-pub(super) const SET_PARAMETERS: Served<SetParameters> =
-    parameters("~/set_parameters", "sets each by itself").in_time();
-pub(super) const SET_PARAMETERS_ATOMICALLY: Served<SetParametersAtomically> =
-    parameters("~/set_parameters_atomically", "sets all of them, or none").in_time();
-pub(super) const LIST_PARAMETERS: Served<ListParameters> = parameters("~/list_parameters", "their names");
-pub(super) const DESCRIBE_PARAMETERS: Served<DescribeParameters> =
+.as_command();
+pub(super) const GET_PARAMETERS: ServiceRow<GetParameters> = parameters("~/get_parameters", "values of parameters");
+pub(super) const GET_PARAMETER_TYPES: ServiceRow<GetParameterTypes> = parameters("~/get_parameter_types", "their types");
+pub(super) const SET_PARAMETERS: ServiceRow<SetParameters> =
+    parameters("~/set_parameters", "sets each by itself").as_command();
+pub(super) const SET_PARAMETERS_ATOMICALLY: ServiceRow<SetParametersAtomically> =
+    parameters("~/set_parameters_atomically", "sets all of them, or none").as_command();
+pub(super) const LIST_PARAMETERS: ServiceRow<ListParameters> = parameters("~/list_parameters", "their names");
+pub(super) const DESCRIBE_PARAMETERS: ServiceRow<DescribeParameters> =
     parameters("~/describe_parameters", "their descriptions, units and ranges");
-pub(super) const GET_LOGGER_LEVELS: Served<GetLoggerLevels> =
-    Served::new("~/get_logger_levels", Qos::SERVICE, "levels of loggers; see below");
-pub(super) const SET_LOGGER_LEVELS: Served<SetLoggerLevels> =
-    Served::new("~/set_logger_levels", Qos::SERVICE, "sets them, in force at once");
-pub(super) const SAVE_PARAMETERS: Served<AxesCommand> =
-    axes("~/save_parameters", "keeps what is in force beyond the power; answers when it is stored").in_time();
-pub(super) const DELETE_PARAMETERS: Served<AxesCommand> =
-    axes("~/delete_parameters", "forgets what was kept; answers when that is stored").in_time();
-pub(super) const RESET_PARAMETERS: Served<ResetParameters> = Served::new(
+pub(super) const GET_LOGGER_LEVELS: ServiceRow<GetLoggerLevels> =
+    ServiceRow::new("~/get_logger_levels", Qos::SERVICE, "levels of loggers; see below");
+pub(super) const SET_LOGGER_LEVELS: ServiceRow<SetLoggerLevels> =
+    ServiceRow::new("~/set_logger_levels", Qos::SERVICE, "sets them, in force at once");
+pub(super) const SAVE_PARAMETERS: ServiceRow<AxesCommand> =
+    axes("~/save_parameters", "keeps what is in force beyond the power; answers when it is stored").as_command();
+pub(super) const DELETE_PARAMETERS: ServiceRow<AxesCommand> =
+    axes("~/delete_parameters", "forgets what was kept; answers when that is stored").as_command();
+pub(super) const RESET_PARAMETERS: ServiceRow<ResetParameters> = ServiceRow::new(
     "~/reset_parameters",
     Qos::SERVICE,
     "brings layer USER (what was saved) or INIT (the cell) back into force",
 )
-.in_time();
-pub(super) const EXPORT_PARAMETERS: Served<ExportParameters> =
-    Served::new("~/export_parameters", Qos::SERVICE, "parameters in force as text");
-pub(super) const IMPORT_PARAMETERS: Served<ImportParameters> =
-    Served::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB").in_time();
-pub(super) const MOVE_AXIS: Acted<MoveAxis> =
-    Acted::new("~/move_axis", "positioning; mode VELOCITY stays open until it is cancelled, halted or replaced");
-pub(super) const PROBE_AXIS: Acted<ProbeAxis> = Acted::new("~/probe_axis", "touch probe to position; see below");
-pub(super) const HOME_AXIS: Acted<HomeAxis> = Acted::new(
+.as_command();
+pub(super) const EXPORT_PARAMETERS: ServiceRow<ExportParameters> =
+    ServiceRow::new("~/export_parameters", Qos::SERVICE, "parameters in force as text");
+pub(super) const IMPORT_PARAMETERS: ServiceRow<ImportParameters> =
+    ServiceRow::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB").as_command();
+pub(super) const MOVE_AXIS: ActionRow<MoveAxis> =
+    ActionRow::new("~/move_axis", "positioning; mode VELOCITY stays open until it is cancelled, halted or replaced");
+pub(super) const PROBE_AXIS: ActionRow<ProbeAxis> = ActionRow::new("~/probe_axis", "touch probe to position; see below");
+pub(super) const HOME_AXIS: ActionRow<HomeAxis> = ActionRow::new(
     "~/home_axis",
     "homing of one axis, by its method or another one; cancel stops it; see [homing.md](homing.md)",
 );
-pub(super) const SYNCHRONIZE: Acted<Synchronize> =
-    Acted::new("~/synchronize", "open while coupled; cancel and `~/gear_out` uncouple, a dead client does not");
-pub(super) const PHASE: Acted<Phase> =
-    Acted::new("~/phase", "a shift of an axis against its leader in motion; see [cams.md](cams.md#phase)");
-pub(super) const RUN_FUNCTION: Acted<RunFunction> = Acted::new(
+pub(super) const SYNCHRONIZE: ActionRow<Synchronize> =
+    ActionRow::new("~/synchronize", "open while coupled; cancel and `~/gear_out` uncouple, a dead client does not");
+pub(super) const PHASE: ActionRow<Phase> =
+    ActionRow::new("~/phase", "a shift of an axis against its leader in motion; see [cams.md](cams.md#phase)");
+pub(super) const RUN_FUNCTION: ActionRow<RunFunction> = ActionRow::new(
     "~/run_function",
     "an order of a function that ends (epos), with values of its fields; cancel stops it; see [functions.md](functions.md#as-a-goal)",
 );
-pub(super) const TUNE: Acted<Tune> = Acted::new(
+pub(super) const TUNE: ActionRow<Tune> = ActionRow::new(
     "~/tune",
     "finds gains for the loops of an axis that are closed here: enables it, shakes it within bounds, disables it; cancel stops it; a real drive needs `real`; see [loops.md](loops.md#tuning-by-ros)",
 );
-pub(super) const FOLLOW_JOINT_TRAJECTORY: Acted<FollowJointTrajectory> = Acted::new(
+pub(super) const FOLLOW_JOINT_TRAJECTORY: ActionRow<FollowJointTrajectory> = ActionRow::new(
     "~/follow_joint_trajectory",
     "a trajectory of all axes with a drive; with `groups:` one for each, `~/<group>/follow_joint_trajectory`; see below",
 );
-pub(super) const GRIPPER_CMD: Acted<GripperCommand> = Acted::new(
+pub(super) const GRIPPER_CMD: ActionRow<GripperCommand> = ActionRow::new(
     "~/gripper_cmd",
     "opens or closes a gripper, a group of one axis with `gripper:`: `~/<group>/gripper_cmd`; see [Grippers](#grippers)",
 );
-pub(super) const PARALLEL_GRIPPER_CMD: Acted<ParallelGripperCommand> =
-    Acted::new("~/parallel_gripper_cmd", "the same with the newer type, `~/<group>/parallel_gripper_cmd`");
-pub(super) const JOINT_TRAJECTORY: Topic<JointTrajectory> = Topic::subscribed(
+pub(super) const PARALLEL_GRIPPER_CMD: ActionRow<ParallelGripperCommand> =
+    ActionRow::new("~/parallel_gripper_cmd", "the same with the newer type, `~/<group>/parallel_gripper_cmd`");
+pub(super) const JOINT_TRAJECTORY: TopicRow<JointTrajectory> = TopicRow::subscribed(
     "~/joint_trajectory",
     Qos::STREAM,
     "the same without an answer; with `groups:` one for each, `~/<group>/joint_trajectory`; without points: stop",
 );
-pub(super) const CONTROLLER_STATE: Topic<JointTrajectoryControllerState> = Topic::published(
+pub(super) const CONTROLLER_STATE: TopicRow<JointTrajectoryControllerState> = TopicRow::published(
     "~/controller_state",
     Qos::STREAM,
     "what these joints are asked for and where they are, `controller_state_rate` times a second; with `groups:` one for each, `~/<group>/controller_state`; see below",
 );
-pub(super) const QUERY_STATE: Served<QueryTrajectoryState> = Served::new(
+pub(super) const QUERY_STATE: ServiceRow<QueryTrajectoryState> = ServiceRow::new(
     "~/query_state",
     Qos::SERVICE,
     "what the trajectory of these joints asks of them at a time; with `groups:` one for each, `~/<group>/query_state`; see below",
 );
-pub(super) const LIST_CONTROLLERS: Served<ListControllers> = Served::new(
+pub(super) const LIST_CONTROLLERS: ServiceRow<ListControllers> = ServiceRow::new(
     "/controller_manager/list_controllers",
     Qos::SERVICE,
     "groups as controllers; only with `ros: {controller_manager: /controller_manager}`, as the next seven; see [Controller manager](#controller-manager)",
 );
-pub(super) const LIST_CONTROLLER_TYPES: Served<ListControllerTypes> =
-    Served::new("/controller_manager/list_controller_types", Qos::SERVICE, "the type of all controllers");
-pub(super) const LIST_HARDWARE_COMPONENTS: Served<ListHardwareComponents> =
-    Served::new("/controller_manager/list_hardware_components", Qos::SERVICE, "all axes with a drive as one component");
-pub(super) const LIST_HARDWARE_INTERFACES: Served<ListHardwareInterfaces> = Served::new(
+pub(super) const LIST_CONTROLLER_TYPES: ServiceRow<ListControllerTypes> =
+    ServiceRow::new("/controller_manager/list_controller_types", Qos::SERVICE, "the type of all controllers");
+pub(super) const LIST_HARDWARE_COMPONENTS: ServiceRow<ListHardwareComponents> =
+    ServiceRow::new("/controller_manager/list_hardware_components", Qos::SERVICE, "all axes with a drive as one component");
+pub(super) const LIST_HARDWARE_INTERFACES: ServiceRow<ListHardwareInterfaces> = ServiceRow::new(
     "/controller_manager/list_hardware_interfaces",
     Qos::SERVICE,
     "its command interfaces and state interfaces",
 );
-pub(super) const LOAD_CONTROLLER: Served<LoadController> = Served::new(
+pub(super) const LOAD_CONTROLLER: ServiceRow<LoadController> = ServiceRow::new(
     "/controller_manager/load_controller",
     Qos::SERVICE,
     "refused, as the next two: groups of the cell are the controllers",
 );
-pub(super) const UNLOAD_CONTROLLER: Served<UnloadController> =
-    Served::new("/controller_manager/unload_controller", Qos::SERVICE, "refused");
-pub(super) const RELOAD_CONTROLLER_LIBRARIES: Served<ReloadControllerLibraries> =
-    Served::new("/controller_manager/reload_controller_libraries", Qos::SERVICE, "refused");
+pub(super) const UNLOAD_CONTROLLER: ServiceRow<UnloadController> =
+    ServiceRow::new("/controller_manager/unload_controller", Qos::SERVICE, "refused");
+pub(super) const RELOAD_CONTROLLER_LIBRARIES: ServiceRow<ReloadControllerLibraries> =
+    ServiceRow::new("/controller_manager/reload_controller_libraries", Qos::SERVICE, "refused");
 // Deactivation is a stop, and activation moves nothing: neither is ever too late.
-pub(super) const SWITCH_CONTROLLER: Served<SwitchController> = Served::new(
+pub(super) const SWITCH_CONTROLLER: ServiceRow<SwitchController> = ServiceRow::new(
     "/controller_manager/switch_controller",
     Qos::SERVICE,
     "activates and deactivates controllers; an inactive one takes no trajectory; deactivation halts its axes",
 )
-.at_any_time();
+.as_stop();
 
 /// URDF as a parameter, for tools that read it from there.
 pub(super) const ROBOT_DESCRIPTION_PARAMETER: ParameterRow = ParameterRow {
@@ -554,12 +554,12 @@ const fn own(name: &'static str, kind: &'static str, default: &'static str, text
 }
 
 /// Creates the row of a service for a list of axes; an empty list means all axes.
-const fn axes(name: &'static str, text: &'static str) -> Served<AxesCommand> {
-    Served::new(name, Qos::SERVICE, text)
+const fn axes(name: &'static str, text: &'static str) -> ServiceRow<AxesCommand> {
+    ServiceRow::new(name, Qos::SERVICE, text)
 }
 
-const fn parameters<S: Service>(name: &'static str, text: &'static str) -> Served<S> {
-    Served::new(name, Qos::PARAMETERS, text)
+const fn parameters<S: Service>(name: &'static str, text: &'static str) -> ServiceRow<S> {
+    ServiceRow::new(name, Qos::PARAMETERS, text)
 }
 
 /// All rows, in the order of the documentation.

@@ -1,6 +1,6 @@
 //! Compares the table with the endpoints that a surface creates.
 
-use super::host::{Busy, GateState, Host, Listing, Snapshot, Statistics};
+use super::host::{SubmitError, GateState, Host, ParameterSelection, Snapshot, Statistics};
 use super::parameters::fake;
 use super::table::{Kind, PARAMETERS, ROWS, Row};
 use super::{GripperSettings, Group, JointNames, Surface, TrajectorySettings, states};
@@ -51,8 +51,8 @@ impl Host for Still {
         &self.directory
     }
 
-    fn submit(&self, _: Action) -> Result<u64, Busy> {
-        Err(Busy::Full)
+    fn submit(&self, _: Action) -> Result<u64, SubmitError> {
+        Err(SubmitError::Full)
     }
 
     fn read_vocabulary(&self, _: &str, _: &str, _: &str) -> Result<Action, String> {
@@ -63,7 +63,7 @@ impl Host for Still {
         Err("it stands still".to_owned())
     }
 
-    fn write_parameters(&self, _: AxisSet, _: Listing) -> String {
+    fn write_parameters(&self, _: AxisSet, _: ParameterSelection) -> String {
         String::new()
     }
 
@@ -79,17 +79,17 @@ impl Host for Still {
         self.controller_manager
     }
 
-    fn stream(&self, _: &Setpoints) -> Result<(), Busy> {
-        Err(Busy::Full)
+    fn stream(&self, _: &Setpoints) -> Result<(), SubmitError> {
+        Err(SubmitError::Full)
     }
 
-    fn begins_active(&self) -> bool {
+    fn is_active_at_start(&self) -> bool {
         true
     }
 
     fn open(&self) {}
 
-    fn take_commands(&self) {}
+    fn resume_commands(&self) {}
 
     fn close(&self) {}
 

@@ -6,7 +6,7 @@
 //! Refuses  an invalid goal, a real drive without `real`, an axis that cannot be tuned
 
 use super::goal::feedback_ticks;
-use super::host::{TuneOrder, Tuned, Tuning, TuningPhase, Untuned};
+use super::host::{TuneOrder, TuningResult, Tuning, TuningPhase, TuningFailure};
 use super::hub::Hub;
 use super::signals::AxisView;
 use super::table;
@@ -35,7 +35,7 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
     while let Some(event) = server.next().await {
         while open.try_join_next().is_some() {}
         let ActionEvent::Goal(request) = event else { continue };
-        let order = order(hub.host.config(), request.goal()).map_err(|error| error.to_string());
+        let order = tune_order(hub.host.config(), request.goal()).map_err(|error| error.to_string());
         let before = hub.host.parameters();
         let begun = order.and_then(|order| Ok((order, hub.host.tune(&order)?)));
         match begun {
@@ -43,7 +43,7 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
                 // Every resolved axis has a view and parameters.
                 let place = usize::from(order.axis);
                 let (Some(view), Some(before)) = (views.get(place), before.effective.get(place)) else { continue };
-                let tried = Tried { place, parameters: *before, view: view.clone() };
+                let tried = TunedAxis { place, parameters: *before, view: view.clone() };
                 open.spawn(run(Arc::clone(&hub), request.accept(), tuning, tried));
             }
             Err(sentence) => {
@@ -55,7 +55,7 @@ async fn serve(mut server: ActionServer<Tune>, hub: Arc<Hub>) {
 }
 
 /// Returns the settings of a goal, in increments.
-pub(super) fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder, RequestError> {
+pub(super) fn tune_order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder, RequestError> {
     let (axis, found) = config.find_axis(&goal.axis)?;
     let (units, scale) = (Units::from_number(goal.units)?, &found.scale);
     let bad =
@@ -77,7 +77,7 @@ pub(super) fn order(config: &MachineConfig, goal: &TuneGoal) -> Result<TuneOrder
 }
 
 /// Axis that is tuned.
-struct Tried {
+struct TunedAxis {
     place: usize,
     /// Parameters at the start: the result belongs to them.
     parameters: AxisParameters,
@@ -85,18 +85,18 @@ struct Tried {
 }
 
 /// Executes an accepted goal until it ends.
-async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: Tried) {
+async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: TunedAxis) {
     handle.execute();
     let found = follow(&hub, &handle, tuning, &tried.view).await;
     let (is_cancelled, axis) = (handle.is_cancel_requested(), handle.goal().axis.clone());
     let mut result = match found {
-        Ok(Tuned { report, gains }) => {
+        Ok(TuningResult { report, gains }) => {
             let parameters: Vec<_> = gains.iter().map(|gain| parameter(&axis, gain)).collect();
             let code = if parameters.is_empty() { Code::NOT_TUNED } else { Code::NONE };
             let message = if parameters.is_empty() { "no gains were found; the report says why" } else { "" };
             TuneResult { code: code.0, message: message.to_owned(), report, parameters, applied: false }
         }
-        Err(Untuned { code, message }) => TuneResult { code: code.0, message, ..TuneResult::default() },
+        Err(TuningFailure { code, message }) => TuneResult { code: code.0, message, ..TuneResult::default() },
     };
     if is_cancelled {
         // Also if the cancel request arrived while the gains were calculated.
@@ -112,7 +112,7 @@ async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: Tri
     if result.code == Code::NONE.0 { handle.succeed(result) } else { handle.abort(result) }
 }
 
-async fn follow(hub: &Arc<Hub>, handle: &GoalHandle<Tune>, tuning: Tuning, view: &AxisView) -> Result<Tuned, Untuned> {
+async fn follow(hub: &Arc<Hub>, handle: &GoalHandle<Tune>, tuning: Tuning, view: &AxisView) -> Result<TuningResult, TuningFailure> {
     let Tuning { watch, mut found } = tuning;
     let mut ticks = feedback_ticks();
     let mut is_cancelled = false;
@@ -158,7 +158,7 @@ fn parameter(axis: &str, &(key, value): &(&'static str, f64)) -> Parameter {
 }
 
 /// Sets the gains, all of them or none.
-async fn apply(hub: &Arc<Hub>, axis: &str, tried: &Tried, parameters: &[Parameter]) -> Result<(), (Code, String)> {
+async fn apply(hub: &Arc<Hub>, axis: &str, tried: &TunedAxis, parameters: &[Parameter]) -> Result<(), (Code, String)> {
     let line = |Parameter { name, value }: &Parameter| match value.r#type {
         ParameterType::PARAMETER_DOUBLE => format!("{name}: {}\n", value.double_value),
         _ => format!("{name}: {}\n", value.integer_value),
@@ -182,7 +182,7 @@ mod tests {
     fn resolve(goal: &TuneGoal) -> Result<TuneOrder, String> {
         let axis = AxisConfig::new("x".to_owned(), Scale::increments(), None, AxisParameters::new(1e5, 1e6));
         let config = MachineConfig { axes: vec![axis], ..MachineConfig::default() };
-        order(&config, goal).map_err(|error| error.to_string())
+        tune_order(&config, goal).map_err(|error| error.to_string())
     }
 
     #[test]

@@ -12,9 +12,9 @@ pub(super) fn published(urdf: &str) -> String {
     while !rest.is_empty() {
         let piece;
         if let Some(comment) = rest.strip_prefix("<!--") {
-            (_, rest) = cut(comment, "-->");
+            (_, rest) = split_at_end(comment, "-->");
         } else if let Some(raw) = rest.strip_prefix("<![CDATA[") {
-            (piece, rest) = cut(raw, "]]>");
+            (piece, rest) = split_at_end(raw, "]]>");
             text += &piece.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
         } else if rest.starts_with('<') {
             (piece, rest) = rest.split_at(tag_length(rest));
@@ -30,7 +30,7 @@ pub(super) fn published(urdf: &str) -> String {
 }
 
 /// Splits a text at `end`, into the part before it and the part after it.
-fn cut<'a>(text: &'a str, end: &str) -> (&'a str, &'a str) {
+fn split_at_end<'a>(text: &'a str, end: &str) -> (&'a str, &'a str) {
     text.split_once(end).unwrap_or((text, ""))
 }
 

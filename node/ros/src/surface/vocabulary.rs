@@ -1,6 +1,6 @@
 //! `~/vocabulary`: commands in the terms of earlier controllers, answered when the machine has accepted or refused them.
 
-use super::hub::{Answers, Hub};
+use super::hub::{CommandEvents, Hub};
 use super::table;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_msgs::srv::{Vocabulary, VocabularyRequest, VocabularyResponse};
@@ -33,7 +33,7 @@ async fn serve(mut server: ServiceServer<Vocabulary>, hub: Arc<Hub>) {
 }
 
 /// Reads a request and submits its command.
-async fn give(hub: &Arc<Hub>, service: &str, request: VocabularyRequest) -> Result<Answers, String> {
+async fn give(hub: &Arc<Hub>, service: &str, request: VocabularyRequest) -> Result<CommandEvents, String> {
     let host = Arc::clone(&hub.host);
     let read = move || host.read_vocabulary(&request.axis, &request.verb, &request.arguments);
     let command = match spawn_blocking(read).await {

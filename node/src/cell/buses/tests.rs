@@ -1,7 +1,7 @@
 use super::*;
 use crate::cell::Cell;
-use lineshaft_can::Watching;
-use lineshaft_can::config::{Analog, Encoder};
+use lineshaft_can::Monitoring;
+use lineshaft_can::config::{AnalogTerminal, Encoder};
 use lineshaft_core::drive::Terminal;
 
 const HEAD: &str = "lineshaft: 1\ncycle: CYCLE\nbackends:\n  bus0: {type: can, BUS}\naxes:\n";
@@ -88,8 +88,8 @@ fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
     let [drive] = buses[0].devices.as_slice() else { panic!("one drive") };
     let identity = Identity { vendor: Some(0xFFFF), product: Some(7), revision: None, serial: Some(9) };
     let as_drive = drive.drive().unwrap();
-    assert_eq!((drive.identity, as_drive.per_revolution), (identity, Some((20_000, 1))));
-    assert_eq!(drive.watching, Watching::Heartbeat { time_ns: 150_000_000 });
+    assert_eq!((drive.identity, as_drive.counts_per_shaft_revolution), (identity, Some((20_000, 1))));
+    assert_eq!(drive.watching, Monitoring::Heartbeat { time_ns: 150_000_000 });
     assert_eq!(as_drive.velocity.to_drive(10_000.0), 60);
     let [write] = drive.startup.as_slice() else { panic!("{:?}", drive.startup) };
     assert_eq!((write.object.to_string(), write.data.as_slice()), ("2080h:01".to_owned(), [0xFB, 0xFF].as_slice()));
@@ -192,10 +192,10 @@ fn a_drive_by_number_has_its_watch_and_its_units() {
         assert!(!cell.machine.axes[0].drive.unwrap().homes, "it stays in its mode");
         cell.buses(None).unwrap().remove(0).devices.remove(0)
     };
-    let guarding = |ms: u64, life_factor| Watching::Guarding { guard_ns: ms * 1_000_000, life_factor };
+    let guarding = |ms: u64, life_factor| Monitoring::Guarding { guard_ns: ms * 1_000_000, life_factor };
     assert_eq!(device("drivetype: 2").watching, guarding(100, 3));
     assert_eq!(device("drivetype: 2, guarding: {time: 50 ms, factor: 2}").watching, guarding(50, 2));
-    assert_eq!(device("drivetype: -4").watching, Watching::None);
+    assert_eq!(device("drivetype: -4").watching, Monitoring::None);
     let akd = device("drivetype: -13, feed: 10 mm");
     assert_eq!(akd.drive().unwrap().velocity.to_drive(500_000.0), 3_000_000);
 }
@@ -217,8 +217,8 @@ fn times_of_a_bus_reach_the_ends_of_their_ranges() {
     assert_eq!(described.time_ns, Some(3_600_000_000_000));
     assert_eq!(described.master.as_ref().map(|master| master.heartbeat_ns), Some(21_000_000_000));
     let watching: Vec<_> = cell.on_can.iter().flatten().map(|drive| drive.device.watching).collect();
-    let guarding = Watching::Guarding { guard_ns: 65_535_000_000, life_factor: 1 };
-    assert_eq!(watching, [Watching::Heartbeat { time_ns: 63_000_000_000 }, guarding]);
+    let guarding = Monitoring::Guarding { guard_ns: 65_535_000_000, life_factor: 1 };
+    assert_eq!(watching, [Monitoring::Heartbeat { time_ns: 63_000_000_000 }, guarding]);
 }
 
 #[test]
@@ -363,14 +363,14 @@ encoders:
     assert_eq!((drive.to_string(), &drive.terminals), ("node 1 (x)".to_owned(), &of_drive));
     let of_module = Terminals {
         digital_inputs: vec![at(0, 63)],
-        analog_inputs: vec![Analog { terminal: at(0, 11), full_scale: 0.5 }],
+        analog_inputs: vec![AnalogTerminal { terminal: at(0, 11), volts_at_full_scale: 0.5 }],
         ..Terminals::default()
     };
     assert_eq!((module.to_string(), &module.terminals), ("node 10 (module)".to_owned(), &of_module));
-    assert_eq!(module.watching, Watching::Heartbeat { time_ns: 300_000_000 });
+    assert_eq!(module.watching, Monitoring::Heartbeat { time_ns: 300_000_000 });
     let of_encoder = vec![Encoder { place: 0, is_absolute: true }];
     assert_eq!((encoder.to_string(), &encoder.terminals.encoders), ("node 12 (encoder)".to_owned(), &of_encoder));
-    assert_eq!(encoder.watching, Watching::None);
+    assert_eq!(encoder.watching, Monitoring::None);
 }
 
 #[test]

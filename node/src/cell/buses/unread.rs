@@ -10,7 +10,7 @@
 use super::super::can::CellDrive;
 use super::super::names::quote;
 use lineshaft_can::config::DeviceConfig;
-use lineshaft_can::drive::layout::Told;
+use lineshaft_can::drive::layout::ReportedValue;
 use lineshaft_can::drive::probe::Probe;
 use lineshaft_core::axis::Source;
 use lineshaft_core::config::AxisConfig;
@@ -53,7 +53,7 @@ impl Unread<'_> {
 
     /// Whether a PDO has the digital inputs of the drive (60FDh).
     fn reads_inputs(&self) -> bool {
-        self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == Told::Inputs)
+        self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == ReportedValue::Inputs)
     }
 
     /// Returns the reason why 60FDh is in no PDO, and how to map it.

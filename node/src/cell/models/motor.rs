@@ -119,7 +119,7 @@ impl<'v, 'd> Given<'v, 'd> {
     }
 
     /// Refuses keys that exclude or require others.
-    fn check_company(&self) {
+    fn check_combinations(&self) {
         for (first, others) in NEEDS.iter().filter(|(first, _)| self.value(first).is_none()) {
             for value in others.iter().filter_map(|key| self.value(key)) {
                 let sentence = format!("{} is for a motor with {first}; this one has none", value.label());
@@ -171,7 +171,7 @@ pub(super) fn read(
 ) -> Option<Motor> {
     let given = Given { values, good: std::cell::Cell::new(true) };
     given.check_missing(map);
-    given.check_company();
+    given.check_combinations();
     let inertia = given.si("inertia", Dimension::Inertia, 1.0);
     let ratio = given.si("inertia_ratio", Dimension::Ratio, if given.value("stiffness").is_some() { 1.0 } else { 0.0 });
     let stage = given.stage();

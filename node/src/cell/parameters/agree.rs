@@ -26,7 +26,7 @@ pub(crate) fn double_views(given: Given<'_, '_>, off: impl Fn(&Row) -> bool) {
 
 /// Refuses two keys of the same limit in inverted units: a limit of MACS is then the opposite native one, so that keys
 /// which are no views of each other may set the same value. `set` are the values of the file, with their locations.
-pub(crate) fn turned_views<'v, 'd: 'v>(
+pub(crate) fn inverted_limits<'v, 'd: 'v>(
     parameters: &AxisParameters,
     set: impl Iterator<Item = (&'static Row, parameter::Value, &'v Value<'d>)>,
 ) {

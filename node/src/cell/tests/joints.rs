@@ -19,7 +19,7 @@ fn two(first: &str, second: &str) -> String {
 fn without_the_key_the_joint_name_is_the_object_name() {
     let cell = good(&two("", ""));
     assert!(cell.joint_names.iter().eq(["a", "b"]));
-    assert_eq!(cell.joint_names.renamed(&cell.machine).count(), 0);
+    assert_eq!(cell.joint_names.different_names(&cell.machine).count(), 0);
 }
 
 #[test]

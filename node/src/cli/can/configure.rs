@@ -14,13 +14,13 @@ pub(super) fn configure(args: &ConfigureArgs) -> Result<(), Failure> {
     let dictionary = device_file("--dcf", path, node).map_err(Failure::Usage)?;
     warn(passed_over("--dcf", path, &dictionary, &[]));
     let file = path.display();
-    let values = dictionary.written().map_err(|error| Failure::Usage(format!("--dcf {file}: {error}")))?;
+    let values = dictionary.configured_values().map_err(|error| Failure::Usage(format!("--dcf {file}: {error}")))?;
     if values.is_empty() {
         let sentence = "configures nothing: no object that can be written has a ParameterValue";
         return Err(Failure::Usage(format!("--dcf {file} {sentence}")));
     }
     let mut session = Known::of(&args.bus)?.open()?;
-    session.refuse_others(node, dictionary.device.vendor_number, dictionary.device.product_number)?;
+    session.check_identity(node, dictionary.device.vendor_number, dictionary.device.product_number)?;
     let mut progress = Progress::new("objects", Duration::ZERO);
     let done = session.configure(node, &values, &mut |done, of| progress.set(done, Some(of)));
     drop(progress);

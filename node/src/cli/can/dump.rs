@@ -12,7 +12,7 @@ use crate::cli::warn;
 use crate::output;
 use crate::recording::clean::clean;
 use crate::recording::run::{Message, Run, RunError};
-use crate::recording::{Way, attached_files};
+use crate::recording::{FrameDirection, attached_files};
 use lineshaft_can::commission::Decoder;
 use lineshaft_can::{Frame, Id};
 use lineshaft_core::unit::excerpt;
@@ -33,14 +33,14 @@ impl From<RunError> for Failure {
 /// Bus and direction of a topic of frames.
 struct Topic<'a> {
     bus: &'a str,
-    way: Way,
+    way: FrameDirection,
 }
 
 impl<'a> Topic<'a> {
     /// Parses a topic name such as `/lineshaft/can/bus0/sent`.
     fn of(name: &'a str) -> Option<Self> {
         let (before, last) = name.rsplit_once('/')?;
-        let way = Way::ALL.into_iter().find(|way| way.name() == last)?;
+        let way = FrameDirection::ALL.into_iter().find(|way| way.name() == last)?;
         let (before, bus) = before.rsplit_once('/')?;
         before.ends_with("/can").then_some(Self { bus, way })
     }
@@ -69,7 +69,7 @@ pub(super) fn dump(args: &DumpArgs) -> Result<(), Failure> {
         let Some(decoder) = decoders.get_mut(bus) else { continue };
         // Frames of other nodes may belong to the same exchange even if they are not printed.
         let words = decoder.words(&frame);
-        if args.node.is_some_and(|node| !decoder.concerns(&frame, node)) {
+        if args.node.is_some_and(|node| !decoder.is_of_node(&frame, node)) {
             continue;
         }
         let since_s = (i128::from(stamp_ns) - i128::from(begin)) as f64 * 1e-9;
@@ -138,7 +138,7 @@ fn decoders(args: &DumpArgs, run: &Run) -> Result<(BTreeMap<String, Decoder>, De
     if let (Some(node), Some(path)) = (args.node, &args.eds) {
         let dictionary = device_file("--eds", path, node).map_err(Failure::Usage)?;
         warn(passed_over("--eds", path, &dictionary, &[]));
-        decoders.values_mut().chain([&mut other]).for_each(|decoder| decoder.know(node, dictionary.clone()));
+        decoders.values_mut().chain([&mut other]).for_each(|decoder| decoder.add_dictionary(node, dictionary.clone()));
     }
     Ok((decoders, other))
 }
@@ -171,7 +171,7 @@ fn of_cell(cell: &Cell, path: &Path) -> Result<BTreeMap<String, Decoder>, String
         let mut decoder = Decoder::default();
         bus.devices.iter().for_each(|device| carry(&mut decoder, device));
         for (node, dictionary) in cell.dictionaries(&bus.name, path)? {
-            decoder.know(node, dictionary);
+            decoder.add_dictionary(node, dictionary);
         }
         Ok((bus.name, decoder))
     };

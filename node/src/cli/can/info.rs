@@ -10,7 +10,7 @@ use crate::cli::command_output::Output;
 use crate::cli::say;
 use crate::recording::clean::{clean, clean_lines};
 use lineshaft_can::commission::words::{self, drive_state, nmt_state};
-use lineshaft_can::commission::{Device, Drive, Heard, PdoSeen, label};
+use lineshaft_can::commission::{Device, Drive, ReportedState, PdoConfiguration, label};
 use lineshaft_can::eds::{Dictionary, Direction};
 use lineshaft_core::drive::DriveState;
 use serde_json::Value as Json;
@@ -26,7 +26,7 @@ pub(super) fn info(args: &InfoArgs, output: &mut Output) -> Result<(), Failure> 
     let device = session.device(node)?;
     let drive = if device.is_drive() { Some(session.drive(node)?) } else { None };
     let pdos = session.pdos(node)?;
-    let heard = session.heard(node, device.heartbeat_ms)?;
+    let heard = session.nmt_state(node, device.heartbeat_ms)?;
     output.set("device", object::of_device(node, &device, heard));
     output.set("drive", drive.as_ref().map_or(Json::Null, object::of_drive));
     output.set("pdos", pdos.iter().map(|pdo| object::of_pdo(pdo, known.dictionary(node))).collect());
@@ -53,7 +53,7 @@ fn row(name: &str, value: impl Into<String>) -> Row {
     (name.to_owned(), value.into())
 }
 
-fn of_device(device: &Device, heard: Heard) -> Vec<Row> {
+fn of_device(device: &Device, heard: ReportedState) -> Vec<Row> {
     let text = |text: &Option<String>| text.clone().unwrap_or_else(|| "-".to_owned());
     let [vendor, product, revision, serial] = device.identity.map(word);
     let [name, hardware, software] = device.texts.each_ref().map(text);
@@ -62,9 +62,9 @@ fn of_device(device: &Device, heard: Heard) -> Vec<Row> {
         |device_type| format!("{device_type:08X}h, profile {}", words::profile(device_type & 0xFFFF)),
     );
     let state = match heard {
-        Heard::State(state) => nmt_state(state).to_owned(),
-        Heard::None => "not told: it has no heartbeat (1017h is 0)".to_owned(),
-        Heard::Silent => "not told: its heartbeat has not come".to_owned(),
+        ReportedState::State(state) => nmt_state(state).to_owned(),
+        ReportedState::None => "not told: it has no heartbeat (1017h is 0)".to_owned(),
+        ReportedState::Silent => "not told: its heartbeat has not come".to_owned(),
     };
     let register = device.register.map(|bits| format!("{bits:02X}h ({})", words::register(bits)));
     let mut rows = vec![
@@ -117,7 +117,7 @@ fn of_drive(drive: &Drive) -> Vec<Row> {
 }
 
 /// Returns a table of PDOs, with their objects below each other.
-fn of_pdos(pdos: &[PdoSeen], dictionary: Option<&Dictionary>) -> String {
+fn of_pdos(pdos: &[PdoConfiguration], dictionary: Option<&Dictionary>) -> String {
     if pdos.is_empty() {
         return "the device has no PDOs".to_owned();
     }

@@ -47,5 +47,5 @@ fn scan(bus: &BusArgs) -> Result<(), Failure> {
 fn set(bus: &BusArgs, device: IdentityArgs, command: LssCommand) -> Result<(), Failure> {
     let mut session = Known::of(bus)?.open()?;
     let identity = [device.vendor, device.product, device.revision, device.serial];
-    Ok(session.set_layer(identity, command)?)
+    Ok(session.send_lss_command(identity, command)?)
 }

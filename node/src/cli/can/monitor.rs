@@ -7,7 +7,7 @@ use crate::interrupt::Interrupt;
 use crate::output;
 use crate::recording::clean::clean;
 use lineshaft_can::commission::words::hex;
-use lineshaft_can::commission::{Carried, Decoder};
+use lineshaft_can::commission::{AssignedPdo, Decoder};
 use lineshaft_can::config::DeviceConfig;
 use lineshaft_can::drive::layout::Pdo;
 use lineshaft_can::eds::{Direction, Mapped};
@@ -23,7 +23,7 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
         carry(&mut decoder, device);
     }
     for (node, dictionary) in known.dictionaries() {
-        decoder.know(node, dictionary.clone());
+        decoder.add_dictionary(node, dictionary.clone());
     }
     let interrupt = Interrupt::listen().map_err(|error| Failure::Bus(format!("Ctrl-C cannot be heard: {error}")))?;
     let mut session = known.open()?;
@@ -36,7 +36,7 @@ pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
         let Some(frame) = frame else { return true };
         // Frames of other nodes may belong to the same exchange even if they are not printed.
         let words = decoder.words(frame);
-        if args.node.is_some_and(|node| !decoder.concerns(frame, node)) {
+        if args.node.is_some_and(|node| !decoder.is_of_node(frame, node)) {
             return true;
         }
         let (since_s, told) = (since.as_secs_f64(), told(frame, &words));
@@ -54,14 +54,14 @@ pub(super) fn told(frame: &Frame, words: &str) -> String {
 /// Adds the PDOs of a device, as configured by the cell, to the decoder.
 pub(super) fn carry(decoder: &mut Decoder, device: &DeviceConfig) {
     for pdo in &device.layout.asked {
-        decoder.carry(pdo.id, carried(device.node, Direction::Receive, pdo));
+        decoder.assign_pdo(pdo.id, carried(device.node, Direction::Receive, pdo));
     }
     for pdo in &device.layout.told {
-        decoder.carry(pdo.id, carried(device.node, Direction::Transmit, pdo));
+        decoder.assign_pdo(pdo.id, carried(device.node, Direction::Transmit, pdo));
     }
 }
 
-fn carried<W>(node: NodeId, direction: Direction, pdo: &Pdo<W>) -> Carried {
+fn carried<W>(node: NodeId, direction: Direction, pdo: &Pdo<W>) -> AssignedPdo {
     let mapped = pdo.fields.iter().map(|field| Mapped { object: field.object, bits: field.bits as u8 }).collect();
-    Carried { node, direction, number: pdo.number.into(), mapped }
+    AssignedPdo { node, direction, number: pdo.number.into(), mapped }
 }

@@ -24,7 +24,7 @@ pub(super) fn nmt(args: &NmtArgs) -> Result<(), Failure> {
     let resets = matches!(args.command, NmtArg::ResetNode | NmtArg::ResetCommunication);
     let Some(node) = node.filter(|_| resets) else { return Ok(()) };
     let began = Instant::now();
-    match session.hear(node, BOOT, |state| state == NmtState::BootUp)? {
+    match session.wait_for_state(node, BOOT, |state| state == NmtState::BootUp)? {
         Some(_) => {
             say(&format_args!("{node}: it has booted after {} ms", began.elapsed().as_millis()));
             Ok(())

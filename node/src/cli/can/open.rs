@@ -10,7 +10,7 @@ use lineshaft_can::commission::{self, ObjectError, Session};
 use lineshaft_can::config::BusConfig;
 use lineshaft_can::eds::{Dictionary, FindError};
 use lineshaft_can::sdo::Object;
-use lineshaft_can::transport::{Address, Obstacle, Options, open};
+use lineshaft_can::transport::{Address, OpenFailure, Options, open};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Duration;
@@ -108,7 +108,7 @@ impl Known {
         let options = Options { bit_rate: self.bit_rate, baud: self.baud };
         match open(&self.address, options) {
             Ok(transport) => Ok(Session::new(transport, self.timeout)),
-            Err(error) if matches!(error.obstacle, Obstacle::BitRate(_)) => Err(Failure::Usage(error.to_string())),
+            Err(error) if matches!(error.failure, OpenFailure::BitRate(_)) => Err(Failure::Usage(error.to_string())),
             Err(error) => Err(Failure::Bus(error.to_string())),
         }
     }

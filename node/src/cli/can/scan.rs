@@ -8,7 +8,7 @@ use crate::cli::command_output::Output;
 use crate::progress::Progress;
 use crate::recording::clean::clean_lines;
 use lineshaft_can::commission::words::{nmt_state, profile};
-use lineshaft_can::commission::{Found, Scan};
+use lineshaft_can::commission::{FoundNode, Scan};
 use serde_json::{Value as Json, json};
 use std::time::Duration;
 
@@ -42,7 +42,7 @@ pub(super) fn scan(args: &ScanArgs, output: &mut Output) -> Result<(), Failure> 
 }
 
 /// Returns a node as a JSON object.
-fn object(found: &Found) -> Json {
+fn object(found: &FoundNode) -> Json {
     let [vendor, product, revision, serial] = found.identity;
     json!({
         "node": found.node.get(),
@@ -58,14 +58,14 @@ fn object(found: &Found) -> Json {
     })
 }
 
-fn table(found: &[Found]) -> String {
+fn table(found: &[FoundNode]) -> String {
     let titles = ["node", "state", "profile", "vendor", "product", "revision", "serial", "name"];
     let mut rows = vec![titles.map(str::to_owned).to_vec()];
     rows.extend(found.iter().map(row));
     columns(&rows)
 }
 
-fn row(found: &Found) -> Vec<String> {
+fn row(found: &FoundNode) -> Vec<String> {
     let none = || "-".to_owned();
     let mut row = vec![
         found.node.get().to_string(),

@@ -7,7 +7,7 @@ use crate::cli::say;
 use crate::progress::{MOMENT, Progress};
 use crate::recording::clean::clean;
 use lineshaft_can::commission::words::hex;
-use lineshaft_can::commission::{LONGEST, decoded, encoded, label, readable, type_of, writable};
+use lineshaft_can::commission::{LONGEST, decoded, encoded, label, check_readable, type_of, writable};
 use lineshaft_can::eds::{DataType, Value};
 use lineshaft_ros::layer::open_file;
 use std::io::Read;
@@ -18,7 +18,7 @@ pub(super) fn read(args: &ReadArgs) -> Result<(), Failure> {
     let known = Known::of(&args.node.bus)?.with_eds(node, args.node.eds.as_deref())?;
     let object = known.object(node, &args.object)?;
     let dictionary = known.dictionary(node);
-    readable(object, dictionary)?;
+    check_readable(object, dictionary)?;
     let data_type = type_of(object, args.kind, dictionary)?;
     // Block transfer is used for data that may be long.
     let is_long = matches!(data_type, Some(DataType::Domain | DataType::OctetString));

@@ -7,8 +7,8 @@ use crate::cli::{say, warn};
 use crate::interrupt::Interrupt;
 use clap::Args;
 use lineshaft_can::config::BusConfig;
-use lineshaft_can::simulate::{SimulatedBus, occupant, unsupported};
-use lineshaft_can::transport::{Address, Obstacle, Options, Transport, TransportError, open, slcan_pty};
+use lineshaft_can::simulate::{SimulatedBus, occupied_node, unsupported};
+use lineshaft_can::transport::{Address, OpenFailure, Options, Transport, TransportError, open, slcan_pty};
 use lineshaft_core::machine::Machine;
 use std::path::{Path, PathBuf};
 
@@ -72,7 +72,7 @@ fn lost(error: TransportError) -> Failure {
 /// Opens a bus that other nodes may use; refuses it if one of them has the node ID of a drive.
 fn shared(config: &BusConfig, address: Address) -> Result<(Address, Box<dyn Transport>), Failure> {
     let mut transport = opened(config, &address)?;
-    if let Some(node) = occupant(&mut *transport, config).map_err(lost)? {
+    if let Some(node) = occupied_node(&mut *transport, config).map_err(lost)? {
         let sentence = format!("{address}: {node} is on the bus already; simulated drives need nodes of their own");
         return Err(Failure::Bus(sentence));
     }
@@ -110,8 +110,8 @@ fn address(config: &BusConfig, given: Option<&Address>) -> Result<Address, Failu
 
 fn opened(config: &BusConfig, address: &Address) -> Result<Box<dyn Transport>, Failure> {
     let options = Options { bit_rate: config.bit_rate.unwrap_or(BIT_RATE), baud: config.serial_baudrate };
-    open(address, options).map_err(|error| match error.obstacle {
-        Obstacle::BitRate(_) => Failure::Usage(error.to_string()),
+    open(address, options).map_err(|error| match error.failure {
+        OpenFailure::BitRate(_) => Failure::Usage(error.to_string()),
         _ => Failure::Bus(error.to_string()),
     })
 }

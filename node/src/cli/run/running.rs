@@ -13,9 +13,9 @@ use crate::run::flight::Flight;
 use crate::run::flight::folder::FlightFolder;
 use crate::run::frames::{FrameReceiver, frames};
 use crate::run::gate::Gate;
-use crate::run::keeper::Keeper;
+use crate::run::keeper::StoreWriter;
 use crate::run::lanes;
-use crate::run::objects::ObjectDesk;
+use crate::run::objects::ObjectAccess;
 use crate::run::realtime::Processor;
 use crate::run::recorder::{Asked, BusFrames, FlightRecorder, Published, Recorder};
 use crate::run::samples::{Cadences, samples};
@@ -100,7 +100,7 @@ fn flight(args: &FlightArgs, name: &NodeName) -> Result<Option<FlightRecorder>, 
             let created = FlightFolder::create(folder.clone(), keep);
             created.map_err(|error| format!("--flight-folder: {error}"))?
         }
-        None => match FlightFolder::create_beside(&flight_folder(name)?, keep) {
+        None => match FlightFolder::create_unique(&flight_folder(name)?, keep) {
             Ok(folder) => folder,
             Err(error) => {
                 tracing::warn!("the flight recorder is off: {error}; --flight-folder names another folder");
@@ -121,7 +121,7 @@ pub(in crate::cli) struct Hardware {
     backends: Backends,
     services: Vec<Box<dyn Service>>,
     /// Access to objects of its devices.
-    objects: ObjectDesk,
+    objects: ObjectAccess,
     /// Frames on its CAN buses.
     buses: Vec<BusFrames>,
     /// Whether each axis has a real drive, in the order of the file.
@@ -140,7 +140,7 @@ impl Hardware {
         let mut found = Self {
             backends: Backends::simulated(cell.plant_of(|backend| is_sim || backend.is_simulated())),
             services: Vec::new(),
-            objects: ObjectDesk::new(on_can.map(|backend| backend.name.clone()).collect()),
+            objects: ObjectAccess::new(on_can.map(|backend| backend.name.clone()).collect()),
             buses: Vec::new(),
             real: if is_sim { vec![false; cell.machine.axes.len()] } else { cell.real_axes() },
         };
@@ -177,7 +177,7 @@ fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
 
 /// Initial data of a machine, in addition to its cell.
 #[derive(Default)]
-pub(in crate::cli) struct Given {
+pub(in crate::cli) struct InitialData {
     pub store: Option<Store>,
     /// First commands.
     pub first: Vec<Action>,
@@ -210,7 +210,7 @@ pub(in crate::cli) struct Prepared {
     cycle: CycleThread,
     services: Option<Services>,
     bridge: Bridge,
-    keeper: Option<Keeper>,
+    keeper: Option<StoreWriter>,
     encoder: Encoder,
     frames: FrameReceiver,
     asked: Receiver<Asked>,
@@ -221,14 +221,14 @@ pub(in crate::cli) struct Prepared {
 }
 
 /// Data that the bridge will pass on to the surface.
-pub(in crate::cli) struct Heard {
+pub(in crate::cli) struct SurfaceInputs {
     pub events: UnboundedReceiver<StampedEvent>,
     pub states: StateReceiver,
 }
 
 impl Prepared {
     /// Prepares a machine; also returns the data for the surface.
-    pub(in crate::cli) fn new(cell: &Cell, machine: Machine, hardware: Hardware, given: Given) -> (Self, Heard) {
+    pub(in crate::cli) fn new(cell: &Cell, machine: Machine, hardware: Hardware, given: InitialData) -> (Self, SurfaceInputs) {
         let Hardware { backends, services, objects, buses, real } = hardware;
         let (commander, lanes) = lanes::lanes(machine.config().axes.len());
         let (frames, frames_out, spent) = frames(&machine);
@@ -271,7 +271,7 @@ impl Prepared {
         let (handle, keeper) = match given.store {
             None => (handle, None),
             Some(store) => {
-                let (orders, keeper) = Keeper::new(store, config);
+                let (orders, keeper) = StoreWriter::new(store, config);
                 (handle.with_keeper(orders), Some(keeper))
             }
         };
@@ -317,7 +317,7 @@ impl Prepared {
             clock: CycleClock::new(clock.clone()),
             processor: given.processor,
         };
-        let heard = Heard { events: events_heard, states: states_heard };
+        let heard = SurfaceInputs { events: events_heard, states: states_heard };
         let frames = frames_out;
         (Self { handle, cycle, services, bridge, keeper, encoder, frames, asked, buses, report, clock }, heard)
     }

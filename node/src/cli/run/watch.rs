@@ -18,12 +18,12 @@ const PULSES: Duration = Duration::from_millis(50);
 
 /// Times without a finished task after which the machine reacts.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Patience {
+pub(super) struct Timeouts {
     pub(super) silent: Duration,
     pub(super) lost: Duration,
 }
 
-impl Patience {
+impl Timeouts {
     pub(super) fn until(silent: Duration) -> Self {
         Self { silent, lost: Duration::from_secs(10) }
     }
@@ -55,7 +55,7 @@ impl Watch {
     /// Returns an error if no thread can be created.
     pub(super) fn start(
         runtime: Handle,
-        patience: Patience,
+        patience: Timeouts,
         pulse: impl Fn() + Send + Sync + 'static,
         tell: impl Fn(Change) + Send + 'static,
     ) -> std::io::Result<Self> {
@@ -79,7 +79,7 @@ impl Drop for Watch {
 
 fn watch(
     runtime: &Handle,
-    patience: Patience,
+    patience: Timeouts,
     pulse: &Arc<impl Fn() + Send + Sync + 'static>,
     is_closed: &AtomicBool,
     tell: &impl Fn(Change),
@@ -121,7 +121,7 @@ mod tests {
     fn a_surface_that_hangs_is_silent_then_back_or_lost() {
         let runtime =
             tokio::runtime::Builder::new_multi_thread().worker_threads(1).thread_name(SURFACE).build().unwrap();
-        let patience = Patience { silent: Duration::from_millis(700), lost: Duration::from_secs(2) };
+        let patience = Timeouts { silent: Duration::from_millis(700), lost: Duration::from_secs(2) };
         let (taken_by_all, (told, changes)) = (Arc::<Mutex<()>>::default(), channel());
         let taken = Arc::clone(&taken_by_all);
         let pulse = move || drop(taken.lock());

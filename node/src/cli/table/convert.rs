@@ -97,7 +97,7 @@ fn in_form(read: &Table, args: &ConvertArgs) -> Result<Table, Failure> {
 /// Returns a table of a cell, or of a part of one, by its name.
 fn of_cell(path: &Path, wanted: Option<&str>) -> Result<(String, Table), Failure> {
     let document = Document::read(path);
-    let found = document.root("the file").and_then(|root| chosen(&root, wanted, &Files::beside(path)));
+    let found = document.root("the file").and_then(|root| chosen(&root, wanted, &Files::in_folder_of(path)));
     let problems = document.into_problems();
     found.filter(|_| problems.is_empty()).ok_or_else(|| Failure::Problems(problems.to_string()))
 }

@@ -8,7 +8,7 @@
 //! Refuses  backends that do not start
 
 use crate::cell::Cell;
-use crate::cli::run::{Given, Hardware, Prepared, Recording, Running, stop_machine};
+use crate::cli::run::{InitialData, Hardware, Prepared, Recording, Running, stop_machine};
 use crate::cli::{Exit, TuneArgs};
 use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::run::bridge::Handle;
@@ -36,7 +36,7 @@ pub(super) enum RealError {
 /// Maximum time until a drive is online, after its backend has started.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Polling interval.
-const LOOK: Duration = Duration::from_millis(20);
+const POLL_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Runs the trial of the axis. A trial that was ended early is no error.
 ///
@@ -58,9 +58,9 @@ pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result
         let mut signals =
             Signals::new().map_err(|error| format!("signals of the system cannot be received: {error}"))?;
         // There is no surface that would receive these data.
-        let (prepared, _) = Prepared::new(&cell, machine, hardware, Given::default());
+        let (prepared, _) = Prepared::new(&cell, machine, hardware, InitialData::default());
         let running = prepared.start(recording);
-        let (tried, first) = attend(&running, &mut signals, setting).await;
+        let (tried, first) = run_trial(&running, &mut signals, setting).await;
         end_by_next(signals, first);
         if running.handle.gate() != GateState::Open {
             // No cycle accepts a command, so nothing was switched on.
@@ -82,7 +82,7 @@ pub(super) fn try_real(args: &TuneArgs, cell: &Cell, setting: Setting) -> Result
 /// Runs from the start of the backends to the end of the trial.
 ///
 /// Returns the trial, and the time of the first signal, if there was one.
-async fn attend(
+async fn run_trial(
     running: &Running,
     signals: &mut Signals,
     setting: Setting,
@@ -111,7 +111,7 @@ async fn attend(
                 }
                 watch.cancel();
             }
-            () = tokio::time::sleep(LOOK) => if running.cycle.is_finished() || running.bridge.is_finished() {
+            () = tokio::time::sleep(POLL_INTERVAL) => if running.cycle.is_finished() || running.bridge.is_finished() {
                 let why = "a thread of the machine has failed; drives are left to their own supervision";
                 return (Err(why.to_owned()), first);
             }
@@ -138,7 +138,7 @@ async fn until_ready(handle: &Handle, axis: u16) -> Result<(), String> {
         match handle.gate() {
             GateState::Open => break,
             GateState::Failed(why) => return Err(why),
-            GateState::Closed => tokio::time::sleep(LOOK).await,
+            GateState::Closed => tokio::time::sleep(POLL_INTERVAL).await,
         }
     }
     let name = handle.config().axes.get(usize::from(axis)).map_or("", |axis| axis.name.as_str());
@@ -149,7 +149,7 @@ async fn until_ready(handle: &Handle, axis: u16) -> Result<(), String> {
     };
     let begin = Instant::now();
     while !speaks() && begin.elapsed() < PATIENCE {
-        tokio::time::sleep(LOOK).await;
+        tokio::time::sleep(POLL_INTERVAL).await;
     }
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! Tests that all interfaces accept the same values, as defined by the catalogue: a cell, a scenario, an import,
 //! `~/vocabulary`, the machine itself.
 
-use super::rig::{DRIVES, Door, Rig};
+use super::rig::{DRIVES, Interface, Rig};
 use lineshaft_core::config::{highest_of, highest_velocity};
 use lineshaft_core::parameter::{Applies, Change, MACHINE, Measure, ROWS, Range, Row, Storage, Value};
 use lineshaft_core::text::{allowed_text, value_text};
 use lineshaft_core::unit::Scale;
 
-const TEXT_DOORS: [Door; 4] = [Door::Cell, Door::Scenario, Door::Import, Door::Vocabulary];
+const TEXT_DOORS: [Interface; 4] = [Interface::Cell, Interface::Scenario, Interface::Import, Interface::Vocabulary];
 
 /// It is 0 when a machine starts, so a cell cannot set it.
 const TRIGGER: &str = "amc.reference_select_trigger";
@@ -72,7 +72,7 @@ fn beyond(row: &Row) -> Vec<Value> {
 }
 
 /// Returns texts that no row of that measure accepts.
-fn nonsense(row: &Row) -> Vec<&'static str> {
+fn invalid_values(row: &Row) -> Vec<&'static str> {
     let mut texts = vec!["banana", ".nan", "nan", ".inf", "inf", "-inf", "[1, 2]", "{a: 1}", "5 kg", "1 2"];
     texts.extend(match row.measure {
         Measure::Position | Measure::Distance => ["5 s", "5 mm/s", "5 deg"].iter(),
@@ -104,8 +104,8 @@ fn change(rig: &Rig, object: &str, row: &Row, value: Value) -> Change {
 }
 
 /// Whether an interface has this row. A cell has no keys of the machine, and its structure is no parameter there.
-fn has(door: Door, row: &Row) -> bool {
-    door != Door::Cell || row.applies != Applies::Machine && row.storage != Storage::Cell
+fn has(door: Interface, row: &Row) -> bool {
+    door != Interface::Cell || row.applies != Applies::Machine && row.storage != Storage::Cell
 }
 
 #[test]
@@ -139,7 +139,7 @@ fn every_row_takes_the_same_values_at_every_door() {
                 let outcome = rig.give_text(door, object, row.key, &text);
                 // A file starts no motion.
                 let expected =
-                    expected && (door != Door::Import || !row.moves_virtual_master() || value == Value::Int(0));
+                    expected && (door != Interface::Import || !row.moves_virtual_master() || value == Value::Int(0));
                 assert_eq!(outcome.is_ok(), expected, "{}: {door:?}: {text}: {outcome:?}", row.key);
                 if let Ok(Some(parameters)) = outcome {
                     assert_eq!(row.value(&parameters), value, "{}: {door:?}: {text}", row.key);
@@ -185,7 +185,7 @@ fn no_row_takes_what_is_none_of_its_type_at_any_door() {
     let rig = Rig::new();
     for row in ROWS.iter().filter(|row| !matches!(row.storage, Storage::Cell)) {
         let object = object(row, &rig);
-        for text in nonsense(row) {
+        for text in invalid_values(row) {
             for door in TEXT_DOORS.into_iter().filter(|door| has(*door, row)) {
                 let said = rig.give_text(door, object, row.key, text).expect_err(row.key);
                 assert!(said.contains(row.key), "{}: {door:?}: {text}: {said}", row.key);
@@ -265,7 +265,7 @@ fn a_row_is_there_only_where_it_applies() {
             count += 1;
         }
         if row.applies != Applies::Machine {
-            for door in [Door::Scenario, Door::Import] {
+            for door in [Interface::Scenario, Interface::Import] {
                 let said = rig.give_text(door, "machine", row.key, &text).expect_err(row.key);
                 assert!(said.contains(row.key) && said.contains("is for"), "{}: {door:?}: {said}", row.key);
             }

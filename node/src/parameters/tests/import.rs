@@ -8,7 +8,7 @@ use lineshaft_core::config::IoKind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{AxisParameters, MachineParameters, ParameterImage, Row, Value};
-use lineshaft_ros::surface::host::Listing;
+use lineshaft_ros::surface::host::ParameterSelection;
 
 fn read(text: &str) -> Result<AxisParameters, String> {
     check(text).map(|import| import.parameters[1])
@@ -158,7 +158,7 @@ fn an_export_is_imported_and_changes_nothing() {
     for cell in [Cell::demo(), Rig::new().cell] {
         let machine = lineshaft_core::machine::Machine::new(cell.machine.clone()).unwrap();
         let axes = AxisSet::first(cell.machine.axes.len());
-        for what in [Listing::All, Listing::NotDefault] {
+        for what in [ParameterSelection::All, ParameterSelection::NotDefault] {
             let text = export_text(&cell.machine, &machine.parameter_image(), axes, what);
             let import = check_import(Document::parse("p", text), &cell.machine, machine.directory());
             let import = import.unwrap_or_else(|problems| panic!("{problems}"));
@@ -194,7 +194,7 @@ fn an_export_of_inverted_units_is_read_back() {
             );
             let config = Cell::parse("cell.yaml", &*text).unwrap_or_else(|problems| panic!("{problems}")).machine;
             let machine = lineshaft_core::machine::Machine::new(config.clone()).unwrap();
-            let exported = export_text(&config, &machine.parameter_image(), AxisSet::first(1), Listing::All);
+            let exported = export_text(&config, &machine.parameter_image(), AxisSet::first(1), ParameterSelection::All);
             let import = check_import(Document::parse("p", &*exported), &config, machine.directory());
             let import = import.unwrap_or_else(|problems| panic!("{limit}, {posdrct}: {problems}"));
             assert_eq!(import.parameters, [config.axes[0].parameters], "{limit}, {posdrct}");
@@ -264,7 +264,7 @@ fn the_machine_is_shown_and_changed_as_an_axis_is() {
     let moving = MachineParameters { pulsvel: 7, pulsacc: 5, setsys_15: 9, ..MachineParameters::default() };
     let image = ParameterImage { machine: [moving; 2], ..machine.parameter_image() };
     let all = AxisSet::first(cell.machine.axes.len());
-    for what in [Listing::All, Listing::NotDefault, Listing::NotCell] {
+    for what in [ParameterSelection::All, ParameterSelection::NotDefault, ParameterSelection::NotCell] {
         let text = export_text(&cell.machine, &image, all, what);
         assert!(text.contains("machine.pulsacc: 5\n"), "{text}");
         assert!(!text.contains("pulsvel") && !text.contains("setsys"), "{text}");

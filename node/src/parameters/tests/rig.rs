@@ -12,7 +12,7 @@ use lineshaft_core::text::sentence;
 
 /// Interface that reads text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Door {
+pub(super) enum Interface {
     Cell,
     Scenario,
     Import,
@@ -112,27 +112,27 @@ impl Rig {
     }
 
     /// Sets a value as text with an interface that reads text. `object` is an axis or `machine`.
-    pub(super) fn give_text(&self, door: Door, object: &str, key: &str, value: &str) -> Outcome {
+    pub(super) fn give_text(&self, door: Interface, object: &str, key: &str, value: &str) -> Outcome {
         let machine = self.machine();
         let line = format!("{object}.{key}: {value}");
         match door {
-            Door::Cell => {
+            Interface::Cell => {
                 let cell =
                     Cell::parse("cell", cell_text(object, key, value)).map_err(|problems| problems.to_string())?;
                 let axis = cell.machine.axes.iter().find(|axis| axis.name == object).expect("the axis");
                 Ok(Some(axis.parameters))
             }
-            Door::Scenario => {
+            Interface::Scenario => {
                 let text = format!("scenario: s\ncycles: 1\nsteps: [{{at: 0, do: {{set_parameters: {{{line}}}}}}}]\n");
                 let scenario = Scenario::parse("s", &text, &self.cell).map_err(|problems| problems.to_string())?;
                 let report = simulate(&self.cell, &scenario, &Options::default()).expect("it runs");
                 if report.passed() { Ok(None) } else { Err(report.to_string()) }
             }
-            Door::Import => {
+            Interface::Import => {
                 let changes = read_changes("import", &line, self.config(), machine.directory());
                 self.give(object, Action::SetParameters(changes.map_err(|problems| problems.to_string())?))
             }
-            Door::Vocabulary => {
+            Interface::Vocabulary => {
                 let arguments = format!("{key}: {value}");
                 let (config, directory) = (self.config(), machine.directory());
                 let action = vocabulary_command(object, "set_parameters", &arguments, config, directory)?;

@@ -387,7 +387,7 @@ fn a_bag_may_live_in_another_thread() {
 /// In a bag without buses the same cycles give the same bytes as without frames.
 #[test]
 fn frames_of_buses_have_topics_of_their_own() {
-    use super::super::Way;
+    use super::super::FrameDirection;
     use super::super::run::Run;
     use lineshaft_can::{Frame as CanFrame, Id};
     use lineshaft_msgs::foreign::can_msgs::msg::Frame;
@@ -395,8 +395,8 @@ fn frames_of_buses_have_topics_of_their_own() {
     let bare = &run().encoded[..20];
     let mut cycles = bare.to_vec();
     let frame = CanFrame::data(Id::new(0x183).unwrap(), &[1, 2, 3]).unwrap();
-    cycles[3].add_frame(1, Way::Received, -250, &frame);
-    cycles[3].add_frame(0, Way::Sent, 70, &CanFrame::remote(Id::new(0x703).unwrap(), 1).unwrap());
+    cycles[3].add_frame(1, FrameDirection::Received, -250, &frame);
+    cycles[3].add_frame(0, FrameDirection::Sent, 70, &CanFrame::remote(Id::new(0x703).unwrap(), 1).unwrap());
     let buses = vec!["bus0".to_owned(), "bus1".to_owned()];
     let path = folder.path().join("kept");
     let mut bag = Bag::create(&at(path.clone()), Subject { buses, ..subject() }).unwrap();

@@ -1,6 +1,6 @@
 //! Topics of a bag: names, message types and QoS.
 
-use super::super::{Topic, Way};
+use super::super::{Topic, FrameDirection};
 use super::Subject;
 use lineshaft_msgs::Message;
 use lineshaft_msgs::foreign::can_msgs::msg::Frame;
@@ -21,11 +21,11 @@ impl Offered {
     /// Returns all topics of a bag: those of [`Topic::ALL`], two for each bus, and those that the node publishes.
     pub(super) fn all(subject: &Subject) -> Result<Vec<Self>, NameError> {
         let of = |topic: Topic| Ok(Self { name: topic.name(&subject.node)?, schema: topic.schema(), qos: topic.qos() });
-        let frames = |(bus, way): (&String, Way)| {
+        let frames = |(bus, way): (&String, FrameDirection)| {
             let name = subject.node.expand(&format!("~/can/{bus}/{}", way.name()))?;
             Ok(Self { name, schema: schema::<Frame>(), qos: Qos::STREAM })
         };
-        let buses = subject.buses.iter().flat_map(|bus| Way::ALL.map(|way| (bus, way)));
+        let buses = subject.buses.iter().flat_map(|bus| FrameDirection::ALL.map(|way| (bus, way)));
         let published =
             |topic: &TappedTopic| Ok(Self { name: topic.name.clone(), schema: topic.schema, qos: topic.qos });
         let published = subject.published.iter().map(published);

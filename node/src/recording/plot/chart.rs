@@ -9,9 +9,9 @@
 use super::axis::{Axis, Plotted, Spacing};
 use super::curve::reduced;
 use super::events::{Events, Listed, spread};
-use super::lane::{Content, Stay};
+use super::lane::{Content, LaneRange};
 use super::pen::{
-    BIT, Drawn, Entry, EntryMark, FRAME, INK, LABEL, Look, MARGIN, PALE_INK, Pen, Plot, SMALL, SWATCH, TAG,
+    BIT, Drawn, Entry, EntryMark, FRAME, INK, LABEL, LineStyle, MARGIN, PALE_INK, Pen, Plot, SMALL, SWATCH, TAG,
     severity_colour,
 };
 use super::text::{clean, shorten, use_bundled_font, width, wrap};
@@ -28,14 +28,14 @@ pub struct Curve {
     /// Name in the legend; empty for no entry.
     pub name: String,
     /// Line style.
-    pub look: Look,
+    pub look: LineStyle,
     /// Points in the units of the axes; NaN is a gap.
     pub points: Vec<(f64, f64)>,
 }
 
 /// A line with a text next to it: a value measured between two points, or at one point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pin {
+pub struct MeasureMark {
     /// Start point.
     pub from: (f64, f64),
     /// End point, drawn with a dot.
@@ -54,7 +54,7 @@ pub struct Panel {
     /// Curves; the first one is drawn below the others.
     pub curves: Vec<Curve>,
     /// Measured values, drawn above the curves.
-    pub pins: Vec<Pin>,
+    pub pins: Vec<MeasureMark>,
     /// Value of a horizontal line.
     pub level: Option<f64>,
     /// Text below the legend.
@@ -82,7 +82,7 @@ pub(super) struct Lane {
     pub(super) name: String,
     pub(super) is_bit: bool,
     /// States with text and colour; their coordinates are columns of the figure.
-    pub(super) states: Vec<(Stay, String, RGBColor)>,
+    pub(super) states: Vec<(LaneRange, String, RGBColor)>,
 }
 
 /// All rows of a figure.
@@ -231,12 +231,12 @@ impl Page<'_> {
     fn state_legend(&self) -> Vec<Vec<Entry>> {
         let per_column = self.plot_width() / self.full_width();
         let states = || self.lanes.iter().filter(|lane| !lane.is_bit).flat_map(|lane| &lane.states);
-        let has_room = |(stay, text, _): &&(Stay, String, RGBColor)| is_written(stay, text, per_column);
+        let has_room = |(stay, text, _): &&(LaneRange, String, RGBColor)| is_written(stay, text, per_column);
         let written: Vec<_> = states().filter(has_room).map(|(_, text, colour)| (text, colour)).collect();
         let mut entries: Vec<Entry> = Vec::new();
         let all = self.lanes.iter().flat_map(|lane| &lane.states);
         // A narrow range of many values looks like the edge of a state.
-        let is_seen = |stay: &Stay| (stay.to - stay.from) * per_column >= 6.0;
+        let is_seen = |stay: &LaneRange| (stay.to - stay.from) * per_column >= 6.0;
         for (stay, text, colour) in states().chain(all.filter(|(stay, ..)| stay.content == Content::Busy)) {
             let text = match stay.content {
                 Content::Busy if !is_seen(stay) => continue,
@@ -440,7 +440,7 @@ impl Page<'_> {
 }
 
 /// Whether a state has room for its name; `per_column` is in px.
-fn is_written(stay: &Stay, text: &str, per_column: f64) -> bool {
+fn is_written(stay: &LaneRange, text: &str, per_column: f64) -> bool {
     stay.content != Content::Busy && width(text, SMALL) + 6.0 <= (stay.to - stay.from) * per_column
 }
 

@@ -5,7 +5,7 @@
 //!          only counted as well.
 
 use super::text::clean;
-use crate::recording::series::Mark;
+use crate::recording::series::EventMark;
 
 /// Maximum number of events with a number and a text.
 pub(super) const MOST_LISTED: usize = 12;
@@ -37,12 +37,12 @@ pub(super) struct Events {
 
 impl Events {
     /// Selects the events from `from` to `to` (in s) for a figure of these objects.
-    pub(super) fn new(marks: &[Mark], objects: &[&str], from: f64, to: f64) -> Self {
-        let rank = |mark: &Mark| {
+    pub(super) fn new(marks: &[EventMark], objects: &[&str], from: f64, to: f64) -> Self {
+        let rank = |mark: &EventMark| {
             let is_shown = mark.severity > 0 || mark.source == "machine" || objects.contains(&mark.source.as_str());
             rank(mark).filter(|_| is_shown)
         };
-        let mut marks: Vec<&Mark> = marks.iter().filter(|mark| mark.time >= from && mark.time <= to).collect();
+        let mut marks: Vec<&EventMark> = marks.iter().filter(|mark| mark.time >= from && mark.time <= to).collect();
         marks.sort_by(|a, b| a.time.total_cmp(&b.time));
         let mut places: Vec<usize> = (0..marks.len()).filter(|&place| rank(marks[place]).is_some()).collect();
         places.sort_by_key(|&place| rank(marks[place]));
@@ -60,20 +60,20 @@ impl Events {
             })
             .collect();
         let plain = plain.iter().map(|&place| (marks[place].time, marks[place].severity)).collect();
-        let left_out: Vec<&Mark> =
+        let left_out: Vec<&EventMark> =
             marks.iter().zip(&shown).filter(|(_, shown)| !**shown).map(|(mark, _)| *mark).collect();
         Self { listed, plain, rest: rest(&left_out) }
     }
 }
 
 /// Returns the text of an event without its source, which has its own column in the list.
-fn sentence(mark: &Mark) -> String {
+fn sentence(mark: &EventMark) -> String {
     let text = mark.text.strip_prefix(&mark.source).and_then(|text| text.strip_prefix(": ")).unwrap_or(&mark.text);
     clean(if text.is_empty() { &mark.kind } else { text })
 }
 
 /// Returns the rank of an event, lower for more important ones; `None` if it is never drawn.
-fn rank(mark: &Mark) -> Option<u8> {
+fn rank(mark: &EventMark) -> Option<u8> {
     match (mark.severity, mark.kind.as_str()) {
         (2.., _) => Some(0),
         (1, _) => Some(1),
@@ -84,7 +84,7 @@ fn rank(mark: &Mark) -> Option<u8> {
 }
 
 /// Returns text such as `not listed: 2 errors, 1 warning, 40 accepted, 38 state`.
-fn rest(marks: &[&Mark]) -> String {
+fn rest(marks: &[&EventMark]) -> String {
     let mut counts: Vec<(String, usize)> = Vec::new();
     for severity in [2, 1, 0] {
         let mut kinds: Vec<(String, usize)> = Vec::new();
@@ -135,14 +135,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn mark(time: f64, severity: u8, kind: &str) -> Mark {
+    fn mark(time: f64, severity: u8, kind: &str) -> EventMark {
         let (source, text) = ("x".to_owned(), format!("{kind} at {time}"));
-        Mark { time, severity, kind: kind.to_owned(), source, text }
+        EventMark { time, severity, kind: kind.to_owned(), source, text }
     }
 
     #[test]
     fn errors_and_warnings_come_before_what_is_expected() {
-        let mut marks: Vec<Mark> = (0..100).map(|n| mark(f64::from(n), 0, "latch")).collect();
+        let mut marks: Vec<EventMark> = (0..100).map(|n| mark(f64::from(n), 0, "latch")).collect();
         marks.extend((0..50).map(|n| mark(f64::from(n), 0, "accepted")));
         marks.extend([mark(70.5, 2, "error"), mark(80.5, 1, "refused"), mark(200.0, 2, "error")]);
         let events = Events::new(&marks, &["x"], 0.0, 100.0);
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn of_objects_that_are_not_shown_only_trouble_is() {
         let marks =
-            [mark(1.0, 0, "done"), mark(2.0, 1, "refused"), Mark { source: "y".to_owned(), ..mark(3.0, 0, "done") }];
+            [mark(1.0, 0, "done"), mark(2.0, 1, "refused"), EventMark { source: "y".to_owned(), ..mark(3.0, 0, "done") }];
         let events = Events::new(&marks, &["y"], 0.0, 5.0);
         assert_eq!(events.listed.iter().map(|one| one.time).collect::<Vec<_>>(), [2.0, 3.0]);
         assert_eq!(events.rest, "events not listed: 1 done");
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_source_is_not_said_twice() {
-        let mark = Mark { text: "x: drive fault 8611h".to_owned(), ..mark(1.0, 2, "error") };
+        let mark = EventMark { text: "x: drive fault 8611h".to_owned(), ..mark(1.0, 2, "error") };
         assert_eq!(Events::new(&[mark], &[], 0.0, 2.0).listed[0].text, "drive fault 8611h");
     }
 

@@ -10,7 +10,7 @@ const NARROW: f64 = 1.5;
 
 /// A range of a lane with one content.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stay {
+pub(super) struct LaneRange {
     /// Left edge, in px.
     pub(super) from: f64,
     /// Right edge, in px.
@@ -27,7 +27,7 @@ pub(super) enum Content {
 }
 
 /// Returns the ranges of a signal. `width`, in px, is that of the whole time shown.
-pub(super) fn stays(window: &Window<'_>, width: f64) -> Vec<Stay> {
+pub(super) fn stays(window: &Window<'_>, width: f64) -> Vec<LaneRange> {
     let scale = width / (window.to - window.from);
     let x = |time: f64| ((time - window.from) * scale).clamp(0.0, width);
     let mut lane = LaneBuilder::default();
@@ -51,7 +51,7 @@ pub(super) fn stays(window: &Window<'_>, width: f64) -> Vec<Stay> {
 
 #[derive(Debug, Default)]
 struct LaneBuilder {
-    done: Vec<Stay>,
+    done: Vec<LaneRange>,
     /// Adjacent narrow ranges: start, end, number, and value of the last one.
     narrow: Option<(f64, f64, usize, i64)>,
 }
@@ -60,7 +60,7 @@ impl LaneBuilder {
     fn push(&mut self, from: f64, to: f64, value: i64) {
         if to - from >= NARROW {
             self.flush();
-            self.done.push(Stay { from, to, content: Content::Value(value) });
+            self.done.push(LaneRange { from, to, content: Content::Value(value) });
             return;
         }
         match &mut self.narrow {
@@ -77,7 +77,7 @@ impl LaneBuilder {
     fn flush(&mut self) {
         if let Some((from, to, count, value)) = self.narrow.take() {
             let content = if count == 1 { Content::Value(value) } else { Content::Busy };
-            self.done.push(Stay { from, to: to.max(from + 1.0), content });
+            self.done.push(LaneRange { from, to: to.max(from + 1.0), content });
         }
     }
 }
@@ -116,7 +116,7 @@ mod tests {
         Series { name, unit, kind: Kind::Bit, topic, points: points.to_vec(), gaps: gaps.to_vec() }
     }
 
-    fn of(points: &[(f64, f64)], width: f64) -> Vec<Stay> {
+    fn of(points: &[(f64, f64)], width: f64) -> Vec<LaneRange> {
         stays(&Window::new(&series(points, &[]), 0.0, 10.0), width)
     }
 
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn equal_values_make_one_stay_and_the_last_one_holds_to_the_end() {
         let points = [(0.0, 1.0), (1.0, 1.0), (4.0, 2.0), (5.0, 2.0)];
-        let stay = |from, to, value| Stay { from, to, content: Content::Value(value) };
+        let stay = |from, to, value| LaneRange { from, to, content: Content::Value(value) };
         assert_eq!(of(&points, 100.0), [stay(0.0, 40.0, 1), stay(40.0, 100.0, 2)]);
     }
 

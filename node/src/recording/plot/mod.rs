@@ -27,10 +27,10 @@ mod tests;
 mod text;
 
 pub use axis::{Axis, Spacing};
-pub use chart::{Chart, Curve, Panel, Pin, draw_chart};
-pub use pen::Look;
+pub use chart::{Chart, Curve, Panel, MeasureMark, draw_chart};
+pub use pen::LineStyle;
 
-use super::series::{Mark, Series};
+use super::series::{EventMark, Series};
 use crate::whole_file::WholeFile;
 use std::path::Path;
 
@@ -78,7 +78,7 @@ pub struct Figure<'a> {
     /// Signals in the order of legends and lanes.
     pub signals: Vec<Chosen<'a>>,
     /// Events; those outside of the time shown are left out.
-    pub marks: &'a [Mark],
+    pub marks: &'a [EventMark],
     /// First time shown, in s; `None` for that of the first point.
     pub from: Option<f64>,
     /// Last time shown, in s; `None` for that of the last point.
@@ -100,7 +100,7 @@ pub enum Problem {
     #[error("no signal is chosen")]
     NoSignal,
     /// No chosen signal has a value in the time shown.
-    #[error("no chosen signal has a value{}{}", asked(*.from, *.to), there_is(*.run))]
+    #[error("no chosen signal has a value{}{}", range_text(*.from, *.to), there_is(*.run))]
     NoValue {
         /// Requested start, in s.
         from: Option<f64>,
@@ -190,7 +190,7 @@ pub enum Problem {
 }
 
 /// Returns text such as ` from 3 s to 4 s`.
-fn asked(from: Option<f64>, to: Option<f64>) -> String {
+fn range_text(from: Option<f64>, to: Option<f64>) -> String {
     match (from, to) {
         (Some(from), Some(to)) => format!(" from {from} s to {to} s"),
         (Some(from), None) => format!(" from {from} s on"),
@@ -249,6 +249,6 @@ pub fn write(figure: &Figure<'_>, path: &Path) -> Result<(), Problem> {
 /// # Errors
 /// [`Problem::File`]
 pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), Problem> {
-    let written = WholeFile::write(path, bytes, None).and_then(WholeFile::take_place);
+    let written = WholeFile::write(path, bytes, None).and_then(WholeFile::replace);
     written.map_err(|error| Problem::File { name: path.display().to_string(), reason: error.to_string() })
 }

@@ -14,7 +14,7 @@ use plotters::style::{Color, RGBColor, ShapeStyle, TRANSPARENT, TextStyle, WHITE
 
 /// Line style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
+pub enum LineStyle {
     /// New state: wide and solid.
     New,
     /// Old state: grey, dashed.
@@ -22,7 +22,7 @@ pub enum Look {
     /// Curve for comparison: thin, dashed, above the others.
     Other,
     /// Demanded value: thin, dotted.
-    Asked,
+    Demanded,
     /// Curve with this index among the signals of its panel.
     Signal(usize),
 }
@@ -64,13 +64,13 @@ const DASHES: [(f64, f64); 6] = [(8.0, 5.0), (3.0, 4.0), (15.0, 6.0), (5.0, 9.0)
 /// Colour, width in px, and dash and gap in px of a line.
 pub(super) type Line = (RGBColor, f64, Option<(f64, f64)>);
 
-impl Look {
+impl LineStyle {
     pub(super) fn line(self) -> Line {
         match self {
             Self::New => (CURVES[0], 2.2, None),
             Self::Old => (RGBColor(130, 130, 130), 1.6, Some((7.0, 4.0))),
             Self::Other => (CURVES[1], 1.2, Some((6.0, 5.0))),
-            Self::Asked => (INK, 1.0, Some((2.0, 3.0))),
+            Self::Demanded => (INK, 1.0, Some((2.0, 3.0))),
             Self::Signal(0) => (CURVES[0], 2.6, None),
             Self::Signal(place) => (CURVES[place % CURVES.len()], 1.6, Some(DASHES[(place - 1) % DASHES.len()])),
         }

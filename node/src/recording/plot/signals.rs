@@ -4,8 +4,8 @@ use super::axis::{Axis, Spacing};
 use super::chart::{Chart, Curve, Lane, Page, Panel, check_width};
 use super::curve::{LARGEST, Window, curve};
 use super::events::Events;
-use super::lane::{Content, Stay, stays, value_text};
-use super::pen::{BIT_FILL, BUSY, Look, MARGIN, SMALL};
+use super::lane::{Content, LaneRange, stays, value_text};
+use super::pen::{BIT_FILL, BUSY, LineStyle, MARGIN, SMALL};
 use super::quantity::{ShownUnit, SignalQuantity, unified, with_prefix};
 use super::text::{clean, number, use_bundled_font, wrap};
 use super::{Chosen, Figure, HEIGHTS, Problem, Target};
@@ -14,11 +14,11 @@ use plotters::style::RGBColor;
 use std::collections::HashMap;
 
 /// Maximum number of changes of a number without a unit that is drawn as a lane.
-const SELDOM: usize = 40;
+const MAX_LANE_CHANGES: usize = 40;
 /// Maximum time, in s; larger ones lose fractions of a second.
-const LATEST: f64 = 1e14;
+const MAX_TIME: f64 = 1e14;
 /// Minimum height of a plot if the height of the figure is given, in px.
-const LOWEST: f64 = 64.0;
+const MIN_HEIGHT: f64 = 64.0;
 /// Minimum change; f64 has hardly any digits for smaller ones.
 const SMALLEST: f64 = 1e-150;
 
@@ -85,7 +85,7 @@ pub(super) fn draw(figure: &Figure<'_>, target: Target) -> Result<Vec<u8>, Probl
         }
         let page = Page { chart: &chart, lanes: &lanes, across: &across, events: &events, notes: &notes };
         let (around, count) = (page.height_around(), chart.panels.len() as f64);
-        let needed = (around + LOWEST * count).ceil() as u32;
+        let needed = (around + MIN_HEIGHT * count).ceil() as u32;
         if given < needed {
             return Err(Problem::Low { panels: page.contents(), needed, given });
         }
@@ -124,7 +124,7 @@ impl<'a> Signals<'a> {
     fn add(&mut self, chosen: &Chosen<'a>, name: String) {
         let series = chosen.series;
         let window = Window::new(series, self.from, self.to);
-        let changes = window.changes(SELDOM + 1);
+        let changes = window.changes(MAX_LANE_CHANGES + 1);
         let Some(first) = window.lines().next().or_else(|| window.steps().next()) else {
             self.empty.push(name);
             return;
@@ -147,7 +147,7 @@ impl<'a> Signals<'a> {
         self.note(&shown);
         let is_lane = match series.kind {
             Kind::Bit | Kind::Enum(_) | Kind::Word | Kind::Code => true,
-            Kind::Int => matches!(quantity, SignalQuantity::Other(_)) && series.unit.is_empty() && changes <= SELDOM,
+            Kind::Int => matches!(quantity, SignalQuantity::Other(_)) && series.unit.is_empty() && changes <= MAX_LANE_CHANGES,
             Kind::Real => false,
         };
         if is_lane {
@@ -253,7 +253,7 @@ fn panel(group: &Group<'_>, units: &[&str], columns: f64) -> Panel {
         let points = points.into_iter().map(|(time, value)| (time, value * factor_of_all)).collect();
         // A panel with a single curve needs no legend if the name is the same as the label.
         let name = if group.curves.len() == 1 && shown.name == label { String::new() } else { shown.name.clone() };
-        Curve { name, look: Look::Signal(place), points }
+        Curve { name, look: LineStyle::Signal(place), points }
     };
     let axis = |label, low, high| Axis { label, low, high, spacing: Spacing::Even };
     Panel {
@@ -288,7 +288,7 @@ fn range(low: f64, high: f64) -> (f64, f64) {
 /// Returns a lane of the timing diagram for a figure with this number of columns.
 fn lane(shown: &Shown<'_>, columns: f64) -> Lane {
     let kind = &shown.series.kind;
-    let state = |stay: Stay| match stay.content {
+    let state = |stay: LaneRange| match stay.content {
         Content::Busy => (stay, String::new(), BUSY),
         Content::Value(_) if *kind == Kind::Bit => (stay, String::new(), BIT_FILL),
         Content::Value(value) => {
@@ -359,7 +359,7 @@ fn constant(series: &Series, name: &str, value: f64) -> String {
 }
 
 fn is_time(time: f64) -> bool {
-    time.abs() <= LATEST
+    time.abs() <= MAX_TIME
 }
 
 /// Returns the first and the last time of all signals, in s.

@@ -4,7 +4,7 @@ mod figures;
 mod odd;
 
 use super::{Across, Chosen, Figure, Target, draw};
-use crate::recording::series::{Kind, Mark, Series};
+use crate::recording::series::{Kind, EventMark, Series};
 
 fn series(name: &str, unit: &str, kind: Kind, points: Vec<(f64, f64)>) -> Series {
     let (name, unit, topic) = (name.to_owned(), unit.to_owned(), "/lineshaft/signals".to_owned());
@@ -21,12 +21,12 @@ fn states() -> Kind {
     Kind::Enum(["DISABLED", "STANDSTILL", "DISCRETE_MOTION"].map(str::to_owned).to_vec())
 }
 
-fn mark(time: f64, severity: u8, kind: &str, text: &str) -> Mark {
-    Mark { time, severity, kind: kind.to_owned(), source: "x".to_owned(), text: text.to_owned() }
+fn mark(time: f64, severity: u8, kind: &str, text: &str) -> EventMark {
+    EventMark { time, severity, kind: kind.to_owned(), source: "x".to_owned(), text: text.to_owned() }
 }
 
 /// Returns a figure of all signals, as if they were chosen by a pattern.
-fn figure<'a>(signals: &'a [Series], marks: &'a [Mark]) -> Figure<'a> {
+fn figure<'a>(signals: &'a [Series], marks: &'a [EventMark]) -> Figure<'a> {
     Figure {
         title: "A run".to_owned(),
         signals: signals.iter().map(|series| Chosen { series, by_name: false }).collect(),

@@ -152,7 +152,7 @@ pub enum Damage {
     NoMark,
     /// There are bytes after the end of the file format.
     #[error("{} bytes follow the end of the recording, they are not read", grouped(*.bytes))]
-    Behind {
+    TrailingBytes {
         /// Number of bytes.
         bytes: u64,
     },
@@ -168,7 +168,7 @@ pub enum Damage {
     },
     /// Compressed content cannot be unpacked.
     #[error("the content of this chunk does not decompress: {0}")]
-    Packed(String),
+    Decompression(String),
     /// The unpacked content has a wrong size.
     #[error("the content of this chunk is {} bytes, {} are announced", grouped(*.found), grouped(*.announced))]
     Size {
@@ -179,7 +179,7 @@ pub enum Damage {
     },
     /// The records in a chunk do not fit it.
     #[error("the records within this chunk do not fit into it")]
-    Inside,
+    ChunkRecords,
     /// The compression is not supported.
     #[error("this chunk is compressed with `{0}`; zstd, lz4 or none is read")]
     Compression(String),

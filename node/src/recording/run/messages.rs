@@ -96,10 +96,10 @@ impl Messages {
     /// Reads the next record of the current chunk.
     fn inside(&mut self) -> Result<Option<Place>, Damage> {
         let rest = self.content.get(self.next..).unwrap_or_default();
-        let (head, rest) = rest.split_first_chunk::<{ HEAD as usize }>().ok_or(Damage::Inside)?;
+        let (head, rest) = rest.split_first_chunk::<{ HEAD as usize }>().ok_or(Damage::ChunkRecords)?;
         let [kind, length @ ..] = *head;
-        let length = usize::try_from(u64::from_le_bytes(length)).map_err(|_| Damage::Inside)?;
-        let body = rest.get(..length).ok_or(Damage::Inside)?;
+        let length = usize::try_from(u64::from_le_bytes(length)).map_err(|_| Damage::ChunkRecords)?;
+        let body = rest.get(..length).ok_or(Damage::ChunkRecords)?;
         let start = self.next + HEAD as usize;
         self.next = start + length;
         match kind {
@@ -108,7 +108,7 @@ impl Messages {
                 let body = body.to_owned();
                 self.describe(kind, &body).map(|()| None)
             }
-            op::CHUNK | 0 => Err(Damage::Inside),
+            op::CHUNK | 0 => Err(Damage::ChunkRecords),
             _ => Ok(None),
         }
     }
@@ -160,7 +160,7 @@ impl Messages {
             _ if chunk.size == 0 => {}
             "zstd" => {
                 content.reserve_exact(chunk.size as usize);
-                let failed = |error: std::io::Error| Damage::Packed(error.to_string());
+                let failed = |error: std::io::Error| Damage::Decompression(error.to_string());
                 let unpacker = match self.unpacker.take() {
                     Some(unpacker) => self.unpacker.insert(unpacker),
                     None => self.unpacker.insert(Decompressor::new().map_err(failed)?),
@@ -170,7 +170,7 @@ impl Messages {
             "lz4" => {
                 // One byte more than the given size reveals additional data.
                 let mut unpacked = lz4_flex::frame::FrameDecoder::new(chunk.packed).take(chunk.size + 1);
-                unpacked.read_to_end(content).map_err(|error| Damage::Packed(error.to_string()))?;
+                unpacked.read_to_end(content).map_err(|error| Damage::Decompression(error.to_string()))?;
             }
             other => return Err(Damage::Compression(excerpt(other))),
         }

@@ -88,7 +88,7 @@ impl Outline {
             end: 0,
             crc: None,
         };
-        Look { records, outline, kept: 0, is_finished: false }.all()
+        Scan { records, outline, kept: 0, is_finished: false }.all()
     }
 }
 
@@ -112,7 +112,7 @@ fn check_start(path: &Path) -> Result<(), RunError> {
 }
 
 /// A file during the scan.
-struct Look {
+struct Scan {
     records: Records,
     outline: Outline,
     /// Memory of the outline, in bytes.
@@ -121,7 +121,7 @@ struct Look {
     is_finished: bool,
 }
 
-impl Look {
+impl Scan {
     fn all(mut self) -> Result<Outline, RunError> {
         let magic = mcap::MAGIC.len() as u64;
         if self.outline.bytes < magic {
@@ -144,7 +144,7 @@ impl Look {
             if frame.kind == op::DATA_END {
                 self.outline.end = frame.end();
                 match self.index(frame.end())? {
-                    Some((_, damage)) if !self.is_finished && !matches!(damage, Damage::Behind { .. }) => {
+                    Some((_, damage)) if !self.is_finished && !matches!(damage, Damage::TrailingBytes { .. }) => {
                         self.cut(frame.end(), Reason::Index);
                     }
                     flaw => self.outline.flaw = flaw,
@@ -238,7 +238,7 @@ impl Look {
             return Ok(Some((footer.end(), Damage::NoMark)));
         }
         let (at, bytes) = (self.records.at(), self.records.left());
-        Ok((bytes > 0).then_some((at, Damage::Behind { bytes })))
+        Ok((bytes > 0).then_some((at, Damage::TrailingBytes { bytes })))
     }
 
     /// Returns the checksum of the bytes from `start` to `end`, followed by `behind`.

@@ -1,7 +1,7 @@
 //! Loads the signals of a machine from ~/signals and the attached cell.
 
 use super::select::{Select, alias};
-use super::{Budget, Late, Refusal, SeriesError, Track};
+use super::{Budget, LateMessages, Refusal, SeriesError, Track};
 use crate::cell::Cell;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::machine::Machine;
@@ -90,7 +90,7 @@ impl BoardTracks {
     }
 
     /// Returns the tracks, each up to the last cycle, and the late cycles.
-    pub(super) fn finish(mut self, budget: &mut Budget) -> Result<(Vec<Track>, Option<Late>), Refusal> {
+    pub(super) fn finish(mut self, budget: &mut Budget) -> Result<(Vec<Track>, Option<LateMessages>), Refusal> {
         let end = self.previous.map_or(0, |(_, time)| time);
         for reading in &self.readings {
             let Some(track) = reading.track.and_then(|track| self.tracks.get_mut(track)) else { continue };
@@ -99,7 +99,7 @@ impl BoardTracks {
                 None => track.finish(end),
             }
         }
-        let late = (self.late > 0).then_some(Late { topic: self.topic, messages: self.late, are_left_out: false });
+        let late = (self.late > 0).then_some(LateMessages { topic: self.topic, messages: self.late, are_left_out: false });
         Ok((self.tracks, late))
     }
 }

@@ -203,7 +203,7 @@ fn stamps_that_go_back_are_told_for_each_topic() {
         bag.message("/good/joint_states", 0, &joints(time.max(20) * MS, &[("z", 0.0)]));
     }
     let late = loaded(bag, &[]).late;
-    assert_eq!(late, [Late { topic: "/joint_states".to_owned(), messages: 2, are_left_out: true }]);
+    assert_eq!(late, [LateMessages { topic: "/joint_states".to_owned(), messages: 2, are_left_out: true }]);
     let said = late[0].to_string();
     assert_eq!(said, "/joint_states: 2 messages have an earlier stamp than a message before and are left out");
     let mut bag = demo_bag();

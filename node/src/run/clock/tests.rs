@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::cell::Cell;
-use crate::run::lanes::{Lanes, lanes};
+use crate::run::lanes::{CommandQueues, lanes};
 use crate::run::trials::trials;
 use lineshaft_core::command::Command;
 use lineshaft_core::machine::Machine;
@@ -15,19 +15,19 @@ const HOUR: i64 = 3_600_000 * MS;
 
 #[test]
 fn more_than_50_ms_is_a_step_and_less_is_followed_by_a_twentieth_of_the_time() {
-    let after = |difference_ns, error_ns| Change::of(difference_ns, error_ns, Duration::from_millis(50));
-    assert_eq!(after(0, 0), Change::Nothing);
-    assert_eq!(after(-300, 300), Change::Nothing, "nobody knows it so exactly");
-    assert_eq!(after(301, 300), Change::Slew(301));
-    assert_eq!(after(2 * MS, 300), Change::Slew(2 * MS));
+    let after = |difference_ns, error_ns| Correction::of(difference_ns, error_ns, Duration::from_millis(50));
+    assert_eq!(after(0, 0), Correction::Nothing);
+    assert_eq!(after(-300, 300), Correction::Nothing, "nobody knows it so exactly");
+    assert_eq!(after(301, 300), Correction::Slew(301));
+    assert_eq!(after(2 * MS, 300), Correction::Slew(2 * MS));
     // 50 ms / 20.
-    assert_eq!(after(50 * MS, 0), Change::Slew(2_500_000));
-    assert_eq!(after(-50 * MS, 0), Change::Slew(-2_500_000));
-    assert_eq!(after(50 * MS + 1, 0), Change::Step(50 * MS + 1));
-    assert_eq!(after(-200 * MS, 300), Change::Step(-200 * MS));
-    assert_eq!(after(60 * MS, 10_000_000), Change::Slew(2_500_000), "it may be 50 ms");
+    assert_eq!(after(50 * MS, 0), Correction::Slew(2_500_000));
+    assert_eq!(after(-50 * MS, 0), Correction::Slew(-2_500_000));
+    assert_eq!(after(50 * MS + 1, 0), Correction::Step(50 * MS + 1));
+    assert_eq!(after(-200 * MS, 300), Correction::Step(-200 * MS));
+    assert_eq!(after(60 * MS, 10_000_000), Correction::Slew(2_500_000), "it may be 50 ms");
     for step in [5_000 * MS, HOUR, -HOUR, i64::MAX, i64::MIN] {
-        assert_eq!(after(step, 300), Change::Step(step));
+        assert_eq!(after(step, 300), Correction::Step(step));
     }
 }
 
@@ -43,10 +43,10 @@ proptest! {
         for (error_ns, part) in errors {
             system += ppm * 50_000_000 / 1_000_000;
             let read = system + (part * error_ns as f64) as i64;
-            match Change::of(read - shown, error_ns, Duration::from_millis(50)) {
-                Change::Nothing => {}
-                Change::Slew(by) => shown += by,
-                Change::Step(by) => prop_assert!(false, "step by {by}"),
+            match Correction::of(read - shown, error_ns, Duration::from_millis(50)) {
+                Correction::Nothing => {}
+                Correction::Slew(by) => shown += by,
+                Correction::Step(by) => prop_assert!(false, "step by {by}"),
             }
             prop_assert!((system - shown).abs() < MS, "{system} {shown}");
         }
@@ -101,7 +101,7 @@ struct Rig {
     watch: ClockWatch,
     clock: HostClock,
     handle: Handle,
-    lanes: Lanes,
+    lanes: CommandQueues,
 }
 
 impl Rig {
@@ -176,7 +176,7 @@ fn step_whose_event_is_never_published_is_followed_within_a_second() {
     rig.until(Rig::is_right);
     assert!(start.elapsed() >= PATIENCE + HOLD);
     // Of LOOK, PATIENCE and HOLD.
-    assert!(LOOK + PATIENCE + HOLD < Duration::from_secs(1));
+    assert!(POLL_INTERVAL + PATIENCE + HOLD < Duration::from_secs(1));
 }
 
 #[test]

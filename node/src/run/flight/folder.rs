@@ -1,7 +1,7 @@
 //! Folder for bags of the flight recorder: it keeps a limited number and removes the oldest ones.
 
 use super::super::decoder::Decoder;
-use super::Kept;
+use super::Segments;
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use crate::recording::date_and_time;
 use std::fs::{self, File, TryLockError};
@@ -57,7 +57,7 @@ impl FlightFolder {
     ///
     /// # Errors
     /// Returns an error if no such folder can be created.
-    pub fn create_beside(folder: &Path, keep: usize) -> Result<Self, BagError> {
+    pub fn create_unique(folder: &Path, keep: usize) -> Result<Self, BagError> {
         let mut created = Self::create(folder.to_owned(), keep);
         for number in 2..MOST_NODES {
             if !matches!(created, Err(BagError::Refused(_))) {
@@ -74,7 +74,7 @@ impl FlightFolder {
     ///
     /// # Errors
     /// Returns an error if the folder or the bag cannot be written, or if there is nothing to save.
-    pub fn save(&self, kept: &Kept, decoder: &mut Decoder, subject: &Subject) -> Result<Summary, BagError> {
+    pub fn save(&self, kept: &Segments, decoder: &mut Decoder, subject: &Subject) -> Result<Summary, BagError> {
         let Some((cycle, stamp_ns)) = kept.newest() else {
             let sentence = "the flight recorder has kept no cycle yet that a bag can begin with";
             return Err(BagError::Refused(sentence.to_owned()));

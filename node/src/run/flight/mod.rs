@@ -96,9 +96,9 @@ impl Segment {
 
 /// The cycles of the flight recorder at one time.
 #[derive(Debug, Default)]
-pub struct Kept(Vec<Arc<Segment>>);
+pub struct Segments(Vec<Arc<Segment>>);
 
-impl Kept {
+impl Segments {
     /// Returns number and system time, in ns, of the newest cycle; `None` without a cycle.
     pub fn newest(&self) -> Option<(u64, u64)> {
         let newest = self.0.iter().rev().find_map(|segment| segment.cycles.last())?;
@@ -178,12 +178,12 @@ impl Flight {
     }
 
     /// Returns the cycles so far, for a bag.
-    pub fn cycles(&self) -> Kept {
-        Kept(self.segments.iter().map(Arc::clone).collect())
+    pub fn cycles(&self) -> Segments {
+        Segments(self.segments.iter().map(Arc::clone).collect())
     }
 
     /// Returns the cycles so far, for the bag that is due.
-    pub fn freeze(&mut self) -> Kept {
+    pub fn freeze(&mut self) -> Segments {
         self.due_ns = None;
         self.saved_ns = Some(self.newest_ns);
         self.cycles()

@@ -4,17 +4,17 @@ use lineshaft_can::master::{CanService, MOST_WAITING};
 use std::path::Path;
 
 /// Returns the access to launch-configs/can/mixed.yaml, whose bus is not served: x is node 1, y node 2, z is simulated.
-fn desk() -> (ObjectDesk, CanService) {
+fn desk() -> (ObjectAccess, CanService) {
     desk_of("mixed.yaml")
 }
 
-fn desk_of(name: &str) -> (ObjectDesk, CanService) {
+fn desk_of(name: &str) -> (ObjectAccess, CanService) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can").join(name);
     let cell = Cell::load(&file).expect("it has no errors");
     let bus = cell.buses(Some(&file)).expect("its files have none").remove(0);
     let sheets = cell.dictionaries(&bus.name, &file).expect("the same files");
     let (_, service) = lineshaft_can::master::bus(bus.clone());
-    (ObjectDesk::new(Vec::new()).with_bus(&bus, service.objects(), sheets), service)
+    (ObjectAccess::new(Vec::new()).with_bus(&bus, service.objects(), sheets), service)
 }
 
 /// Parses `axis backend node object type`; `-` is an empty text.
@@ -116,13 +116,13 @@ fn what_is_wrong_with_a_request_is_said_before_a_device_is_asked() {
 
 #[test]
 fn a_simulated_bus_has_no_objects() {
-    let desk = ObjectDesk::new(vec!["bus0".to_owned()]);
+    let desk = ObjectAccess::new(vec!["bus0".to_owned()]);
     let sentence = "backend bus0 is simulated: it has no bus and no objects";
     for words in ["x - 0 6064 -", "- - 1 6064 -", "- bus0 1 6064 -", "x bus0 0 6064 -"] {
         assert_eq!(desk.read(&read(words)).err().as_deref(), Some(sentence), "{words}");
     }
-    assert_eq!(ObjectDesk::default().read(&read("x - 0 6064 -")).err().as_deref(), Some(NO_BUS));
-    assert_eq!(ObjectDesk::default().read(&read("- - 1 6064 -")).err().as_deref(), Some(NO_BUS));
+    assert_eq!(ObjectAccess::default().read(&read("x - 0 6064 -")).err().as_deref(), Some(NO_BUS));
+    assert_eq!(ObjectAccess::default().read(&read("- - 1 6064 -")).err().as_deref(), Some(NO_BUS));
 }
 
 #[test]

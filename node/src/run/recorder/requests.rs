@@ -1,6 +1,6 @@
 //! Handles requests of `~/record`.
 
-use super::super::flight::Kept;
+use super::super::flight::Segments;
 use super::super::spawn;
 use super::{Answer, Recorder, end};
 use crate::recording::bag::BagOptions;
@@ -21,7 +21,7 @@ pub fn is_bag_duration(seconds: f64) -> bool {
 impl Recorder {
     pub(super) fn answer(&mut self, request: RecordRequest, answer: Answer) {
         let response = match request.command {
-            RecordRequest::STATUS => self.done(self.how_it_stands()),
+            RecordRequest::STATUS => self.done(self.status_text()),
             RecordRequest::START => match self.options(&request) {
                 Ok(options) => return self.wait_to_begin(options, answer),
                 Err(sentence) => self.refused(sentence),
@@ -62,7 +62,7 @@ impl Recorder {
     }
 
     /// Returns the content of the flight recorder, if it can be saved now.
-    fn kept(&self) -> Result<Kept, &'static str> {
+    fn kept(&self) -> Result<Segments, &'static str> {
         match (&self.flight, &self.saving) {
             (None, _) => Err("the flight recorder is off"),
             (_, Some(_)) => Err("the flight recorder is saving a bag already"),
@@ -84,7 +84,7 @@ impl Recorder {
         }
     }
 
-    fn how_it_stands(&self) -> String {
+    fn status_text(&self) -> String {
         match (&self.writer, self.last.message.as_str()) {
             (Some(_), _) => "recording".to_owned(),
             (None, "") => "not recording".to_owned(),

@@ -9,7 +9,7 @@ use crate::recording::run::Run;
 use crate::recording::series::stamp;
 use crate::recording::validate::{Align, validate};
 use crate::run::frames::{FrameSender, frames};
-use crate::run::lanes::{Lanes, lanes};
+use crate::run::lanes::{CommandQueues, lanes};
 use crate::run::trials::trials;
 use lineshaft_core::command::Commands;
 use lineshaft_core::machine::Machine;
@@ -22,7 +22,7 @@ struct Rig {
     machine: Machine,
     sender: FrameSender,
     recorder: Recorder,
-    lanes: Lanes,
+    lanes: CommandQueues,
     ask: Sender<Asked>,
     /// Time by which stamps are ahead of log times from a cycle on, in ns.
     ahead: Vec<(u64, i64)>,

@@ -1,6 +1,6 @@
 //! Ramps that drive a signal: exact fractions, with an end or as a wrapping counter.
 
-use super::{ALL_WHOLE, EXACT, Number, Ruler, Type, Value};
+use super::{ALL_WHOLE, EXACT, Number, ValueFormat, Type, Value};
 use lineshaft_core::unit::{Fraction, fraction_from_f64, fraction_to_f64};
 use num_traits::{CheckedDiv, CheckedSub, ToPrimitive};
 
@@ -92,7 +92,7 @@ pub(super) fn most_bits((_, high): (i64, i64)) -> u32 {
 }
 
 /// Reads the number of bits of a counter that fits the signal.
-pub(super) fn wrap_bits(value: &Value<'_>, ruler: &Ruler) -> Option<u32> {
+pub(super) fn wrap_bits(value: &Value<'_>, ruler: &ValueFormat) -> Option<u32> {
     if ruler.kind == Type::Real {
         value.refuse("wrap is for whole numbers; the signal is a real one", None);
         return None;

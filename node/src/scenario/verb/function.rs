@@ -1,6 +1,6 @@
 //! Verbs `command_function`, `run_function`, `load_table` and `load_program`.
 
-use super::{Deed, Reader, did_you_mean, nearest};
+use super::{Effect, Reader, did_you_mean, nearest};
 use crate::document::Value;
 use crate::program;
 use lineshaft_core::function::Order;
@@ -9,7 +9,7 @@ use lineshaft_core::table::Form;
 use lineshaft_core::unit::excerpt;
 
 impl Reader<'_> {
-    pub(super) fn command_function(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn command_function(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("command_function")?;
         let function = map.required("function");
         // A recorded command may be a parameter set that was only staged.
@@ -21,10 +21,10 @@ impl Reader<'_> {
         let function = function?;
         let name = self.known_function(&function)?;
         let request = FunctionRequest { function: name.to_owned(), order: order?, values: values? };
-        self.settle(value, self.names.config.resolve_function(&request))
+        self.to_command(value, self.names.config.resolve_function(&request))
     }
 
-    pub(super) fn run_function(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+    pub(super) fn run_function(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
         let Some(mut map) = value.map("run_function") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let function = map.required("function");
@@ -33,7 +33,7 @@ impl Reader<'_> {
         let deed = (|| {
             let function = function?;
             let name = self.known_function(&function)?;
-            self.settle(value, self.names.config.resolve_run(name, &values?))
+            self.to_command(value, self.names.config.resolve_run(name, &values?))
         })();
         (deed, id.flatten())
     }
@@ -50,7 +50,7 @@ impl Reader<'_> {
         Some(name)
     }
 
-    pub(super) fn load_table(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn load_table(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("load_table")?;
         let table = map.required("table");
         let name = table.as_ref().and_then(|table| table.text());
@@ -65,10 +65,10 @@ impl Reader<'_> {
             // A name that no table has is refused separately.
             None => (Vec::new(), Vec::new()),
         };
-        self.settle(value, self.names.config.resolve_load_table(name, &numbers.0, &numbers.1))
+        self.to_command(value, self.names.config.resolve_load_table(name, &numbers.0, &numbers.1))
     }
 
-    pub(super) fn load_program(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn load_program(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("load_program")?;
         let program = map.required("program");
         let (file, text) = (map.optional("wasm"), map.optional("module"));
@@ -91,7 +91,7 @@ impl Reader<'_> {
             }
         };
         match bytes {
-            Ok(bytes) => self.settle(value, self.names.config.resolve_load_program(program.text()?, &bytes, keeps)),
+            Ok(bytes) => self.to_command(value, self.names.config.resolve_load_program(program.text()?, &bytes, keeps)),
             Err(sentence) => {
                 given.refuse(format!("cannot read `{}`: {sentence}", excerpt(given.peek().unwrap_or_default())), None);
                 None

@@ -1,6 +1,6 @@
 //! Verbs `home_axis` and `set_position` (contract section 7).
 
-use super::{Deed, Reader, UNITS, amount, number};
+use super::{Effect, Reader, UNITS, amount, number};
 use crate::document::Value;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{Amount, HomeRequest, RequestError, SetPositionRequest, Units};
@@ -9,7 +9,7 @@ use lineshaft_core::unit::Scale;
 const SCHEMES: [(&str, u8); 3] = [("configured", 0), ("cia402", 1), ("macs", 2)];
 
 impl Reader<'_> {
-    pub(super) fn home_axis(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+    pub(super) fn home_axis(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
         let Some(mut map) = value.map("home_axis") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let axis = map.required("axis");
@@ -21,12 +21,12 @@ impl Reader<'_> {
             let request = HomeRequest { axis: axis.text()?.to_owned(), scheme: scheme?, method: method? };
             let result = self.names.config.resolve_home(&request).map(Action::HomeAxis);
             let at = if matches!(result, Err(RequestError::UnknownAxis { .. })) { &axis } else { value };
-            self.settle(at, result)
+            self.to_command(at, result)
         })();
         (deed, id.flatten())
     }
 
-    pub(super) fn set_position(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn set_position(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("set_position")?;
         let axis = map.required("axis");
         let scale = axis.as_ref().and_then(|axis| self.zero_scale(axis.peek()?));
@@ -38,7 +38,7 @@ impl Reader<'_> {
         map.finish();
         let units = match Units::from_number(units?) {
             Ok(units) => units,
-            Err(error) => return self.settle(value, Err(error)),
+            Err(error) => return self.to_command(value, Err(error)),
         };
         let axis = axis?;
         let request = SetPositionRequest { axis: axis.text()?.to_owned(), position: position?, units };
@@ -51,7 +51,7 @@ impl Reader<'_> {
             Err(RequestError::BadValue { .. }) => given.as_ref().unwrap_or(value),
             _ => value,
         };
-        self.settle(at, result)
+        self.to_command(at, result)
     }
 
     /// Returns the scale of an object whose position can be set.

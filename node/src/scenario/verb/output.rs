@@ -1,13 +1,13 @@
 //! Verb `set_output`: OUT, OUTB and OUTAN (MACS-IO-03); all its outputs are set in the same cycle.
 
-use super::super::ruler::Ruler;
-use super::{Deed, Reader, did_you_mean, nearest};
+use super::super::ruler::ValueFormat;
+use super::{Effect, Reader, did_you_mean, nearest};
 use crate::document::Value;
 use lineshaft_core::config::IoKind;
 use lineshaft_core::unit::excerpt;
 
 impl Reader<'_> {
-    pub(super) fn set_output(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn set_output(&self, value: &Value<'_>) -> Option<Effect> {
         let entries = value.entries()?;
         if entries.is_empty() {
             // A value that is no mapping has been reported already.
@@ -19,7 +19,7 @@ impl Reader<'_> {
         // All entries are read, so that every problem is reported.
         let given: Vec<_> = entries.iter().map(|(key, value)| self.one_output(key, value)).collect();
         let given: Vec<_> = given.into_iter().collect::<Option<_>>()?;
-        self.settle(value, self.names.config.resolve_set_output(&given))
+        self.to_command(value, self.names.config.resolve_set_output(&given))
     }
 
     fn one_output(&self, key: &Value<'_>, value: &Value<'_>) -> Option<(String, f64)> {
@@ -37,7 +37,7 @@ impl Reader<'_> {
         let is_number = value.peek().is_some_and(|text| text.parse::<f64>().is_ok());
         let value = match entry.kind {
             IoKind::AnalogOutput if is_number => value.number(f64::NEG_INFINITY..=f64::INFINITY)?,
-            _ => Ruler::of(self.names, signal).read(value)?.to_f64(),
+            _ => ValueFormat::of(self.names, signal).read(value)?.to_f64(),
         };
         Some((name.to_owned(), value))
     }

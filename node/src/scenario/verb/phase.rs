@@ -1,6 +1,6 @@
 //! Verb `phase`: shifts an axis relative to its leader (contract section 10).
 
-use super::{Deed, Reader, number, optional_amount};
+use super::{Effect, Reader, number, optional_amount};
 use crate::document::Value;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::PhaseRequest;
@@ -9,7 +9,7 @@ const SLAVE: u8 = 0;
 const SIDES: [(&str, u8); 2] = [("slave", SLAVE), ("master", 1)];
 
 impl Reader<'_> {
-    pub(super) fn phase(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+    pub(super) fn phase(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
         let Some(mut map) = value.map("phase") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let axis = map.required("axis");
@@ -27,7 +27,7 @@ impl Reader<'_> {
                 velocity: velocity?,
                 acceleration: acceleration?,
             };
-            self.settle(value, self.names.config.resolve_phase(&request).map(Action::Phase))
+            self.to_command(value, self.names.config.resolve_phase(&request).map(Action::Phase))
         })();
         (deed, id.flatten())
     }

@@ -1,6 +1,6 @@
 //! Verb `probe_axis` (contract section 7).
 
-use super::{Deed, Reader, UNITS, number, optional_amount, optional_rates};
+use super::{Effect, Reader, UNITS, number, optional_amount, optional_rates};
 use crate::document::Value;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{MoveRequest, ProbeRequest, Units};
@@ -9,7 +9,7 @@ const MODES: [(&str, u8); 2] = [("absolute", 0), ("relative", 1)];
 pub(super) const EDGES: [(&str, u8); 4] = [("rising", 0), ("falling", 1), ("both", 2), ("index", 3)];
 
 impl Reader<'_> {
-    pub(super) fn probe_axis(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+    pub(super) fn probe_axis(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
         let Some(mut map) = value.map("probe_axis") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let (axis, event) = (map.required("axis"), map.required("event"));
@@ -24,7 +24,7 @@ impl Reader<'_> {
         let deed = (|| {
             let units = match Units::from_number(units?) {
                 Ok(units) => units,
-                Err(error) => return self.settle(value, Err(error)),
+                Err(error) => return self.to_command(value, Err(error)),
             };
             let search = MoveRequest {
                 axis: axis?.text()?.to_owned(),
@@ -36,7 +36,7 @@ impl Reader<'_> {
             };
             let (event, edge, distance) = (event?.text()?.to_owned(), edge?, distance?);
             let request = ProbeRequest { search, event, edge, distance };
-            self.settle(value, self.names.config.resolve_probe(&request).map(Action::Probe))
+            self.to_command(value, self.names.config.resolve_probe(&request).map(Action::Probe))
         })();
         (deed, id.flatten())
     }

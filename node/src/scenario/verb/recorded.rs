@@ -1,6 +1,6 @@
 //! Reads a single verb, the format in which a recording stores a command: its IDs are the sequence numbers of commands.
 
-use super::{Act, Deed, Ids, Reader};
+use super::{Act, Effect, Ids, Reader};
 use crate::document::Value;
 use crate::scenario::names::{Names, meant_parameter};
 use lineshaft_core::command::Action;
@@ -56,20 +56,20 @@ pub(crate) fn recorded_command(value: &Value<'_>, config: &MachineConfig, direct
         number
     };
     match deed {
-        Deed::Command(action) => match id {
+        Effect::Command(action) => match id {
             Some(id) => number(id).map(|_| action),
             None => Some(action),
         },
-        Deed::Cancel(goal) => number(goal).map(|goal| Action::Cancel { goal }),
-        Deed::Inject(_) => {
+        Effect::Cancel(goal) => number(goal).map(|goal| Action::Cancel { goal }),
+        Effect::Inject(_) => {
             value.refuse("inject is no command of the machine", None);
             None
         }
-        Deed::Stream(_) => {
+        Effect::Stream(_) => {
             value.refuse("setpoints are no command of the machine", None);
             None
         }
         // Without an expectation a refused request is a problem, which has been reported.
-        Deed::Refused(_) => None,
+        Effect::Refused(_) => None,
     }
 }

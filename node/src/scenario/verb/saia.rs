@@ -1,7 +1,7 @@
 //! Verb `saia` (contract section 9): registers are set, then the command flags are executed.
 
 use super::amount::parameter_input;
-use super::{Deed, Reader};
+use super::{Effect, Reader};
 use crate::document::Value;
 use lineshaft_core::command::Action;
 use lineshaft_core::parameter::ParameterInput;
@@ -9,7 +9,7 @@ use lineshaft_core::request::RequestError;
 use lineshaft_core::vocabulary::saia::Request;
 
 impl Reader<'_> {
-    pub(super) fn saia(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn saia(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("saia")?;
         let (axis, set, commands) = (map.required("axis"), map.optional("set"), map.optional("commands"));
         map.finish();
@@ -22,7 +22,7 @@ impl Reader<'_> {
         if let Ok(index) = found {
             request.axis = index;
         }
-        let mut take = |result: Result<(), Option<Box<Deed>>>| {
+        let mut take = |result: Result<(), Option<Box<Effect>>>| {
             if let Err(deed) = result {
                 is_good &= deed.is_some();
                 refused = refused.take().or(Some(deed));
@@ -40,7 +40,7 @@ impl Reader<'_> {
         if !is_good || is_empty && self.refuse_nothing(value, "saia", &["axis", "set", "commands"]) {
             return None;
         }
-        refused.map_or_else(|| Some(Deed::Command(Action::vocabulary(request))), |deed| deed.map(|deed| *deed))
+        refused.map_or_else(|| Some(Effect::Command(Action::vocabulary(request))), |deed| deed.map(|deed| *deed))
     }
 
     fn saia_register(
@@ -48,7 +48,7 @@ impl Reader<'_> {
         key: &Value<'_>,
         input: &Value<'_>,
         request: &mut Request,
-    ) -> Result<(), Option<Box<Deed>>> {
+    ) -> Result<(), Option<Box<Effect>>> {
         let name = key.text().ok_or(None)?;
         let given = match input.peek().and_then(hexadecimal) {
             Some(number) => ParameterInput::Integer(number),
@@ -61,7 +61,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn saia_command(&self, flag: &Value<'_>, request: &mut Request) -> Result<(), Option<Box<Deed>>> {
+    fn saia_command(&self, flag: &Value<'_>, request: &mut Request) -> Result<(), Option<Box<Effect>>> {
         let name = flag.text().ok_or(None)?;
         let command = self.note(flag, self.names.config.resolve_saia_command(name))?;
         if !request.commands.insert(command) {
@@ -73,8 +73,8 @@ impl Reader<'_> {
 
     /// Returns the error of a part of the request: a refusal that the step expects, or `None` after a problem was
     /// reported.
-    fn note<T>(&self, value: &Value<'_>, result: Result<T, RequestError>) -> Result<T, Option<Box<Deed>>> {
-        result.map_err(|error| self.settle(value, Err(error)).map(Box::new))
+    fn note<T>(&self, value: &Value<'_>, result: Result<T, RequestError>) -> Result<T, Option<Box<Effect>>> {
+        result.map_err(|error| self.to_command(value, Err(error)).map(Box::new))
     }
 }
 

@@ -2,7 +2,7 @@
 //! `{axes: {x: {velocity: 10 mm/s, duration: 50 ms}}}` for a time. A `duration` next to `axes` is the default of axes
 //! without their own.
 
-use super::{Deed, Ids, Reader, UNITS, number};
+use super::{Effect, Ids, Reader, UNITS, number};
 use crate::document::Value;
 use crate::scenario::moment::nanoseconds;
 use crate::scenario::names::Names;
@@ -26,14 +26,14 @@ pub(crate) fn recorded_setpoints(
         recorded: false,
     };
     match reader.setpoints(arguments, source)? {
-        Deed::Stream(setpoints) => Some(setpoints),
+        Effect::Stream(setpoints) => Some(setpoints),
         // Without an expectation a refused request is a problem, which has been reported.
         _ => None,
     }
 }
 
 impl Reader<'_> {
-    pub(super) fn setpoints(&self, value: &Value<'_>, source: Source) -> Option<Deed> {
+    pub(super) fn setpoints(&self, value: &Value<'_>, source: Source) -> Option<Effect> {
         let mut map = value.map("setpoints")?;
         let axes = map.required("axes");
         let units = number(&mut map, "units", &UNITS);
@@ -46,7 +46,7 @@ impl Reader<'_> {
         let requests = requests.into_iter().map(|r| SetpointRequest { duration: r.duration.or(duration), ..r });
         let set = Units::from_number(units)
             .and_then(|units| self.names.config.resolve_setpoints(source, units, &requests.collect::<Vec<_>>()));
-        self.settle_as(value, set.map(Deed::Stream))
+        self.settle_as(value, set.map(Effect::Stream))
     }
 
     fn setpoint(&self, axis: &Value<'_>, given: &Value<'_>, in_increments: bool) -> Option<SetpointRequest> {

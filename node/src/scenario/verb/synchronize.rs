@@ -3,7 +3,7 @@
 //! Law      a position is an integer number of increments, or has a unit: of the axis, or of the leader
 //! Refuses  one part of a ratio without the other: 9 : 0 is no gear
 
-use super::{Deed, Reader, number, optional_amount};
+use super::{Effect, Reader, number, optional_amount};
 use crate::document::{Allowed, Map, Value};
 use crate::scenario::moment::bare;
 use lineshaft_core::command::Action;
@@ -22,7 +22,7 @@ const ENGAGES: [(&str, u8); 4] =
 const DISENGAGES: [(&str, u8); 2] = [("stop", 0), ("keep_velocity", 1)];
 
 impl Reader<'_> {
-    pub(super) fn synchronize(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+    pub(super) fn synchronize(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
         let Some(mut map) = value.map("synchronize") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let axis = map.required("axis");
@@ -80,7 +80,7 @@ impl Reader<'_> {
             } else {
                 config.resolve_synchronize(&request)
             };
-            self.settle(value, resolved.map(Action::Synchronize))
+            self.to_command(value, resolved.map(Action::Synchronize))
         })();
         (deed, id.flatten())
     }

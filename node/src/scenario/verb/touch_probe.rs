@@ -1,13 +1,13 @@
 //! Verbs `touch_probe` and `abort_trigger`: positions recorded at latches without a motion (contract section 7).
 
 use super::probe::EDGES;
-use super::{Deed, Reader, UNITS, amount, number};
+use super::{Effect, Reader, UNITS, amount, number};
 use crate::document::Value;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::{AbortTriggerRequest, Amount, TouchProbeRequest, Units};
 
 impl Reader<'_> {
-    pub(super) fn touch_probe(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn touch_probe(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("touch_probe")?;
         let (axis, event) = (map.required("axis"), map.required("event"));
         let scale = self.scale(axis.as_ref());
@@ -23,7 +23,7 @@ impl Reader<'_> {
         map.finish();
         let units = match Units::from_number(units?) {
             Ok(units) => units,
-            Err(error) => return self.settle(value, Err(error)),
+            Err(error) => return self.to_command(value, Err(error)),
         };
         let request = TouchProbeRequest {
             axis: axis?.text()?.to_owned(),
@@ -35,15 +35,15 @@ impl Reader<'_> {
             first_position: first_position?,
             last_position: last_position?,
         };
-        self.settle(value, self.names.config.resolve_touch_probe(&request).map(Action::TouchProbe))
+        self.to_command(value, self.names.config.resolve_touch_probe(&request).map(Action::TouchProbe))
     }
 
-    pub(super) fn abort_trigger(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn abort_trigger(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("abort_trigger")?;
         let (axis, event) = (map.required("axis"), map.optional("event"));
         map.finish();
         let event = event.map_or(Some(String::new()), |event| event.text().map(str::to_owned));
         let request = AbortTriggerRequest { axis: axis?.text()?.to_owned(), event: event? };
-        self.settle(value, self.names.config.resolve_abort_trigger(&request).map(Action::AbortTrigger))
+        self.to_command(value, self.names.config.resolve_abort_trigger(&request).map(Action::AbortTrigger))
     }
 }

@@ -1,7 +1,7 @@
 //! Verb `follow_joint_trajectory` (contract section 7, by the fields of control_msgs).
 
 use super::plan::Plan;
-use super::{Deed, Reader, UNITS, amount, number};
+use super::{Effect, Reader, UNITS, amount, number};
 use crate::cell::trajectory_limits;
 use crate::document::{Allowed, Document, Map, Value};
 use crate::scenario::{moment, names::Names};
@@ -48,15 +48,15 @@ struct OtherKeys<'d> {
 }
 
 impl Reader<'_> {
-    pub(super) fn query_trajectory(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn query_trajectory(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("query_trajectory")?;
         let (axis, time) = (map.required("axis"), map.required("time"));
         map.finish();
         let (axis, at_ns) = (axis?.text()?.to_owned(), moment::nanoseconds(&time?)?);
-        self.settle(value, self.names.config.resolve_query_trajectory(&axis, at_ns).map(Action::QueryTrajectory))
+        self.to_command(value, self.names.config.resolve_query_trajectory(&axis, at_ns).map(Action::QueryTrajectory))
     }
 
-    pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> (Option<Deed>, Option<usize>) {
+    pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
         let Some(mut map) = value.map("follow_joint_trajectory") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let file = map.optional("file");
@@ -73,7 +73,7 @@ impl Reader<'_> {
     }
 
     /// Reads a trajectory with points in a file.
-    fn plan(&self, file: &Value<'_>, others: OtherKeys<'_>, may_lack_joints: bool) -> Option<Deed> {
+    fn plan(&self, file: &Value<'_>, others: OtherKeys<'_>, may_lack_joints: bool) -> Option<Effect> {
         let Some(folder) = self.names.folder else {
             file.refuse("file is for scenarios; points are expected here", None);
             return None;
@@ -83,7 +83,7 @@ impl Reader<'_> {
             let plan = Plan::read(&root)?;
             let given = Given { joints: self.joints(&plan.joints)?, units: 0, points: plan.points() };
             if let Some(joint) = given.joints.iter().find(|joint| joint.scale.is_none()) {
-                return self.settle(&plan.joints, Err(self.unknown_joint(joint)));
+                return self.to_command(&plan.joints, Err(self.unknown_joint(joint)));
             }
             if !may_lack_joints {
                 self.check_joints(&given.joints, &plan.joints);
@@ -148,16 +148,16 @@ impl Reader<'_> {
         others: OtherKeys<'_>,
         shown: fn(RequestError) -> RequestError,
         place: impl Fn(&str) -> &'v Value<'d>,
-    ) -> Option<Deed> {
+    ) -> Option<Effect> {
         let Given { joints, units, points } = given;
         let numbers = Numbers { names: self.names, joints: &joints, in_increments: units == 2 };
         let units = match Units::from_number(units) {
             Ok(units) => units,
-            Err(error) => return self.settle(place(""), Err(error)),
+            Err(error) => return self.to_command(place(""), Err(error)),
         };
         // Checked first, because tolerances of an unknown joint would fail as well.
         if let Some(error) = joints.iter().find_map(|joint| self.names.config.find_axis(&joint.axis).err()) {
-            return self.settle(place(&error.to_string()), Err(error));
+            return self.to_command(place(&error.to_string()), Err(error));
         }
         let usual = self.settings(&joints);
         let [path, goal, start_tolerance] = others.tolerances.map(|value| numbers.tolerances(value.as_ref()));
@@ -179,7 +179,7 @@ impl Reader<'_> {
         };
         let trajectory = self.names.config.resolve_trajectory(&request).map_err(shown);
         let at = trajectory.as_ref().err().map_or_else(|| place(""), |error| place(&error.to_string()));
-        self.settle(at, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
+        self.to_command(at, trajectory.map(|trajectory| Action::Trajectory(Arc::new(trajectory))))
     }
 
     /// Returns the settings of the group of these joints.

@@ -1,7 +1,7 @@
 //! Reads a verb of another controller whose axis is given separately from its arguments (`~/vocabulary`), as in a
 //! scenario.
 
-use super::{Deed, Ids, Reader};
+use super::{Effect, Ids, Reader};
 use crate::document::Document;
 use crate::scenario::names::{Names, did_you_mean, nearest};
 use lineshaft_core::command::Action;
@@ -55,7 +55,7 @@ pub(crate) fn vocabulary_command(
     });
     let problems = document.problems().sorted();
     match (problems.first(), deed) {
-        (None, Some(Deed::Command(action))) => Ok(action),
+        (None, Some(Effect::Command(action))) => Ok(action),
         (Some(problem), _) => Err(match problems.len() - 1 {
             0 => problem.to_string(),
             1 => format!("{problem}; there is 1 more problem"),

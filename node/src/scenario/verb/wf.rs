@@ -18,7 +18,7 @@
 //!   unit
 
 use super::amount::amount;
-use super::{Deed, Reader};
+use super::{Effect, Reader};
 use crate::document::{Map, Value};
 use lineshaft_core::command::Action;
 use lineshaft_core::position::Length;
@@ -53,7 +53,7 @@ impl From<RequestError> for Trouble {
 }
 
 impl Reader<'_> {
-    pub(super) fn wf(&self, value: &Value<'_>) -> Option<Deed> {
+    pub(super) fn wf(&self, value: &Value<'_>) -> Option<Effect> {
         let mut map = value.map("wf")?;
         let axis = map.required("axis");
         let scale = self.scale(axis.as_ref());
@@ -62,7 +62,7 @@ impl Reader<'_> {
         let axis = axis?;
         let (index, _) = match self.names.config.find_axis(axis.text()?) {
             Ok(found) => found,
-            Err(error) => return self.settle(&axis, Err(error)),
+            Err(error) => return self.to_command(&axis, Err(error)),
         };
         match request {
             Ok(request)
@@ -70,8 +70,8 @@ impl Reader<'_> {
             {
                 None
             }
-            Ok(request) => self.settle(value, Ok(Action::vocabulary(Request { axis: index, ..request }))),
-            Err(Trouble::Told(error)) => self.settle(value, Err(error)),
+            Ok(request) => self.to_command(value, Ok(Action::vocabulary(Request { axis: index, ..request }))),
+            Err(Trouble::Told(error)) => self.to_command(value, Err(error)),
             Err(Trouble::Noted) => None,
         }
     }

@@ -66,7 +66,7 @@ fn the_figure_of_six_plants_is_drawn_by_the_program() {
     for (name, counts, plant, keys, ratio) in plants() {
         let found = found(&cell(counts, plant, keys), ratio);
         let (before, after) = (found.before.as_ref().expect("loops"), found.after.as_ref().expect("gains"));
-        let panel = step(&found, &[("before", Look::Old, before), ("after", Look::New, after)]);
+        let panel = step(&found, &[("before", LineStyle::Old, before), ("after", LineStyle::New, after)]);
         panels.push(Panel { up: Axis { label: format!("{name} (inc)"), ..panel.up }, height: 130.0, ..panel });
         let told = |answer: &Answer| {
             let settled = answer.step.figures.settling;

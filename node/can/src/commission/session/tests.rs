@@ -155,9 +155,9 @@ fn a_state_command_goes_out_once_and_a_boot_up_is_heard() {
     bus.says(Frame::data(node(3).heartbeat(), &[5]).unwrap());
     bus.says(Frame::data(node(3).heartbeat(), &[0]).unwrap());
     let is_boot = |state| state == NmtState::BootUp;
-    let heard = session.hear(node(3), Duration::from_secs(5), is_boot).unwrap();
+    let heard = session.wait_for_state(node(3), Duration::from_secs(5), is_boot).unwrap();
     assert_eq!(heard, Some(NmtState::BootUp));
-    assert_eq!(session.hear(node(3), Duration::from_millis(5), is_boot).unwrap(), None);
+    assert_eq!(session.wait_for_state(node(3), Duration::from_millis(5), is_boot).unwrap(), None);
     assert_eq!(bus.0.lock().unwrap().sent, [Frame::data(Id::NMT, &[0x81, 3]).unwrap()]);
 }
 
@@ -304,8 +304,8 @@ fn an_enabled_drive_another_device_and_a_refused_object_end_it() {
 
     let bus = drive();
     let mut session = bus.session();
-    session.refuse_others(node(3), Some(0xFFFF), Some(0)).unwrap();
-    let error = session.refuse_others(node(3), Some(0x22), None).unwrap_err().to_string();
+    session.check_identity(node(3), Some(0xFFFF), Some(0)).unwrap();
+    let error = session.check_identity(node(3), Some(0x22), None).unwrap_err().to_string();
     assert_eq!(error, "node 3 is another device: its vendor (1018h:01) is 0000FFFFh, the file is for 00000022h");
 
     bus.refuse(3, 0x6083, 0, 0x0609_0031);
@@ -324,7 +324,7 @@ fn an_object_that_cannot_be_read_is_written() {
 }
 
 #[test]
-fn storing_says_save() {
+fn store_writes_save_signature() {
     let bus = drive().with(3, &[(0x1010, 1, 1, 4)]);
     bus.session().store(node(3)).unwrap();
     assert_eq!(bus.written(), [(0x1010, 1, u32::from_le_bytes(*b"save"))]);
@@ -366,14 +366,14 @@ fn a_device_is_set_by_its_identity_and_left_waiting() {
     let device = Layered::default();
     let mut session = Session::new(Box::new(device.clone()), Duration::from_millis(30));
     let command = LssCommand::NodeId(node(9));
-    session.set_layer([1, 2, 3, 7], command).unwrap();
+    session.send_lss_command([1, 2, 3, 7], command).unwrap();
     let sent = device.0.0.lock().unwrap().sent.clone();
-    assert_eq!((sent.len(), sent[5], sent.last()), (7, command.frame(), Some(&LssCommand::Wait.frame())));
-    let error = session.set_layer([1, 2, 3, 8], command).unwrap_err().to_string();
+    assert_eq!((sent.len(), sent[5], sent.last()), (7, command.frame(), Some(&LssCommand::SwitchToWaiting.frame())));
+    let error = session.send_lss_command([1, 2, 3, 8], command).unwrap_err().to_string();
     let sentence = "no device answers to vendor 00000001h, product 00000002h, revision 00000003h, serial 00000008h";
     assert_eq!(error, sentence);
-    let error = session.set_layer([1, 2, 3, 7], LssCommand::Store).unwrap_err().to_string();
+    let error = session.send_lss_command([1, 2, 3, 7], LssCommand::Store).unwrap_err().to_string();
     assert_eq!(error, "the device cannot store its node id and bit rate");
-    assert_eq!(device.0.0.lock().unwrap().sent.last(), Some(&LssCommand::Wait.frame()));
+    assert_eq!(device.0.0.lock().unwrap().sent.last(), Some(&LssCommand::SwitchToWaiting.frame()));
     assert_eq!(session.search(&mut |_, _| {}).unwrap(), None);
 }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::eds::{Access, DataType, Given, Value};
+use crate::eds::{Access, DataType, FileValue, Value};
 
 const OWN: &[u8] = include_bytes!("../../../../../launch-configs/can/cia402_sim.eds");
 
@@ -59,7 +59,7 @@ fn objects_of_our_own_file_are_what_it_says() {
     assert_eq!(dictionary.default_value(at(0x1018, 4)), Some(Value::Unsigned(0x5005)));
     assert_eq!(dictionary.entry(at(0x2100, 0)).unwrap().data_type, DataType::Domain);
     assert_eq!(dictionary.default_value(at(0x2100, 0)), None);
-    assert_eq!(dictionary.head(0x607D).unwrap().object_type, ObjectType::Array);
+    assert_eq!(dictionary.index_description(0x607D).unwrap().object_type, ObjectType::Array);
     assert_eq!(dictionary.entry(at(0x607D, 3)), None);
     assert_eq!(dictionary.entries_of(0x607D).count(), 3);
 }
@@ -69,7 +69,7 @@ fn without_a_node_its_values_are_not_known() {
     let dictionary = parse(OWN, None).unwrap();
     assert_eq!(dictionary.node_id(), None);
     assert_eq!(dictionary.default_value(at(0x1800, 1)), None);
-    assert_eq!(dictionary.entry(at(0x1800, 1)).unwrap().default, Some(Given::NodeId { plus: 0x180 }));
+    assert_eq!(dictionary.entry(at(0x1800, 1)).unwrap().default, Some(FileValue::NodeId { plus: 0x180 }));
     assert_eq!(dictionary.default_value(at(0x1800, 2)), Some(Value::Unsigned(255)));
 }
 
@@ -324,7 +324,7 @@ fn long_names_and_long_values_for_many_objects_are_cut() {
     let dictionary = read(&format!(
         "[2000]\nParameterName={name}\nObjectType=8\nDataType=9\nAccessType=ro\nCompactSubObj=254\nDefaultValue={value}\n"
     ));
-    assert_eq!(dictionary.head(0x2000).unwrap().name.len(), 255);
+    assert_eq!(dictionary.index_description(0x2000).unwrap().name.len(), 255);
     // A name with a number is not longer than any other name.
     assert_eq!(dictionary.entry(at(0x2000, 254)).unwrap().name, format!("{}254", "n".repeat(252)));
     assert_eq!(dictionary.default_value(at(0x2000, 254)), None);
@@ -398,9 +398,9 @@ fn missing_keys_have_the_value_that_harms_least() {
             "line 14: the section \"2004\" has no SubNumber, and 0 subindices",
         ]
     );
-    assert_eq!(dictionary.head(0x2000).unwrap().name, "2000h");
+    assert_eq!(dictionary.index_description(0x2000).unwrap().name, "2000h");
     assert_eq!(dictionary.entry(at(0x2000, 0)).unwrap().access, Access::Ro);
-    assert_eq!(dictionary.head(0x2001), None);
+    assert_eq!(dictionary.index_description(0x2001), None);
     let domain = dictionary.entry(at(0x2002, 0)).unwrap();
     assert_eq!((domain.data_type, domain.access), (DataType::Domain, Access::Rw));
     assert!(dictionary.entry(at(0x2003, 1)).is_some());

@@ -50,7 +50,7 @@ fn comes_back(file: &[u8], node_id: Option<u8>) {
     assert_eq!(again.warnings().to_string(), "", "{text}");
     assert_eq!(again, dictionary, "{text}");
     // Other functions of the dictionary do not panic with an unusual file.
-    let _ = dictionary.written();
+    let _ = dictionary.configured_values();
     for number in 0..6 {
         let _ = dictionary.pdo_mapping(Direction::Receive, number);
         let _ = dictionary.pdo_mapping(Direction::Transmit, number);
@@ -94,22 +94,22 @@ fn names_find_their_object_in_any_case() {
     assert_eq!(dictionary.find("Identity").unwrap_err().to_string(), "no object has the name \"Identity\"");
     let twice = "[DeviceInfo]\n[2000]\nParameterName=a\nDataType=5\n[2001]\nParameterName=A\nDataType=5\n";
     let error = parse(twice.as_bytes(), None).unwrap().find("a").unwrap_err();
-    assert!(matches!(error, FindError::Several { .. }));
+    assert!(matches!(error, FindError::Ambiguous { .. }));
     assert_eq!(error.to_string(), "the name \"a\" is that of 2000h:00 and of 2001h:00: write the index");
 }
 
 #[test]
 fn a_configuration_writes_what_can_be_written() {
     let mut dictionary = parse(OWN.as_bytes(), Some(5)).unwrap();
-    assert_eq!(dictionary.written(), Ok(vec![]));
+    assert_eq!(dictionary.configured_values(), Ok(vec![]));
     dictionary.set_parameter(at(0x6060, 0), Some(Value::Integer(-1))).unwrap();
     dictionary.set_parameter(at(0x1017, 0), Some(Value::Unsigned(100))).unwrap();
     dictionary.set_parameter(at(0x2001, 0), Some(Value::Text("ab".to_owned()))).unwrap();
     let written = vec![(at(0x1017, 0), vec![100, 0]), (at(0x2001, 0), b"ab".to_vec()), (at(0x6060, 0), vec![0xFF])];
-    assert_eq!(dictionary.written(), Ok(written));
+    assert_eq!(dictionary.configured_values(), Ok(written));
     comes_back(dictionary.to_eds().as_bytes(), Some(5));
     dictionary.set_parameter(at(0x1017, 0), None).unwrap();
-    assert_eq!(dictionary.written().unwrap().len(), 2);
+    assert_eq!(dictionary.configured_values().unwrap().len(), 2);
 }
 
 #[test]
@@ -128,8 +128,8 @@ fn values_that_no_device_or_no_file_takes_are_refused() {
 fn a_tool_keeps_from_objects_that_are_flagged_and_from_those_that_only_read() {
     let file = "[DeviceInfo]\n[1010]\nDataType=7\nAccessType=rw\nObjFlags=1\nParameterValue=1\n\
         [1018]\nDataType=7\nAccessType=ro\nParameterValue=1\n[2000]\nDataType=7\nAccessType=rw\nParameterValue=$NODEID+1\n";
-    assert_eq!(parse(file.as_bytes(), Some(5)).unwrap().written(), Ok(vec![(at(0x2000, 0), vec![6, 0, 0, 0])]));
-    let error = parse(file.as_bytes(), None).unwrap().written().unwrap_err();
+    assert_eq!(parse(file.as_bytes(), Some(5)).unwrap().configured_values(), Ok(vec![(at(0x2000, 0), vec![6, 0, 0, 0])]));
+    let error = parse(file.as_bytes(), None).unwrap().configured_values().unwrap_err();
     assert_eq!(error, ConfigureError::NodeId(at(0x2000, 0)));
 }
 

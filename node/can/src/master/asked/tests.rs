@@ -70,13 +70,13 @@ impl Transport for Way {
     }
 }
 
-type Answers = Arc<Mutex<Vec<Result<Vec<u8>, Denied>>>>;
+type Answers = Arc<Mutex<Vec<Result<Vec<u8>, ObjectAccessError>>>>;
 
 struct Rig {
     device: Arc<Mutex<Device>>,
     port: Port,
-    objects: Objects,
-    line: Line,
+    objects: SdoRequestQueue,
+    line: SdoRequestReceiver,
     answers: Answers,
 }
 
@@ -107,10 +107,10 @@ impl Rig {
         self.device.lock().expect("one thread").objects.insert((index, 0), bytes.to_vec());
     }
 
-    fn ask(&self, node: u8, index: u16, access: Access) -> Result<Ticket, Denied> {
+    fn ask(&self, node: u8, index: u16, access: Access) -> Result<RequestHandle, ObjectAccessError> {
         let answers = Arc::clone(&self.answers);
         let answer = move |answer| answers.lock().expect("one thread").push(answer);
-        self.objects.ask(NodeId::new(node).expect("1 to 127"), Object { index, sub: 0 }, access, answer)
+        self.objects.submit(NodeId::new(node).expect("1 to 127"), Object { index, sub: 0 }, access, answer)
     }
 
     fn write(&self, index: u16, without_power: bool) {
@@ -118,7 +118,7 @@ impl Rig {
     }
 
     /// Returns the answers when there are this many of them.
-    fn serve(&mut self, many: usize) -> Vec<Result<Vec<u8>, Denied>> {
+    fn serve(&mut self, many: usize) -> Vec<Result<Vec<u8>, ObjectAccessError>> {
         // Each turn handles at least one request.
         (0..many).for_each(|_| self.line.serve(&mut self.port, None));
         self.answers.lock().expect("one thread").drain(..).collect()
@@ -141,7 +141,7 @@ fn objects_are_read_up_to_the_longest_and_refusals_are_told() {
     }
     let answers = rig.serve(4);
     assert_eq!(answers[0].as_ref(), Ok(&long));
-    assert_eq!(answers[1], Err(Denied::Long(Object { index: 0x2001, sub: 0 })));
+    assert_eq!(answers[1], Err(ObjectAccessError::Long(Object { index: 0x2001, sub: 0 })));
     assert_eq!(answers[2], Ok(vec![1, 2]));
     let refused = answers[3].as_ref().expect_err("there is no such object").to_string();
     assert_eq!(refused, "2003h:00: the device refuses: the object does not exist (06020000h)");
@@ -175,14 +175,14 @@ fn a_write_meets_no_drive_under_power_where_it_must_not() {
         rig.write(0x2000, false);
         let answers = rig.serve(2);
         let object = Object { index: 0x607A, sub: 0 };
-        let expected = refused.map_or(Ok(Vec::new()), |state| Err(Denied::Power(object, state)));
+        let expected = refused.map_or(Ok(Vec::new()), |state| Err(ObjectAccessError::Power(object, state)));
         assert_eq!(answers, [expected, Ok(Vec::new())], "{status:04X}");
         let (first, second) = ((0x607A, vec![7, 0]), (0x2000, vec![7, 0]));
         assert_eq!(rig.written(), if refused.is_some() { vec![second] } else { vec![first, second] }, "{status:04X}");
     }
     rig.has(0x6041, &[0x37]);
     rig.write(0x607A, true);
-    assert!(matches!(rig.serve(1).as_slice(), [Err(Denied::NoState(..))]), "half a word says nothing");
+    assert!(matches!(rig.serve(1).as_slice(), [Err(ObjectAccessError::NoState(..))]), "half a word says nothing");
     assert_eq!(rig.written(), []);
 }
 
@@ -191,10 +191,10 @@ fn what_was_taken_back_is_never_done_and_what_is_done_cannot_be_taken_back() {
     let mut rig = Rig::new();
     rig.has(0x2002, &[1, 2]);
     let ticket = rig.ask(3, 0x2002, Access::Write { data: vec![1], without_power: false }).expect("there is room");
-    assert!(ticket.take_back());
+    assert!(ticket.cancel());
     let ticket = rig.ask(3, 0x2002, Access::Read).expect("there is room");
     assert_eq!(rig.serve(1), [Ok(vec![1, 2])], "only what was not taken back is answered");
-    assert!(!ticket.take_back());
+    assert!(!ticket.cancel());
     assert_eq!(rig.written(), []);
 }
 
@@ -204,15 +204,15 @@ fn a_full_line_a_lost_way_and_a_closed_bus_answer_at_once() {
     for _ in 0..MOST_WAITING {
         rig.ask(3, 0x2002, Access::Read).expect("there is room");
     }
-    assert_eq!(rig.ask(3, 0x2002, Access::Read).expect_err("it is full"), Denied::Full);
+    assert_eq!(rig.ask(3, 0x2002, Access::Read).expect_err("it is full"), ObjectAccessError::Full);
     rig.line.serve(&mut rig.port, Some("the cable is out"));
     let answers: Vec<_> = rig.answers.lock().expect("one thread").drain(..).collect();
-    assert_eq!(answers, vec![Err(Denied::Lost("the cable is out".to_owned())); MOST_WAITING]);
+    assert_eq!(answers, vec![Err(ObjectAccessError::Lost("the cable is out".to_owned())); MOST_WAITING]);
     rig.ask(3, 0x2002, Access::Read).expect("there is room");
-    rig.line.turn_away();
-    assert_eq!(rig.answers.lock().expect("one thread").drain(..).collect::<Vec<_>>(), [Err(Denied::Closed)]);
+    rig.line.reject_all();
+    assert_eq!(rig.answers.lock().expect("one thread").drain(..).collect::<Vec<_>>(), [Err(ObjectAccessError::Closed)]);
     let Rig { objects, line, .. } = rig;
     drop(line);
-    let asked = objects.ask(NodeId::new(3).expect("1 to 127"), STATUS, Access::Read, |_| ());
-    assert_eq!(asked.expect_err("nobody serves"), Denied::Closed);
+    let asked = objects.submit(NodeId::new(3).expect("1 to 127"), STATUS, Access::Read, |_| ());
+    assert_eq!(asked.expect_err("nobody serves"), ObjectAccessError::Closed);
 }

@@ -3,13 +3,13 @@ mod modes;
 
 use super::super::fixtures::as_drive;
 use super::*;
-use crate::config::{self, DeviceConfig, Missed, Role, Terminals};
+use crate::config::{self, DeviceConfig, MissingDataBehaviour, Role, Terminals};
 use crate::drive::layout::Extras;
 use crate::drive::probe::Probe;
 use crate::drive::{DriveMode, Layout, objects};
-use crate::master::tally::Meter;
+use crate::master::tally::BusLoadMeter;
 use crate::transport::Loss;
-use crate::{Id, Watching};
+use crate::{Id, Monitoring};
 use assert_no_alloc::{assert_no_alloc, violation_count};
 use lineshaft_core::drive::{
     DriveInput, DriveOutput, Edge, EncoderInput, HomingOrder, Latch, MODE_CSP, MODE_HOMING, Mode, Terminal, control,
@@ -61,7 +61,7 @@ fn node(number: u8) -> NodeId {
     NodeId::new(number).expect("1 to 127")
 }
 
-fn drive(place: usize, number: u8, watching: Watching) -> DeviceConfig {
+fn drive(place: usize, number: u8, watching: Monitoring) -> DeviceConfig {
     DeviceConfig::plain_drive(place, node(number), watching)
 }
 
@@ -79,7 +79,7 @@ struct Rig {
 const SDO_TIMEOUT_NS: u64 = 20_000_000;
 
 impl Rig {
-    fn new(watching: Watching) -> Self {
+    fn new(watching: Monitoring) -> Self {
         let (orders, taken) = RingBuffer::new(64);
         let (told, reports) = RingBuffer::new(64);
         let config = BusConfig {
@@ -104,7 +104,7 @@ impl Rig {
     }
 
     /// Returns a rig with both drives configured and started.
-    fn running(watching: Watching) -> Self {
+    fn running(watching: Monitoring) -> Self {
         let mut rig = Self::new(watching);
         (0..2).for_each(|drive| rig.order(Order::Begin { device: drive, fault: 0 }));
         rig
@@ -163,7 +163,7 @@ fn hex(frame: &Frame) -> String {
 /// 6040h, 607Ah and 6060h to each drive, then SYNC: setpoints of a cycle take effect at its SYNC.
 #[test]
 fn drives_are_asked_before_sync() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.outputs.drive[0] =
         DriveOutput { position: 0x1_2345_6789, control: control::ENABLE, mode: Mode::Position, ..Default::default() };
     rig.outputs.drive[1] = DriveOutput { position: -2, control: control::SHUTDOWN, ..Default::default() };
@@ -175,7 +175,7 @@ fn drives_are_asked_before_sync() {
 /// A device receives no process data before it is configured, and after a boot-up.
 #[test]
 fn a_drive_that_is_not_configured_is_told_nothing() {
-    let mut rig = Rig::new(Watching::None);
+    let mut rig = Rig::new(Monitoring::None);
     rig.cycle();
     assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
     rig.order(Order::Prepare { device: 0 });
@@ -185,7 +185,7 @@ fn a_drive_that_is_not_configured_is_told_nothing() {
     rig.comes(0x703, &[0]);
     rig.cycle();
     assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
-    let Ok(Report::Happened { device: 0, what: Happened::BootedUp, took_part: true }) = rig.reports.pop() else {
+    let Ok(Report::Happened { device: 0, what: DeviceEvent::BootedUp, took_part: true }) = rig.reports.pop() else {
         panic!("it is reported");
     };
 }
@@ -193,7 +193,7 @@ fn a_drive_that_is_not_configured_is_told_nothing() {
 /// A device that boots during its configuration has lost it.
 #[test]
 fn a_drive_that_boots_under_its_configuration_does_not_begin() {
-    let mut rig = Rig::new(Watching::None);
+    let mut rig = Rig::new(Monitoring::None);
     rig.order(Order::Prepare { device: 1 });
     rig.cycle();
     rig.comes(0x705, &[0]);
@@ -202,14 +202,14 @@ fn a_drive_that_boots_under_its_configuration_does_not_begin() {
     rig.cycle();
     assert!(rig.sent().iter().all(|frame| frame.id() == Id::SYNC));
     let took_part =
-        |report| matches!(report, Report::Happened { device: 1, what: Happened::BootedUp, took_part: true });
+        |report| matches!(report, Report::Happened { device: 1, what: DeviceEvent::BootedUp, took_part: true });
     assert!(std::iter::from_fn(|| rig.reports.pop().ok()).any(took_part));
 }
 
 /// Process data is fresh in the cycle after the SYNC that it answers; otherwise the last values stay.
 #[test]
 fn words_are_fresh_in_the_cycle_in_which_they_have_come() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.cycle();
     assert_eq!(rig.is_online(), [false; 2], "nobody has answered yet");
     rig.answer(0x1237, -5, MODE_CSP);
@@ -228,7 +228,7 @@ fn words_are_fresh_in_the_cycle_in_which_they_have_come() {
 /// MACS-CAN-06 for a heartbeat: the drive is silent for longer than the monitoring time.
 #[test]
 fn a_silent_drive_goes_offline_alone() {
-    let mut rig = Rig::running(Watching::Heartbeat { time_ns: 30_000_000 });
+    let mut rig = Rig::running(Monitoring::Heartbeat { time_ns: 30_000_000 });
     rig.comes(0x703, &[0x05]);
     rig.answer(0x0250, 0, 0);
     rig.cycle();
@@ -238,7 +238,7 @@ fn a_silent_drive_goes_offline_alone() {
     assert_eq!(rig.is_online(), [false, true], "node 5 has never sent a heartbeat, and is not watched yet");
     let reports = std::iter::from_fn(|| rig.reports.pop().ok());
     let unwatched = |report: &Report| {
-        matches!(report, Report::Happened { device: 1, what: Happened::NeverHeard, took_part: false })
+        matches!(report, Report::Happened { device: 1, what: DeviceEvent::NeverHeard, took_part: false })
     };
     assert_eq!(reports.filter(unwatched).count(), 1, "which is reported");
     rig.cycle();
@@ -252,7 +252,7 @@ fn a_silent_drive_goes_offline_alone() {
 /// Heartbeats that repeatedly report a state other than operational.
 #[test]
 fn a_drive_that_left_operation_takes_part_no_longer() {
-    let mut rig = Rig::new(Watching::Heartbeat { time_ns: 10_000_000_000 });
+    let mut rig = Rig::new(Monitoring::Heartbeat { time_ns: 10_000_000_000 });
     rig.comes(0x703, &[0x7F]);
     rig.cycle();
     rig.order(Order::Begin { device: 0, fault: 0 });
@@ -268,7 +268,7 @@ fn a_drive_that_left_operation_takes_part_no_longer() {
 /// a new one.
 #[test]
 fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
-    let mut rig = Rig::running(Watching::Heartbeat { time_ns: 1_000_000_000 });
+    let mut rig = Rig::running(Monitoring::Heartbeat { time_ns: 1_000_000_000 });
     let back = |rig: &mut Rig| {
         rig.order(Order::Prepare { device: 0 });
         rig.order(Order::Listen { device: 0, inputs: 0 });
@@ -300,7 +300,7 @@ fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
 
 #[test]
 fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.answer(0x0250, 7, 0);
     rig.cycle();
     rig.wire.lock().unwrap().is_lost = true;
@@ -324,7 +324,7 @@ fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
 /// The error code of a fault comes from the emergency message. The message is reported in one cycle only.
 #[test]
 fn an_emergency_stands_in_one_cycle_and_gives_the_fault_its_code() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.comes(0x083, &[0x11, 0x86, 0x21, 1, 2, 3, 4, 5]);
     rig.answer(0x0218, 0, MODE_CSP);
     rig.cycle();
@@ -354,7 +354,7 @@ fn confirm(rig: &Rig, number: u16, sent: &[Frame]) {
 /// 6098h, 6099h and 609Ah are written first, then mode 6 is commanded. A newly attained zero starts a new coordinate system.
 #[test]
 fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.outputs.drive[0] = DriveOutput { control: control::ENABLE, mode: Mode::Position, ..Default::default() };
     rig.answer(0x1637, 1000, MODE_CSP);
     rig.cycle();
@@ -384,7 +384,7 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
 #[test]
 fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
     for before in [0x1637, 0x0237] {
-        let mut rig = Rig::running(Watching::None);
+        let mut rig = Rig::running(Monitoring::None);
         let control = control::ENABLE | control::START_HOMING;
         let home = DriveOutput { control, mode: Mode::Homing(HOME), ..Default::default() };
         rig.outputs.drive[0] = home;
@@ -409,7 +409,7 @@ fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
 #[test]
 fn what_a_probe_catches_is_a_latch_of_the_axis() {
     let known = crate::eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
-    let mut config = drive(0, 3, Watching::None);
+    let mut config = drive(0, 3, Monitoring::None);
     let probes = [Some(Probe::Rising), Some(Probe::Index)];
     (as_drive(&mut config).probes, as_drive(&mut config).object) = (probes, 4);
     config.layout =
@@ -417,7 +417,7 @@ fn what_a_probe_catches_is_a_latch_of_the_axis() {
             .unwrap();
     let ids: Vec<_> = config.layout.told.iter().map(|pdo| (pdo.id.get(), pdo.bytes())).collect();
     assert_eq!(ids, [(0x183, 7), (0x283, 6), (0x383, 6), (0x483, 6)]);
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     let catch = |rig: &Rig, id: u16, position: i32, count: u16| {
         rig.comes(id, &[position.to_le_bytes().as_slice(), &count.to_le_bytes()].concat());
@@ -444,7 +444,7 @@ fn what_a_probe_catches_is_a_latch_of_the_axis() {
 /// A request during a homing setup is answered as busy.
 #[test]
 fn transfers_do_not_disturb_each_other() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.outputs.drive[0].mode = Mode::Homing(HOME);
     rig.cycle();
     let sent = rig.sent();
@@ -463,7 +463,7 @@ fn transfers_do_not_disturb_each_other() {
 /// Node 3 never answers.
 #[test]
 fn a_silent_server_ends_a_transfer_and_the_set_up_of_a_homing() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.outputs.drive[0].mode = Mode::Homing(HOME);
     rig.cycle();
     std::thread::sleep(std::time::Duration::from_nanos(SDO_TIMEOUT_NS + 1_000_000));
@@ -477,7 +477,7 @@ fn a_silent_server_ends_a_transfer_and_the_set_up_of_a_homing() {
 
 #[test]
 fn frames_without_room_are_counted_and_not_sent_later() {
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.wire.lock().unwrap().is_full = true;
     rig.cycle();
     rig.wire.lock().unwrap().is_full = false;
@@ -488,7 +488,7 @@ fn frames_without_room_are_counted_and_not_sent_later() {
 /// Cycles with all kinds of received frames, and transfers in progress.
 #[test]
 fn a_cycle_takes_no_memory() {
-    let mut rig = Rig::running(Watching::Heartbeat { time_ns: 2_000_000 });
+    let mut rig = Rig::running(Monitoring::Heartbeat { time_ns: 2_000_000 });
     // Frames are recorded as well, but not fetched.
     let _frames = rig.bus.frames();
     rig.bus.master = Some(Master { node: node(127), heartbeat_ns: 1 });
@@ -521,8 +521,8 @@ fn a_cycle_takes_no_memory() {
 /// not.
 #[test]
 fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
-    let mut rig = Rig::running(Watching::None);
-    let mut pp = drive(0, 3, Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
+    let mut pp = drive(0, 3, Monitoring::None);
     as_drive(&mut pp).mode = DriveMode::Pp;
     rig.replace(0, &pp);
     for output in &mut rig.outputs.drive {
@@ -543,14 +543,14 @@ fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
 /// Random frames, and random changes of valid ones, for a running drive in mode pp and a module: no panic, and no command beyond the
 /// outputs.
 #[test]
-fn noise_enables_nobody() {
-    let watching = Watching::Guarding { guard_ns: 1_000_000, life_factor: 3 };
+fn random_frames_never_enable_a_drive() {
+    let watching = Monitoring::Guarding { guard_ns: 1_000_000, life_factor: 3 };
     let mut rig = Rig::running(watching);
     let mut pp = drive(0, 3, watching);
     as_drive(&mut pp).mode = DriveMode::Pp;
     rig.replace(0, &pp);
     let terminal = |place, address| Terminal { place, address };
-    let analog = |place, address| config::Analog { terminal: terminal(place, address), full_scale: 10.0 };
+    let analog = |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
     let mut module = drive(1, 5, watching);
     module.role = Role::Module;
     module.terminals = Terminals {
@@ -610,8 +610,8 @@ fn noise_enables_nobody() {
 /// Sent and received frames are counted; frames without room are not.
 #[test]
 fn frames_that_go_and_come_are_counted() {
-    let mut rig = Rig::running(Watching::None);
-    let mut meter = Meter::new();
+    let mut rig = Rig::running(Monitoring::None);
+    let mut meter = BusLoadMeter::new();
     let begin = Instant::now();
     meter.restart(&rig.bus.tally(), begin);
     rig.answer(0x0627, 0, 8);

@@ -11,7 +11,7 @@
 
 use super::{Refusal, Session};
 use crate::config::Role;
-use crate::drive::layout::{Field, MOST_PDOS, Pdo, Told, Transmission};
+use crate::drive::layout::{Field, MOST_PDOS, Pdo, ReportedValue, Transmission};
 use crate::drive::objects;
 use crate::eds::{CobId, Direction};
 use crate::sdo::{Object, SdoError};
@@ -46,7 +46,7 @@ impl Session<'_> {
     fn switch_off(&mut self, direction: Direction, number: u8) -> Result<(), Refusal> {
         match self.try_switch_off(direction, number)? {
             None => Ok(()),
-            Some((refused, cob_id)) => self.keep_on(&refused, cob_id),
+            Some((refused, cob_id)) => self.accept_enabled(&refused, cob_id),
         }
     }
 
@@ -62,7 +62,7 @@ impl Session<'_> {
     }
 
     /// Accepts that a PDO that is not needed stays enabled, unless its identifier is that of other process data.
-    fn keep_on(&self, refused: &SdoError, cob_id: CobId) -> Result<(), Refusal> {
+    fn accept_enabled(&self, refused: &SdoError, cob_id: CobId) -> Result<(), Refusal> {
         let id = cob_id.id();
         if !cob_id.is_extended() && self.is_used(id) {
             let sentence = format!(
@@ -85,15 +85,15 @@ impl Session<'_> {
 
     /// Maps a PDO that the device sends. A PDO on change is left out if the device refuses it, unless it carries digital inputs, from which
     /// the limit switches of the drive are read.
-    fn write_told(&mut self, pdo: &Pdo<Told>) -> Result<(), Refusal> {
-        let has_inputs = pdo.fields.iter().any(|field| field.word == Told::Inputs);
+    fn write_told(&mut self, pdo: &Pdo<ReportedValue>) -> Result<(), Refusal> {
+        let has_inputs = pdo.fields.iter().any(|field| field.word == ReportedValue::Inputs);
         let is_optional = pdo.transmission == Transmission::OnChange && !has_inputs;
         match self.write_pdo(Direction::Transmit, pdo) {
             Err(Refusal::Wrong(why)) if is_optional => {
                 match self.try_switch_off(Direction::Transmit, pdo.number)? {
                     // The PDO stays enabled, and its data would be interpreted as the planned objects.
                     Some((_, cob_id)) if has_planned_id(cob_id, pdo) => return Err(Refusal::Wrong(why)),
-                    Some((refused, cob_id)) => self.keep_on(&refused, cob_id)?,
+                    Some((refused, cob_id)) => self.accept_enabled(&refused, cob_id)?,
                     None => {}
                 }
                 let objects: Vec<_> = pdo.fields.iter().map(|field| field.object.to_string()).collect();
@@ -161,7 +161,7 @@ impl Session<'_> {
             Err(refused) => return Err(refused.into()),
         };
         let cob_id = at(communication, 1);
-        let named = |refusal: Refusal| if is_off { refusal } else { is_kept_on(refusal, cob_id, pdo.number) };
+        let named = |refusal: Refusal| if is_off { refusal } else { with_cob_id(refusal, cob_id, pdo.number) };
         if is_off || !has_type {
             self.write_transmission(at(communication, 2), pdo.transmission).map_err(named)?;
         }
@@ -177,7 +177,7 @@ impl Session<'_> {
         self.write(at(0), &[0])?;
         for ((sub, entry), field) in (1..).zip(entries).zip(fields) {
             let written = self.write(at(sub), &entry.to_le_bytes());
-            written.map_err(|refusal| not_mapped(refusal, field.object))?;
+            written.map_err(|refusal| with_object(refusal, field.object))?;
         }
         self.write(at(0), &[entries.len() as u8])
     }
@@ -220,7 +220,7 @@ fn has_planned_id<W>(cob_id: CobId, pdo: &Pdo<W>) -> bool {
 }
 
 /// Adds the COB-ID that keeps a PDO enabled to the message about its objects.
-fn is_kept_on(refusal: Refusal, cob_id: Object, number: u8) -> Refusal {
+fn with_cob_id(refusal: Refusal, cob_id: Object, number: u8) -> Refusal {
     match refusal {
         Refusal::Wrong(why) => Refusal::Wrong(format!("PDO {number} cannot be mapped: {cob_id} is read-only; {why}")),
         other => other,
@@ -234,7 +234,7 @@ fn lengths(entries: &[u32]) -> String {
 }
 
 /// Adds the object that a device does not map to the message.
-fn not_mapped(refusal: Refusal, object: Object) -> Refusal {
+fn with_object(refusal: Refusal, object: Object) -> Refusal {
     let is_mode = [objects::MODE, objects::MODE_DISPLAY].contains(&object);
     let cure =
         if is_mode { "; it goes by SDO if the EDS of the drive (key eds) says that it cannot be mapped" } else { "" };

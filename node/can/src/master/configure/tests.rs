@@ -150,7 +150,7 @@ impl Transport for Way {
 
 fn config() -> BusConfig {
     let node = NodeId::new(3).expect("1 to 127");
-    let mut drive = DeviceConfig::plain_drive(0, node, Watching::Heartbeat { time_ns: 300_000_000 });
+    let mut drive = DeviceConfig::plain_drive(0, node, Monitoring::Heartbeat { time_ns: 300_000_000 });
     drive.startup = vec![Write { object: Object { index: 0x2080, sub: 1 }, data: vec![5, 0] }];
     BusConfig {
         name: "bus0".to_owned(),
@@ -310,7 +310,7 @@ fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
 fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers() {
     let with = |counts: (u64, u64), objects: &[(u16, u8, u32)]| {
         let mut config = config();
-        fixtures::as_drive(&mut config.devices[0]).per_revolution = Some(counts);
+        fixtures::as_drive(&mut config.devices[0]).counts_per_shaft_revolution = Some(counts);
         let add = |device: &mut Device| {
             for (index, sub, value) in objects {
                 device.objects.insert((*index, *sub), value.to_le_bytes().to_vec());
@@ -376,7 +376,7 @@ fn pdo_not_needed_with_read_only_cob_id_stays_on_unless_its_identifier_is_used()
             device.objects.insert((index, 1), id.to_le_bytes().to_vec());
         });
         let mut config = config();
-        config.devices.push(DeviceConfig::plain_drive(1, NodeId::new(5).expect("1 to 127"), Watching::None));
+        config.devices.push(DeviceConfig::plain_drive(1, NodeId::new(5).expect("1 to 127"), Monitoring::None));
         let refused = run(&device, &config).unwrap_err();
         assert!(refused.starts_with(&format!("{index:04X}h:01: the device refuses")), "{refused}");
         assert!(refused.ends_with(&format!("its identifier {id:03X}h is that of other process data")), "{refused}");

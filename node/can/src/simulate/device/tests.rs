@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::sdo::Object;
-use crate::{NmtCommand, Watching};
+use crate::{NmtCommand, Monitoring};
 use lineshaft_core::drive::{DriveInput, DriveOutput, Mode};
 
 const MASTER: NodeId = NodeId::new(127).expect("a node");
@@ -13,7 +13,7 @@ fn node() -> NodeId {
 
 /// Returns a drive that has booted.
 fn device() -> Device {
-    let mut device = Device::new(&DeviceConfig::plain_drive(0, node(), Watching::None), ms(2)).unwrap();
+    let mut device = Device::new(&DeviceConfig::plain_drive(0, node(), Monitoring::None), ms(2)).unwrap();
     let mut out = Vec::new();
     device.boot(&mut out);
     assert_eq!(out, [Frame::data(node().heartbeat(), &[0]).unwrap()]);
@@ -82,15 +82,15 @@ fn another_node_is_not_reset_and_a_reset_boots() {
 fn a_drive_that_is_not_off_notices_that_its_master_is_gone() {
     for (status, is_lost) in [(0x0037_u16, true), (0x0040, false)] {
         let mut device = device();
-        device.table.put(objects::STATUS_WORD, status.into());
+        device.table.set(objects::STATUS_WORD, status.into());
         write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_012C_u32.to_le_bytes(), ms(0));
         device.tick(ms(500), &mut Vec::new());
-        assert!(!device.take_loss(), "it is watched from its first heartbeat on");
+        assert!(!device.take_master_loss(), "it is watched from its first heartbeat on");
         device.take(&Frame::data(MASTER.heartbeat(), &[0x05]).unwrap(), ms(1_000), &mut Vec::new());
         device.tick(ms(1_299), &mut Vec::new());
-        assert!(!device.take_loss());
+        assert!(!device.take_master_loss());
         device.tick(ms(1_300), &mut Vec::new());
-        assert_eq!((device.take_loss(), device.take_loss()), (is_lost, false));
+        assert_eq!((device.take_master_loss(), device.take_master_loss()), (is_lost, false));
     }
 }
 
@@ -120,7 +120,7 @@ fn pdos_go_with_sync_and_apply_with_sync() {
     assert_eq!(device.table.get(objects::CONTROL_WORD), 0, "it waits for SYNC");
     let drive = DriveInput { count: -2, status: 0x0040, ..DriveInput::default() };
     let inputs = Inputs { drive: vec![drive], ..Inputs::default() };
-    device.show(&inputs, &mut out);
+    device.update_objects(&inputs, &mut out);
     out.clear();
     device.synchronize(&mut out);
     // 0240h: switch on disabled, remote.
@@ -138,12 +138,12 @@ fn targets_follow_counts_beyond_32_bits() {
     let count = (1_i64 << 32) - 10;
     let inputs = Inputs { drive: vec![DriveInput { count, ..DriveInput::default() }], ..Inputs::default() };
     let mut outputs = Outputs { drive: vec![DriveOutput::default()], ..Outputs::default() };
-    device.table.put(objects::MODE, 8);
-    device.table.put(objects::TARGET_POSITION, 5);
-    device.order(&inputs, &mut outputs);
+    device.table.set(objects::MODE, 8);
+    device.table.set(objects::TARGET_POSITION, 5);
+    device.run_mode(&inputs, &mut outputs);
     assert_eq!((outputs.drive[0].position, outputs.drive[0].mode), ((1 << 32) + 5, Mode::Position));
-    device.table.put(objects::MODE, 0);
-    device.order(&inputs, &mut outputs);
+    device.table.set(objects::MODE, 0);
+    device.run_mode(&inputs, &mut outputs);
     assert_eq!((outputs.drive[0].position, outputs.drive[0].mode), (count, Mode::None));
 }
 
@@ -153,7 +153,7 @@ fn a_fault_is_an_emergency_message_and_so_is_its_end() {
     let show = |device: &mut Device, fault| {
         let drive = DriveInput { fault, ..DriveInput::default() };
         let mut out = Vec::new();
-        device.show(&Inputs { drive: vec![drive], ..Inputs::default() }, &mut out);
+        device.update_objects(&Inputs { drive: vec![drive], ..Inputs::default() }, &mut out);
         out.iter().map(|frame| (frame.id(), frame.bytes().to_vec())).collect::<Vec<_>>()
     };
     assert!(show(&mut device, 0).is_empty());
@@ -174,11 +174,11 @@ fn master_beats(device: &mut Device, now: Duration) -> Vec<Frame> {
 fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
     for (option, has_fault, control) in [(0_u16, false, 0x0F), (1, true, 0x0F), (2, false, 0x00), (3, false, 0x02)] {
         let mut device = device();
-        device.table.put(objects::STATUS_WORD, 0x0237);
+        device.table.set(objects::STATUS_WORD, 0x0237);
         write(&mut device, objects::CONTROL_WORD, &0x0F_u16.to_le_bytes(), ms(0));
         write(&mut device, simulated::ABORT_CONNECTION, &option.to_le_bytes(), ms(0));
         device.take(&NmtCommand::Stop.frame(None), ms(0), &mut Vec::new());
-        assert_eq!((device.take_loss(), device.table.get(objects::CONTROL_WORD)), (has_fault, control), "{option}");
+        assert_eq!((device.take_master_loss(), device.table.get(objects::CONTROL_WORD)), (has_fault, control), "{option}");
     }
 }
 
@@ -187,14 +187,14 @@ fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
 #[test]
 fn master_that_guards_no_longer_is_lost_after_the_life_time() {
     let mut device = device();
-    device.table.put(objects::STATUS_WORD, 0x0237);
+    device.table.set(objects::STATUS_WORD, 0x0237);
     write(&mut device, objects::GUARD_TIME, &100_u16.to_le_bytes(), ms(0));
     write(&mut device, objects::LIFE_TIME_FACTOR, &[3], ms(0));
     assert_eq!(ticked(&mut device, ms(5_000)), [[0_u8; 0]; 0]);
     device.take(&Frame::remote(node().heartbeat(), 1).unwrap(), ms(5_000), &mut Vec::new());
     assert_eq!(ticked(&mut device, ms(5_299)), [[0_u8; 0]; 0]);
     assert_eq!(ticked(&mut device, ms(5_300)), [[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]]);
-    assert!(device.take_loss());
+    assert!(device.take_master_loss());
     assert_eq!(ticked(&mut device, ms(9_000)), [[0_u8; 0]; 0], "it is reported once");
 }
 
@@ -220,7 +220,7 @@ fn error_of_communication_ends_when_the_master_is_back() {
     write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
     master_beats(&mut device, ms(0));
     assert_eq!(ticked(&mut device, ms(100)), [[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]]);
-    assert_eq!((device.take_loss(), device.table.get(simulated::ERROR_REGISTER)), (false, 0x11));
+    assert_eq!((device.take_master_loss(), device.table.get(simulated::ERROR_REGISTER)), (false, 0x11));
     assert_eq!(master_beats(&mut device, ms(200)), [Frame::of(node().emergency(), [0; 8])]);
     assert_eq!(device.table.get(simulated::ERROR_REGISTER), 0);
     assert!(master_beats(&mut device, ms(250)).is_empty());

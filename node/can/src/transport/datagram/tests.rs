@@ -120,7 +120,7 @@ fn what_python_can_refuses_is_no_frame() {
         vec![],
     ];
     for datagram in refused {
-        assert_eq!(frame_of(&datagram), Err(NoFrame), "{datagram:02X?}");
+        assert_eq!(frame_of(&datagram), Err(InvalidDatagram), "{datagram:02X?}");
     }
 }
 

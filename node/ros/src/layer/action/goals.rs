@@ -19,7 +19,7 @@ use crate::layer::service::Origin;
 
 /// Maximum number of result requests that wait for one goal; of more, the oldest is dropped. A goal that stays open for days also has
 /// requests of clients that have disappeared.
-const MOST_ASKERS: usize = 256;
+const MAX_RESULT_REQUESTS: usize = 256;
 
 /// Identifier of a goal, which its client has chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -82,7 +82,7 @@ impl From<Stamp> for Time {
 
 /// Goal as the status topic reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Shown {
+pub(super) struct GoalStatusEntry {
     pub(super) id: GoalId,
     pub(super) stamp: Stamp,
     pub(super) status: Status,
@@ -101,7 +101,7 @@ pub(super) struct Selection {
 
 /// Answer to a result request.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Asked<R, W> {
+pub(super) enum ResultAnswer<R, W> {
     /// The goal is unknown.
     Unknown(W),
     /// The goal has ended.
@@ -116,14 +116,14 @@ pub(super) struct Goals<R, W> {
     /// Accepted goals, in the order of their acceptance.
     kept: Vec<Goal<R, W>>,
     /// Offered goals, in the order of their offers.
-    deciding: Vec<Deciding>,
+    deciding: Vec<UndecidedGoal>,
     keep: Duration,
     most: usize,
 }
 
 /// Goal before the application accepts or rejects it.
 #[derive(Debug)]
-struct Deciding {
+struct UndecidedGoal {
     id: GoalId,
     origin: Origin,
     is_canceled: bool,
@@ -131,7 +131,7 @@ struct Deciding {
 
 #[derive(Debug)]
 struct Goal<R, W> {
-    shown: Shown,
+    shown: GoalStatusEntry,
     /// Origin of the request; `None` if the goal was never offered.
     origin: Option<Origin>,
     cancel: watch::Sender<bool>,
@@ -151,7 +151,7 @@ impl<R: Clone, W> Goals<R, W> {
         if self.knows(id) {
             return false;
         }
-        self.deciding.push(Deciding { id, origin, is_canceled: false });
+        self.deciding.push(UndecidedGoal { id, origin, is_canceled: false });
         true
     }
 
@@ -171,7 +171,7 @@ impl<R: Clone, W> Goals<R, W> {
         let decided = place.map(|place| self.deciding.remove(place));
         let is_canceled = decided.as_ref().is_some_and(|goal| goal.is_canceled);
         let (cancel, canceled) = watch::channel(is_canceled);
-        let shown = Shown { id, stamp, status: if is_canceled { Status::Canceling } else { Status::Accepted } };
+        let shown = GoalStatusEntry { id, stamp, status: if is_canceled { Status::Canceling } else { Status::Accepted } };
         let origin = decided.map(|goal| goal.origin);
         self.kept.push(Goal { shown, origin, cancel, waiting: Vec::new(), ended: None });
         canceled
@@ -222,7 +222,7 @@ impl<R: Clone, W> Goals<R, W> {
     }
 
     /// Sets these goals to canceling. Returns those that are canceling, also if they were before.
-    pub(super) fn cancel(&mut self, ids: &[GoalId]) -> Vec<Shown> {
+    pub(super) fn cancel(&mut self, ids: &[GoalId]) -> Vec<GoalStatusEntry> {
         let mut canceling = Vec::new();
         for goal in self.kept.iter_mut().filter(|goal| ids.contains(&goal.shown.id) && goal.ended.is_none()) {
             goal.shown.status = Status::Canceling;
@@ -232,7 +232,7 @@ impl<R: Clone, W> Goals<R, W> {
         for goal in self.deciding.iter_mut().filter(|goal| ids.contains(&goal.id)) {
             goal.is_canceled = true;
             // The goal gets its stamp when it is accepted.
-            canceling.push(Shown { id: goal.id, stamp: Stamp::default(), status: Status::Canceling });
+            canceling.push(GoalStatusEntry { id: goal.id, stamp: Stamp::default(), status: Status::Canceling });
         }
         canceling
     }
@@ -253,17 +253,17 @@ impl<R: Clone, W> Goals<R, W> {
     }
 
     /// Handles a result request.
-    pub(super) fn ask(&mut self, id: GoalId, who: W, now: Instant) -> Asked<R, W> {
+    pub(super) fn request_result(&mut self, id: GoalId, who: W, now: Instant) -> ResultAnswer<R, W> {
         self.expire(now);
         match self.find_mut(id) {
-            None => Asked::Unknown(who),
-            Some(Goal { ended: Some((_, result)), shown, .. }) => Asked::Ended(who, shown.status, result.clone()),
+            None => ResultAnswer::Unknown(who),
+            Some(Goal { ended: Some((_, result)), shown, .. }) => ResultAnswer::Ended(who, shown.status, result.clone()),
             Some(goal) => {
-                if goal.waiting.len() >= MOST_ASKERS {
+                if goal.waiting.len() >= MAX_RESULT_REQUESTS {
                     goal.waiting.remove(0);
                 }
                 goal.waiting.push(who);
-                Asked::Waits
+                ResultAnswer::Waits
             }
         }
     }
@@ -282,7 +282,7 @@ impl<R: Clone, W> Goals<R, W> {
     }
 
     /// Returns all goals, in the order of their acceptance.
-    pub(super) fn shown(&self) -> impl Iterator<Item = Shown> {
+    pub(super) fn shown(&self) -> impl Iterator<Item = GoalStatusEntry> {
         self.kept.iter().map(|goal| goal.shown)
     }
 

@@ -6,4 +6,4 @@ mod server;
 
 pub use self::goals::{GoalId, Status};
 pub use self::requests::{CancelRequest, GoalHandle, GoalRequest};
-pub use self::server::{ActionEvent, ActionOptions, ActionServer, Cancels};
+pub use self::server::{ActionEvent, ActionOptions, ActionServer, CancelPolicy};

@@ -6,7 +6,7 @@ use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalResponse;
 use lineshaft_msgs::{Action, SendGoalResponse};
 use tokio::sync::watch;
 
-use super::goals::{End, GoalId, Selection, Shown, Stamp};
+use super::goals::{End, GoalId, Selection, GoalStatusEntry, Stamp};
 use super::server::{Shared, goal_info};
 use crate::layer::publisher::PublishError;
 use crate::layer::service::Reply;
@@ -50,11 +50,11 @@ impl<A: Action> GoalRequest<A> {
 
     /// Rejects the goal. ROS has no field for the reason.
     pub fn reject(mut self) {
-        self.decide_not();
+        self.reject_once();
     }
 
     /// Rejects the goal; returns false if it was decided before.
-    fn decide_not(&mut self) -> bool {
+    fn reject_once(&mut self) -> bool {
         let Some(reply) = self.reply.take() else { return false };
         self.shared.goals().withdraw(self.id);
         reply.send_soon(SendGoalResponse { accepted: false, stamp: self.shared.clock.now() });
@@ -64,7 +64,7 @@ impl<A: Action> GoalRequest<A> {
 
 impl<A: Action> Drop for GoalRequest<A> {
     fn drop(&mut self) {
-        if self.decide_not() {
+        if self.reject_once() {
             tracing::warn!("{}: goal {} was dropped undecided, which rejects it", self.shared.name, self.id);
         }
     }
@@ -155,7 +155,7 @@ pub struct CancelRequest<A: Action> {
     shared: Arc<Shared<A>>,
     selection: Selection,
     /// Goals that this request has canceled already; some may have ended since.
-    begun: Vec<Shown>,
+    begun: Vec<GoalStatusEntry>,
     /// Reply; `None` once the request is decided.
     reply: Option<Reply<CancelGoalResponse>>,
 }
@@ -164,7 +164,7 @@ impl<A: Action> CancelRequest<A> {
     pub(super) fn new(
         shared: Arc<Shared<A>>,
         selection: Selection,
-        begun: Vec<Shown>,
+        begun: Vec<GoalStatusEntry>,
         reply: Reply<CancelGoalResponse>,
     ) -> Self {
         Self { shared, selection, begun, reply: Some(reply) }
@@ -219,7 +219,7 @@ impl<A: Action> CancelRequest<A> {
 }
 
 /// Returns all goals that a request cancels, including those that it has canceled before and that have ended since.
-fn with_begun(mut canceling: Vec<Shown>, begun: &[Shown]) -> Vec<Shown> {
+fn with_begun(mut canceling: Vec<GoalStatusEntry>, begun: &[GoalStatusEntry]) -> Vec<GoalStatusEntry> {
     for goal in begun {
         if canceling.iter().all(|other| other.id != goal.id) {
             canceling.push(*goal);
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn answer_lists_each_goal_once_that_the_request_has_canceled() {
-        let goal = |id: u8| Shown { id: GoalId([id; 16]), stamp: Stamp::default(), status: Status::Canceling };
+        let goal = |id: u8| GoalStatusEntry { id: GoalId([id; 16]), stamp: Stamp::default(), status: Status::Canceling };
         let listed = with_begun(vec![goal(1), goal(2)], &[goal(2), goal(3)]);
         assert_eq!(listed, [goal(1), goal(2), goal(3)]);
     }

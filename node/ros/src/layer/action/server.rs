@@ -11,14 +11,14 @@ use lineshaft_msgs::{Action, FeedbackMessage, GetResult, GetResultResponse, Send
 use tokio::sync::mpsc::{self, Receiver, Sender};
 use tokio::task::JoinHandle;
 
-use super::goals::{Asked, End, GoalId, Goals, Shown, Stamp};
+use super::goals::{ResultAnswer, End, GoalId, Goals, GoalStatusEntry, Stamp};
 use super::requests::{CancelRequest, GoalRequest};
 use crate::layer::clock::Clock;
 use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
-use crate::layer::publisher::{PublishError, Untyped};
+use crate::layer::publisher::{PublishError, UntypedPublisher};
 use crate::layer::service::{Reply, Request, ServiceServer};
-use crate::line_limit::LineLimit;
+use crate::line_limit::MessageRateLimit;
 use crate::link::Writer;
 use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
@@ -30,7 +30,7 @@ const TIDY: Duration = Duration::from_secs(1);
 
 /// Decision about cancel requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cancels {
+pub enum CancelPolicy {
     /// Each request is accepted at once, and the handle of the goal reports it.
     Accept,
     /// The application decides, with [`ActionEvent::Cancel`].
@@ -39,7 +39,7 @@ pub enum Cancels {
 
 /// Time for which a cancel request waits for goals that its client has sent before it, because the services of an action are read
 /// independently. Known goals are canceled at once.
-const GRACE: Duration = Duration::from_millis(20);
+const CANCEL_GRACE_TIME: Duration = Duration::from_millis(20);
 
 /// Options of an action server.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,12 +49,12 @@ pub struct ActionOptions {
     /// Maximum number of ended goals that are kept; above that, the goal that ended first is removed. Default 256.
     pub kept_goals: usize,
     /// Decision about cancel requests. Default: accept each.
-    pub cancels: Cancels,
+    pub cancels: CancelPolicy,
 }
 
 impl Default for ActionOptions {
     fn default() -> Self {
-        Self { result_timeout: Duration::from_secs(10), kept_goals: 256, cancels: Cancels::Accept }
+        Self { result_timeout: Duration::from_secs(10), kept_goals: 256, cancels: CancelPolicy::Accept }
     }
 }
 
@@ -82,7 +82,7 @@ impl<A: Action> ActionServer<A> {
             cancels: ServiceServer::new(context, service("cancel_goal"), Qos::SERVICE),
         };
         let feedback = context.names.remapped_topic(name.action_part("feedback"));
-        let feedback = Untyped::new(context, feedback, WireType::feedback::<A>(), Qos::STREAM);
+        let feedback = UntypedPublisher::new(context, feedback, WireType::feedback::<A>(), Qos::STREAM);
         let status = context.names.remapped_topic(name.action_part("status")).topic();
         let status = context.writer(&status, WireType::message::<GoalStatusArray>(), Qos::STATUS);
         let goals = Mutex::new(Goals::new(options.result_timeout, options.kept_goals));
@@ -94,7 +94,7 @@ impl<A: Action> ActionServer<A> {
             events: sender,
             cancels: options.cancels,
             request_timeout,
-            refusals: LineLimit::default(),
+            refusals: MessageRateLimit::default(),
         };
         let task = context.runtime.spawn(dispatch.run(services));
         Self { events, shared, task }
@@ -118,26 +118,26 @@ impl<A: Action> Drop for ActionServer<A> {
 }
 
 /// Waiting result request.
-type Asker<A> = Reply<GetResultResponse<<A as Action>::Result>>;
+type ResultReply<A> = Reply<GetResultResponse<<A as Action>::Result>>;
 
 /// State that the task of the server and the handles of its goals share.
 pub(super) struct Shared<A: Action> {
-    goals: Mutex<Goals<A::Result, Asker<A>>>,
+    goals: Mutex<Goals<A::Result, ResultReply<A>>>,
     status: Writer,
-    feedback: Untyped,
+    feedback: UntypedPublisher,
     pub(super) name: FullName,
     pub(super) clock: Clock,
 }
 
 impl<A: Action> Shared<A> {
     /// A panic in another thread leaves the goals consistent, because each change is one call.
-    pub(super) fn goals(&self) -> MutexGuard<'_, Goals<A::Result, Asker<A>>> {
+    pub(super) fn goals(&self) -> MutexGuard<'_, Goals<A::Result, ResultReply<A>>> {
         self.goals.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Publishes the status of all goals. They are locked, so that the messages are published in the order of the changes.
-    pub(super) fn show(&self, goals: &Goals<A::Result, Asker<A>>) {
-        let status = |shown: Shown| GoalStatus { goal_info: goal_info(shown), status: shown.status as i8 };
+    pub(super) fn show(&self, goals: &Goals<A::Result, ResultReply<A>>) {
+        let status = |shown: GoalStatusEntry| GoalStatus { goal_info: goal_info(shown), status: shown.status as i8 };
         let status = GoalStatusArray { status_list: goals.shown().map(status).collect() };
         // A latched message is refused only after the node has ended.
         let _ = self.status.write(cdr::encode(&status));
@@ -159,7 +159,7 @@ impl<A: Action> Shared<A> {
     }
 }
 
-pub(super) fn goal_info(shown: Shown) -> GoalInfo {
+pub(super) fn goal_info(shown: GoalStatusEntry) -> GoalInfo {
     GoalInfo { goal_id: UUID { uuid: shown.id.0 }, stamp: shown.stamp.into() }
 }
 
@@ -170,11 +170,11 @@ struct Services<A: Action> {
 }
 
 /// Cancel request that waits for goals which its client has sent before it.
-struct Held {
+struct WaitingCancel {
     due: Instant,
     request: Request<CancelGoal>,
     /// Goals that it has canceled already.
-    begun: Vec<Shown>,
+    canceled_early: Vec<GoalStatusEntry>,
 }
 
 /// Completes at this time; never for `None`.
@@ -189,27 +189,27 @@ async fn until(due: Option<Instant>) {
 struct Dispatch<A: Action> {
     shared: Arc<Shared<A>>,
     events: Sender<ActionEvent<A>>,
-    cancels: Cancels,
+    cancels: CancelPolicy,
     request_timeout: Duration,
-    refusals: LineLimit<()>,
+    refusals: MessageRateLimit<()>,
 }
 
 impl<A: Action> Dispatch<A> {
     async fn run(self, mut services: Services<A>) {
         let mut tidy = tokio::time::interval(TIDY);
         // Cancel requests that may apply to goals which have not arrived yet.
-        let mut held: VecDeque<Held> = VecDeque::new();
+        let mut held: VecDeque<WaitingCancel> = VecDeque::new();
         loop {
             let due = held.front().map(|held| held.due);
             tokio::select! {
                 request = services.cancels.next() => match request {
                     Some(request) => {
                         if self.may_be_early(&request.message.goal_info) {
-                            self.take_goals(&mut services.goals);
+                            self.handle_waiting_goals(&mut services.goals);
                         }
                         if held.len() < WAITING && self.may_be_early(&request.message.goal_info) {
                             let begun = self.begin_cancel(&request);
-                            held.push_back(Held { due: Instant::now() + GRACE, request, begun });
+                            held.push_back(WaitingCancel { due: Instant::now() + CANCEL_GRACE_TIME, request, canceled_early });
                         } else {
                             self.cancel(request, Vec::new());
                         }
@@ -217,8 +217,8 @@ impl<A: Action> Dispatch<A> {
                     None => return,
                 },
                 () = until(due) => {
-                    self.take_goals(&mut services.goals);
-                    if let Some(Held { request, begun, .. }) = held.pop_front() {
+                    self.handle_waiting_goals(&mut services.goals);
+                    if let Some(WaitingCancel { request, canceled_early, .. }) = held.pop_front() {
                         self.cancel(request, begun);
                     }
                 }
@@ -228,7 +228,7 @@ impl<A: Action> Dispatch<A> {
                 },
                 request = services.results.next() => match request {
                     Some(Request { message, reply }) => {
-                        self.take_goals(&mut services.goals);
+                        self.handle_waiting_goals(&mut services.goals);
                         self.result(GoalId(message.goal_id.uuid), reply);
                     }
                     None => return,
@@ -240,7 +240,7 @@ impl<A: Action> Dispatch<A> {
 
     /// Handles waiting goal requests, because another request may apply to one of them. Limited to one queue length, so that clients with
     /// endless goals cannot delay all other requests.
-    fn take_goals(&self, goals: &mut ServiceServer<SendGoal<A>>) {
+    fn handle_waiting_goals(&self, goals: &mut ServiceServer<SendGoal<A>>) {
         for _ in 0..WAITING {
             let Some(request) = goals.waiting() else { return };
             self.goal(request);
@@ -256,22 +256,22 @@ impl<A: Action> Dispatch<A> {
     fn goal(&self, Request { message, reply }: Request<SendGoal<A>>) {
         let id = GoalId(message.goal_id.uuid);
         if let Some(sentence) = reply.origin().refused(Some(self.request_timeout)) {
-            self.tell(&format!("goal {id} was rejected: {sentence}"));
+            self.log_refusal(&format!("goal {id} was rejected: {sentence}"));
             return reply.send_soon(SendGoalResponse::default());
         }
         if !self.shared.goals().offer(id, reply.origin(), Instant::now()) {
-            self.tell(&format!("goal {id} was rejected: its id is in use"));
+            self.log_refusal(&format!("goal {id} was rejected: its id is in use"));
             return reply.send_soon(SendGoalResponse::default());
         }
         self.pass_on(ActionEvent::Goal(GoalRequest::new(self.shared.clone(), id, message.goal, reply)));
     }
 
-    fn result(&self, id: GoalId, asker: Asker<A>) {
-        match self.shared.goals().ask(id, asker, Instant::now()) {
-            Asked::Waits => {}
+    fn result(&self, id: GoalId, asker: ResultReply<A>) {
+        match self.shared.goals().request_result(id, asker, Instant::now()) {
+            ResultAnswer::Waits => {}
             // Status 0 is "unknown", which is also the default.
-            Asked::Unknown(asker) => asker.send_soon(GetResultResponse::default()),
-            Asked::Ended(asker, status, result) => {
+            ResultAnswer::Unknown(asker) => asker.send_soon(GetResultResponse::default()),
+            ResultAnswer::Ended(asker, status, result) => {
                 asker.send_soon(GetResultResponse { status: status as i8, result });
             }
         }
@@ -279,9 +279,9 @@ impl<A: Action> Dispatch<A> {
 
     /// Cancels the known goals at once and returns them, so that a motion does not continue until the request is answered. If the
     /// application decides about cancel requests, it gets one event, later.
-    fn begin_cancel(&self, Request { message, reply }: &Request<CancelGoal>) -> Vec<Shown> {
+    fn begin_cancel(&self, Request { message, reply }: &Request<CancelGoal>) -> Vec<GoalStatusEntry> {
         let origin = reply.origin();
-        if self.cancels == Cancels::Ask || origin.refused(None).is_some() {
+        if self.cancels == CancelPolicy::Ask || origin.refused(None).is_some() {
             return Vec::new();
         }
         let GoalInfo { goal_id, stamp } = &message.goal_info;
@@ -295,10 +295,10 @@ impl<A: Action> Dispatch<A> {
     }
 
     /// Executes a cancel request. `begun` are goals that it has canceled already.
-    fn cancel(&self, Request { message, reply }: Request<CancelGoal>, begun: Vec<Shown>) {
+    fn cancel(&self, Request { message, reply }: Request<CancelGoal>, begun: Vec<GoalStatusEntry>) {
         // A cancel of all goals is valid only for a limited time.
         if let Some(sentence) = reply.origin().refused(None) {
-            self.tell(&format!("a cancel request was refused: {sentence}"));
+            self.log_refusal(&format!("a cancel request was refused: {sentence}"));
             return reply.send_soon(CancelGoalResponse {
                 return_code: CancelGoalResponse::ERROR_REJECTED,
                 ..Default::default()
@@ -312,13 +312,13 @@ impl<A: Action> Dispatch<A> {
         }
         let request = CancelRequest::new(self.shared.clone(), selection, begun, reply);
         match self.cancels {
-            Cancels::Ask if !request.goals().is_empty() => self.pass_on(ActionEvent::Cancel(request)),
-            Cancels::Ask | Cancels::Accept => request.accept(),
+            CancelPolicy::Ask if !request.goals().is_empty() => self.pass_on(ActionEvent::Cancel(request)),
+            CancelPolicy::Ask | CancelPolicy::Accept => request.accept(),
         }
     }
 
-    fn tell(&self, refusal: &str) {
-        self.refusals.say((), |more| tracing::warn!("{}: {refusal}{more}", self.shared.name));
+    fn log_refusal(&self, refusal: &str) {
+        self.refusals.log((), |more| tracing::warn!("{}: {refusal}{more}", self.shared.name));
     }
 
     /// A dropped event rejects its request and reports that.

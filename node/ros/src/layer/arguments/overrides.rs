@@ -57,12 +57,12 @@ fn fits(pattern: &[String], words: &[&str]) -> bool {
 pub(super) struct Override {
     nodes: Pattern,
     name: String,
-    given: Given,
+    given: OverrideValue,
 }
 
 /// Parameter override of a node.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Given {
+pub struct OverrideValue {
     /// Value; an empty list, whose type is unknown, is an empty byte array.
     pub value: ParameterValue,
     /// Place where it was given.
@@ -70,7 +70,7 @@ pub struct Given {
     /// Whether it was given in a file, which may be a dump of all parameters; otherwise it was given on the command line.
     pub is_of_file: bool,
     /// Whether it was given for this node only; otherwise for several nodes, of which another one may have this parameter.
-    pub is_strict: bool,
+    pub is_for_this_node_only: bool,
 }
 
 /// Parses `[NODE:]NAME:=VALUE`.
@@ -88,7 +88,7 @@ pub(super) fn parse(flag: &str, given: &str) -> Result<Override, String> {
     }
     let value = yaml::parse(value).and_then(|yaml| yaml.value()).map_err(|error| format!(": {}", error.sentence))?;
     let place = format!("{flag} {name}");
-    Ok(Override { nodes, name: name.to_owned(), given: Given { value, place, is_of_file: false, is_strict: true } })
+    Ok(Override { nodes, name: name.to_owned(), given: OverrideValue { value, place, is_of_file: false, is_for_this_node_only: true } })
 }
 
 /// Reads a parameter file.
@@ -116,7 +116,7 @@ fn read(path: &str, text: &str) -> Result<Vec<Override>, String> {
 }
 
 /// Reads nodes, and namespaces with nodes in them.
-fn nodes(path: &str, prefix: &str, tree: &Yaml, found: &mut Vec<Override>) -> Result<(), yaml::Wrong> {
+fn nodes(path: &str, prefix: &str, tree: &Yaml, found: &mut Vec<Override>) -> Result<(), yaml::YamlError> {
     for (key, value) in tree.map("names of nodes with ros__parameters below them are")? {
         if key.text == PARAMETERS {
             let pattern = if prefix.is_empty() {
@@ -141,7 +141,7 @@ fn parameters(
     prefix: &str,
     tree: &Yaml,
     found: &mut Vec<Override>,
-) -> Result<(), yaml::Wrong> {
+) -> Result<(), yaml::YamlError> {
     for (key, value) in tree.map("parameters are")? {
         let name = if prefix.is_empty() { key.text.clone() } else { format!("{prefix}.{}", key.text) };
         if value.is_map() {
@@ -149,7 +149,7 @@ fn parameters(
             continue;
         }
         let place = format!("{path}:{}:{}", key.line, key.column);
-        let given = Given { value: value.value()?, place, is_of_file: true, is_strict: !nodes.is_for_many() };
+        let given = OverrideValue { value: value.value()?, place, is_of_file: true, is_for_this_node_only: !nodes.is_for_many() };
         found.push(Override { nodes: nodes.clone(), name, given });
     }
     Ok(())
@@ -157,34 +157,34 @@ fn parameters(
 
 /// Parameter overrides of one node, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Overrides(BTreeMap<String, Given>);
+pub struct Overrides(BTreeMap<String, OverrideValue>);
 
 impl Overrides {
     pub(super) fn of(all: &[Override], node: &NodeName) -> Self {
-        let mut own: BTreeMap<String, Given> = BTreeMap::new();
+        let mut own: BTreeMap<String, OverrideValue> = BTreeMap::new();
         for one in all.iter().filter(|one| one.nodes.fits(node)) {
             // A value that was once given for this node only must match a parameter.
-            let was_strict = own.get(&one.name).is_some_and(|before| before.is_strict);
-            let given = Given { is_strict: one.given.is_strict || was_strict, ..one.given.clone() };
+            let was_strict = own.get(&one.name).is_some_and(|before| before.is_for_this_node_only);
+            let given = OverrideValue { is_for_this_node_only: one.given.is_for_this_node_only || was_strict, ..one.given.clone() };
             own.insert(one.name.clone(), given);
         }
         Self(own)
     }
 
     /// Removes and returns the value that was given for a parameter.
-    pub fn take(&mut self, name: &str) -> Option<Given> {
+    pub fn take(&mut self, name: &str) -> Option<OverrideValue> {
         self.0.remove(name)
     }
 
     /// Removes and returns all values whose names match.
-    pub fn take_where(&mut self, fits: impl Fn(&str) -> bool) -> Self {
+    pub fn take_matching(&mut self, fits: impl Fn(&str) -> bool) -> Self {
         let (taken, left) = std::mem::take(&mut self.0).into_iter().partition(|(name, _)| fits(name));
         self.0 = left;
         Self(taken)
     }
 
     /// Returns all values, ascending by name.
-    pub fn iter(&self) -> impl Iterator<Item = (&String, &Given)> {
+    pub fn iter(&self) -> impl Iterator<Item = (&String, &OverrideValue)> {
         self.0.iter()
     }
 
@@ -197,9 +197,9 @@ impl Overrides {
     ///
     /// # Errors
     /// All values that were given for this node only, in one message.
-    pub fn unknown(&self) -> Result<Vec<String>, String> {
-        let sentence = |(name, given): (&String, &Given)| format!("{}: no parameter is called `{name}`", given.place);
-        let strict: Vec<String> = self.0.iter().filter(|(_, given)| given.is_strict).map(sentence).collect();
+    pub fn check_unused(&self) -> Result<Vec<String>, String> {
+        let sentence = |(name, given): (&String, &OverrideValue)| format!("{}: no parameter is called `{name}`", given.place);
+        let strict: Vec<String> = self.0.iter().filter(|(_, given)| given.is_for_this_node_only).map(sentence).collect();
         match strict.is_empty() {
             true => Ok(self.0.iter().map(sentence).collect()),
             false => Err(format!("{}; `ros2 param list` and `lineshaft params CELL` name all", strict.join("; "))),

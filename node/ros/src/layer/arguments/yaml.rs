@@ -11,7 +11,7 @@ const DEEPEST: usize = 64;
 
 /// Error with its place.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Wrong {
+pub(super) struct YamlError {
     pub(super) line: usize,
     pub(super) column: usize,
     pub(super) sentence: String,
@@ -28,12 +28,12 @@ pub(super) struct Scalar {
 }
 
 impl Scalar {
-    pub(super) fn wrong(&self, sentence: impl Into<String>) -> Wrong {
-        Wrong { line: self.line, column: self.column, sentence: sentence.into() }
+    pub(super) fn wrong(&self, sentence: impl Into<String>) -> YamlError {
+        YamlError { line: self.line, column: self.column, sentence: sentence.into() }
     }
 
     /// Returns the value with the type that rcl gives it.
-    fn value(&self) -> Result<ParameterValue, Wrong> {
+    fn value(&self) -> Result<ParameterValue, YamlError> {
         let (text, value) = (self.text.as_str(), ParameterValue::default());
         if self.is_string {
             return Ok(ParameterValue {
@@ -120,7 +120,7 @@ impl Yaml {
         matches!(self, Self::Map(..))
     }
 
-    pub(super) fn map(&self, expected: &str) -> Result<&[(Scalar, Self)], Wrong> {
+    pub(super) fn map(&self, expected: &str) -> Result<&[(Scalar, Self)], YamlError> {
         match self {
             Self::Map(_, entries) => Ok(entries),
             _ => Err(self.place().wrong(format!("{expected} expected here"))),
@@ -128,7 +128,7 @@ impl Yaml {
     }
 
     /// Returns the value as a parameter value.
-    pub(super) fn value(&self) -> Result<ParameterValue, Wrong> {
+    pub(super) fn value(&self) -> Result<ParameterValue, YamlError> {
         match self {
             Self::Scalar(scalar) => scalar.value(),
             Self::Map(place, _) => Err(place.wrong("a mapping is no value of a parameter")),
@@ -137,7 +137,7 @@ impl Yaml {
     }
 }
 
-fn list(items: &[Yaml]) -> Result<ParameterValue, Wrong> {
+fn list(items: &[Yaml]) -> Result<ParameterValue, YamlError> {
     let mut array = ParameterValue { r#type: ParameterType::PARAMETER_BYTE_ARRAY, ..ParameterValue::default() };
     for item in items {
         let Yaml::Scalar(scalar) = item else {
@@ -169,13 +169,13 @@ fn list(items: &[Yaml]) -> Result<ParameterValue, Wrong> {
 }
 
 /// Lists and mappings that are not closed yet.
-enum Open {
+enum OpenCollection {
     List(Scalar, Vec<Yaml>),
     Map(Scalar, Vec<(Scalar, Yaml)>, Option<Scalar>),
 }
 
 /// Parses one document; an empty document is an empty text.
-pub(super) fn parse(text: &str) -> Result<Yaml, Wrong> {
+pub(super) fn parse(text: &str) -> Result<Yaml, YamlError> {
     let mut parser = Parser::new_from_str(text.strip_prefix('\u{feff}').unwrap_or(text));
     let (mut open, mut root) = (Vec::new(), None);
     while let Some(event) = parser.next_event() {
@@ -193,16 +193,16 @@ pub(super) fn parse(text: &str) -> Result<Yaml, Wrong> {
                 return Err(place.wrong(format!("lists and mappings are nested deeper than {DEEPEST} levels")));
             }
             Event::SequenceStart(..) => {
-                open.push(Open::List(place, Vec::new()));
+                open.push(OpenCollection::List(place, Vec::new()));
                 continue;
             }
             Event::MappingStart(..) => {
-                open.push(Open::Map(place, Vec::new(), None));
+                open.push(OpenCollection::Map(place, Vec::new(), None));
                 continue;
             }
             Event::SequenceEnd | Event::MappingEnd => match open.pop() {
-                Some(Open::List(place, items)) => Yaml::List(place, items),
-                Some(Open::Map(place, entries, _)) => Yaml::Map(place.clone(), each_once(entries)?),
+                Some(OpenCollection::List(place, items)) => Yaml::List(place, items),
+                Some(OpenCollection::Map(place, entries, _)) => Yaml::Map(place.clone(), each_once(entries)?),
                 None => continue,
             },
             Event::Alias(_) => return Err(place.wrong("aliases are not read in parameters; write the value again")),
@@ -211,8 +211,8 @@ pub(super) fn parse(text: &str) -> Result<Yaml, Wrong> {
         };
         match open.last_mut() {
             None => root = Some(done),
-            Some(Open::List(_, items)) => items.push(done),
-            Some(Open::Map(_, entries, key)) => match (key.take(), done) {
+            Some(OpenCollection::List(_, items)) => items.push(done),
+            Some(OpenCollection::Map(_, entries, key)) => match (key.take(), done) {
                 (None, Yaml::Scalar(scalar)) => *key = Some(scalar),
                 (None, other) => return Err(other.place().wrong("a key is a text")),
                 (Some(key), value) => entries.push((key, value)),
@@ -222,7 +222,7 @@ pub(super) fn parse(text: &str) -> Result<Yaml, Wrong> {
     Ok(root.unwrap_or_else(|| Yaml::Scalar(Scalar { text: String::new(), is_string: false, line: 1, column: 1 })))
 }
 
-fn each_once(entries: Vec<(Scalar, Yaml)>) -> Result<Vec<(Scalar, Yaml)>, Wrong> {
+fn each_once(entries: Vec<(Scalar, Yaml)>) -> Result<Vec<(Scalar, Yaml)>, YamlError> {
     let mut seen = HashSet::new();
     match entries.iter().find(|(key, _)| !seen.insert(key.text.clone())) {
         Some((key, _)) => Err(key.wrong(format!("duplicate key `{}`", key.text))),

@@ -22,7 +22,7 @@ use self::caller::Caller;
 use self::replies::Replies;
 use super::endpoint::{Context, late};
 use super::name::FullName;
-use crate::line_limit::LineLimit;
+use crate::line_limit::MessageRateLimit;
 use crate::link::Reader;
 use crate::link::guid::Prefix;
 use crate::link::protocol::{Sample, WireType};
@@ -33,7 +33,7 @@ use crate::link::qos::Qos;
 const WAITING: u16 = 256;
 
 /// Requests whose arrivals differ by less than this, in ns, may have been reordered.
-const TOGETHER_NS: u64 = 100_000_000;
+const REORDER_WINDOW_NS: u64 = 100_000_000;
 
 /// Error: a reply was not sent.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -67,16 +67,16 @@ pub struct ServiceServer<S: Service> {
     requests: Reader,
     /// Requests that were read but not yet returned. The queue of the library alone is not fair: it returns the requests of one client
     /// before those of the next, and drops the oldest, so that a busy client would block the others until their requests are lost.
-    line: VecDeque<Waiting<S>>,
+    line: VecDeque<QueuedRequest<S>>,
     replies: Arc<Replies>,
     closed: watch::Receiver<()>,
-    refusals: LineLimit<()>,
+    refusals: MessageRateLimit<()>,
     request_timeout: Duration,
-    care: Care<S>,
+    care: RequestPolicy<S>,
 }
 
 /// Requests that a server refuses, and how.
-pub enum Care<S: Service> {
+pub enum RequestPolicy<S: Service> {
     /// None: the requests only read state.
     Asks,
     /// Requests for an earlier instance of the node; a stop is never too late.
@@ -85,19 +85,19 @@ pub enum Care<S: Service> {
     Commands(Refusal<S>),
 }
 
-impl<S: Service> Clone for Care<S> {
+impl<S: Service> Clone for RequestPolicy<S> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<S: Service> Copy for Care<S> {}
+impl<S: Service> Copy for RequestPolicy<S> {}
 
 /// Creates the response to a refused request, with a message that gives the reason.
 pub type Refusal<S> = fn(&<S as Service>::Request, String) -> <S as Service>::Response;
 
 /// Request in the queue.
-struct Waiting<S: Service> {
+struct QueuedRequest<S: Service> {
     caller: Caller,
     message: S::Request,
     origin: Origin,
@@ -123,7 +123,7 @@ impl Origin {
     /// of their sender decides. Between different senders, and over a longer time, in which that clock may have been set, the order of
     /// arrival decides.
     pub(in crate::layer) fn is_before(self, other: Self) -> bool {
-        let is_together = self.came_ns.abs_diff(other.came_ns) < TOGETHER_NS;
+        let is_together = self.came_ns.abs_diff(other.came_ns) < REORDER_WINDOW_NS;
         if !is_together || self.sender != other.sender {
             return self.came_ns <= other.came_ns;
         }
@@ -167,15 +167,15 @@ impl<S: Service> ServiceServer<S> {
             line: VecDeque::new(),
             replies: Arc::new(Replies::new(context, writer, name)),
             closed: context.closed.clone(),
-            refusals: LineLimit::default(),
+            refusals: MessageRateLimit::default(),
             request_timeout: context.request_timeout,
-            care: Care::Asks,
+            care: RequestPolicy::Asks,
         }
     }
 
     /// Sets which requests are refused: a node must not execute requests that were sent to an earlier instance, nor those that arrived
     /// while it was suspended.
-    pub fn with_care(self, care: Care<S>) -> Self {
+    pub fn with_policy(self, care: RequestPolicy<S>) -> Self {
         Self { care, ..self }
     }
 
@@ -193,7 +193,7 @@ impl<S: Service> ServiceServer<S> {
                 self.enter(taken);
             }
             if let Some(waiting) = self.line.pop_front() {
-                if let Some(request) = self.in_time(waiting) {
+                if let Some(request) = self.accept_if_allowed(waiting) {
                     return Some(request);
                 }
                 continue;
@@ -216,22 +216,22 @@ impl<S: Service> ServiceServer<S> {
         }
         loop {
             let waiting = self.line.pop_front()?;
-            if let Some(request) = self.in_time(waiting) {
+            if let Some(request) = self.accept_if_allowed(waiting) {
                 return Some(request);
             }
         }
     }
 
     /// Returns the request, unless it is refused.
-    fn in_time(&mut self, Waiting { caller, message, origin }: Waiting<S>) -> Option<Request<S>> {
+    fn accept_if_allowed(&mut self, QueuedRequest { caller, message, origin }: QueuedRequest<S>) -> Option<Request<S>> {
         let reply = Reply::new(self.replies.clone(), caller, origin);
         let (refusal, timeout) = match self.care {
-            Care::Asks => return Some(Request { message, reply }),
-            Care::Stops(refusal) => (refusal, None),
-            Care::Commands(refusal) => (refusal, Some(self.request_timeout)),
+            RequestPolicy::Asks => return Some(Request { message, reply }),
+            RequestPolicy::Stops(refusal) => (refusal, None),
+            RequestPolicy::Commands(refusal) => (refusal, Some(self.request_timeout)),
         };
         let Some(sentence) = origin.refused(timeout) else { return Some(Request { message, reply }) };
-        self.refusals.say((), |more| tracing::warn!("{}: a request was refused: {sentence}{more}", self.name()));
+        self.refusals.log((), |more| tracing::warn!("{}: a request was refused: {sentence}{more}", self.name()));
         reply.send_soon(refusal(&message, format!("the request was refused: {sentence}")));
         None
     }
@@ -243,19 +243,19 @@ impl<S: Service> ServiceServer<S> {
                 Ok((caller, message)) => {
                     let Sample { id, written, came_ns, is_stale, .. } = sample;
                     let origin = Origin { sender: id.writer.prefix(), written, came_ns, is_stale };
-                    self.line.push_back(Waiting { caller, message, origin });
+                    self.line.push_back(QueuedRequest { caller, message, origin });
                 }
                 Err(refusal) => self.refuse(&sample, &refusal),
             },
             Err(reason) => {
-                self.refusals.say((), |more| tracing::warn!("{}: a request was refused: {reason}{more}", self.name()));
+                self.refusals.log((), |more| tracing::warn!("{}: a request was refused: {reason}{more}", self.name()));
             }
         }
     }
 
     fn refuse(&mut self, sample: &Sample, refusal: &caller::Refusal) {
         let from = sample.id.writer.prefix();
-        self.refusals.say((), |more| {
+        self.refusals.log((), |more| {
             tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
         });
     }

@@ -6,7 +6,7 @@ use super::ReplyError;
 use super::caller::Caller;
 use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
-use crate::line_limit::LineLimit;
+use crate::line_limit::MessageRateLimit;
 use crate::link::Writer;
 use crate::link::protocol::ReplyFailure;
 
@@ -15,12 +15,12 @@ pub(super) struct Replies {
     writer: Writer,
     service: FullName,
     context: Context,
-    failed: LineLimit<()>,
+    failed: MessageRateLimit<()>,
 }
 
 impl Replies {
     pub(super) fn new(context: &Context, writer: Writer, service: FullName) -> Self {
-        Self { writer, service, context: context.clone(), failed: LineLimit::default() }
+        Self { writer, service, context: context.clone(), failed: MessageRateLimit::default() }
     }
 
     pub(super) fn service(&self) -> &FullName {
@@ -46,7 +46,7 @@ impl Replies {
             Err(ReplyFailure::Broken(reason)) => ReplyError::Dds { service, reason },
         };
         let from = caller.answers.writer.prefix();
-        self.failed.say((), |more| tracing::warn!("{error} (participant {from}){more}"));
+        self.failed.log((), |more| tracing::warn!("{error} (participant {from}){more}"));
         Err(error)
     }
 }

@@ -44,11 +44,11 @@ async fn a_new_side_is_told_all_that_counts() {
     let place = Place::SameParticipant(Guid([9; 16]));
     let open = service.reply(place, None, vec![4].into());
     let answered = service.reply(place, None, vec![5].into());
-    registry.heard(1, Report::Replied(1, Ok(())));
+    registry.handle_report(1, Report::Replied(1, Ok(())));
     assert_eq!(answered.await, Ok(()));
-    registry.heard(1, Report::Matched(0, 2));
+    registry.handle_report(1, Report::Matched(0, 2));
     for _ in 0..5 {
-        registry.heard(1, Report::Taken(3, Ok(sample())));
+        registry.handle_report(1, Report::Taken(3, Ok(sample())));
     }
     requests.next().await.unwrap();
     assert_eq!((all(&first).len(), stream.matched()), (12, 2), "one order for each step");
@@ -67,7 +67,7 @@ async fn a_new_side_is_told_all_that_counts() {
     assert_eq!(spec.kind, Kind::Reader(CREDIT - 4), "four wait here");
     let Order::Reply(2, reply) = reply else { panic!("{reply:?}") };
     assert_eq!((reply.token, reply.bytes[0], reply.patience_ms), (0, 4, 10_000));
-    registry.heard(2, Report::Replied(0, Err(ReplyFailure::NoReader)));
+    registry.handle_report(2, Report::Replied(0, Err(ReplyFailure::NoReader)));
     assert_eq!(open.await, Err(ReplyFailure::NoReader));
 }
 
@@ -78,7 +78,7 @@ async fn samples_are_taken_as_fast_as_they_are_read() {
     let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
     all(&orders);
     for taken in 1..=CREDIT {
-        registry.heard(1, Report::Taken(0, Ok(sample())));
+        registry.handle_report(1, Report::Taken(0, Ok(sample())));
         reader.next().await.unwrap();
         let wanted = if taken % 8 == 0 { vec![Order::More(0, 8)] } else { Vec::new() };
         assert_eq!(all(&orders), wanted, "{taken}");
@@ -98,7 +98,7 @@ fn what_a_side_does_not_take_is_bounded() {
     all(&orders);
     assert_eq!(stream.write(megabyte), Ok(()));
     registry.close_all();
-    assert_eq!(stream.write(vec![1]), Err(Unwritten::Closed));
+    assert_eq!(stream.write(vec![1]), Err(WriteError::Closed));
 }
 
 fn sample_of(number: i64, is_stale: bool) -> Result<Sample, String> {
@@ -116,7 +116,7 @@ async fn a_side_hands_over_all_that_is_open() {
     let latched = registry.open_writer("rt/latched", T, Qos::STATUS);
     let service = registry.open_writer("rr/service", T, Qos::SERVICE);
     latched.write(vec![1]).unwrap();
-    registry.heard(1, Report::Matched(0, 2));
+    registry.handle_report(1, Report::Matched(0, 2));
     all(&first);
 
     let second = registry.begin_next(join());
@@ -136,11 +136,11 @@ async fn a_side_hands_over_all_that_is_open() {
     let [Order::Write(1, latest), Order::Open(3, _), Order::Probe(5)] = told.as_slice() else { panic!("{told:?}") };
     assert_eq!(latest, &vec![3]);
 
-    registry.heard(2, Report::Matched(0, 1));
+    registry.handle_report(2, Report::Matched(0, 1));
     assert_eq!((stream.matched(), registry.is_next_matched()), (2, false), "the present side counts");
-    registry.heard(2, Report::Matched(0, 2));
+    registry.handle_report(2, Report::Matched(0, 2));
     assert!(registry.is_next_matched());
-    registry.heard(2, Report::Matched(3, 1));
+    registry.handle_report(2, Report::Matched(3, 1));
     registry.hand_over();
     assert_eq!((stream.matched(), late.matched()), (2, 1));
     stream.write(vec![6]).unwrap();
@@ -148,17 +148,17 @@ async fn a_side_hands_over_all_that_is_open() {
     let told = all(&second);
     let [Order::Write(0, _), Order::Reply(2, reply)] = told.as_slice() else { panic!("{told:?}") };
     assert_eq!((reply.token, registry.previous_has_replies()), (2, true));
-    registry.heard(1, Report::Replied(0, Ok(())));
+    registry.handle_report(1, Report::Replied(0, Ok(())));
     assert_eq!((answered.await, registry.previous_has_replies()), (Ok(()), true));
     registry.end_previous();
     assert_eq!((first.next(), registry.previous_has_replies()), (None, false), "it has to end");
     let told = all(&second);
     let [Order::Reply(2, reply)] = told.as_slice() else { panic!("{told:?}") };
     assert_eq!((reply.token, reply.patience_ms), (1, 10_000), "what the first one has not replied");
-    registry.heard(2, Report::Replied(1, Ok(())));
-    registry.heard(2, Report::Replied(2, Ok(())));
+    registry.handle_report(2, Report::Replied(1, Ok(())));
+    registry.handle_report(2, Report::Replied(2, Ok(())));
     assert_eq!((unanswered.await, after.await), (Ok(()), Ok(())));
-    registry.heard(1, Report::Matched(0, 0));
+    registry.handle_report(1, Report::Matched(0, 0));
     assert_eq!(stream.matched(), 2, "the side that ends has lost them");
     registry.end_handover();
     registry.end();
@@ -174,8 +174,8 @@ async fn both_sides_have_credit_for_what_is_taken() {
     all(&first);
     all(&second);
     for number in 1..=3 * i64::from(CREDIT) {
-        registry.heard(1, Report::Taken(0, sample_of(number, false)));
-        registry.heard(2, Report::Taken(0, sample_of(number, false)));
+        registry.handle_report(1, Report::Taken(0, sample_of(number, false)));
+        registry.handle_report(2, Report::Taken(0, sample_of(number, false)));
         reader.next().await.unwrap();
     }
     assert_eq!(all(&first), vec![Order::More(0, 8); 12]);
@@ -188,14 +188,14 @@ async fn a_next_side_that_fails_changes_nothing() {
     let first = registry.begin(join());
     let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
     let second = registry.begin_next(join());
-    registry.heard(2, Report::Taken(0, sample_of(1, true)));
-    registry.heard(2, Report::Taken(0, Err("broken".to_owned())));
+    registry.handle_report(2, Report::Taken(0, sample_of(1, true)));
+    registry.handle_report(2, Report::Taken(0, Err("broken".to_owned())));
     assert_eq!(all(&second)[2..], [Order::More(0, 1), Order::More(0, 1)], "what it drops does not hold it up");
     registry.end_handover();
     assert_eq!(second.next(), None);
     all(&first);
-    registry.heard(1, Report::Taken(0, sample_of(1, true)));
-    registry.heard(1, Report::Taken(0, Err("broken".to_owned())));
+    registry.handle_report(1, Report::Taken(0, sample_of(1, true)));
+    registry.handle_report(1, Report::Taken(0, Err("broken".to_owned())));
     assert!(reader.next().await.unwrap().is_stale);
     assert_eq!(reader.next().await, Err("broken".to_owned()));
     assert_eq!(all(&first), []);
@@ -215,7 +215,7 @@ proptest! {
             if place == handover {
                 registry.hand_over();
             }
-            registry.heard(if *is_second { 2 } else { 1 }, Report::Taken(0, sample_of(*number, false)));
+            registry.handle_report(if *is_second { 2 } else { 1 }, Report::Taken(0, sample_of(*number, false)));
             if !expected.contains(number) {
                 expected.push(*number);
             }

@@ -12,7 +12,7 @@ mod plan;
 mod switches;
 
 use super::hub::Hub;
-use super::lifecycle::Life;
+use super::lifecycle::NodeLifecycle;
 use super::table;
 use crate::layer::{CreateError, Node, Reply, Request, ServiceServer};
 use lineshaft_core::command::Action;
@@ -32,7 +32,7 @@ pub(super) fn start(
     node: &Node,
     hub: &Arc<Hub>,
     controllers: &Arc<Controllers>,
-    life: &Arc<Life>,
+    life: &Arc<NodeLifecycle>,
     tasks: &mut JoinSet<()>,
 ) -> Result<(), CreateError> {
     let Some(manager) = controllers.manager() else { return Ok(()) };
@@ -108,7 +108,7 @@ async fn switch(mut server: ServiceServer<SwitchController>, hub: Arc<Hub>, cont
         while open.try_join_next().is_some() {}
         let given = Plan::of(controllers.all(), &message).and_then(|plan| {
             // Submitted here in sequence, so that the later one of two requests takes effect.
-            let cancel = |goal| hub.submit_unheard(Action::Cancel { goal });
+            let cancel = |goal| hub.submit_without_answer(Action::Cancel { goal });
             let halt = |axes| hub.submit(Action::Halt(axes));
             let halt = controllers.switch(&plan, cancel, halt).map_err(|busy| busy.to_string())?;
             Ok((plan.summary(controllers.all()), halt))

@@ -1,7 +1,7 @@
 //! State of the controllers, and the effects of a deactivation.
 
 use super::plan::Plan;
-use crate::surface::host::Busy;
+use crate::surface::host::SubmitError;
 use crate::surface::trajectory::Joints;
 use lineshaft_core::object::AxisSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -129,7 +129,7 @@ impl Controllers {
     }
 
     /// Records that the machine has read a trajectory, and executes or refuses it.
-    pub(in crate::surface) fn is_read(&self, place: usize, sequence: u64) {
+    pub(in crate::surface) fn record_read(&self, place: usize, sequence: u64) {
         if let Some(state) = self.states().get_mut(place)
             && state.pending == Some(sequence)
         {
@@ -138,7 +138,7 @@ impl Controllers {
     }
 
     /// Returns true if trajectories of the topic must be tracked until they are read.
-    pub(in crate::surface) fn is_switchable(&self) -> bool {
+    pub(in crate::surface) fn has_manager(&self) -> bool {
         self.manager.is_some()
     }
 
@@ -150,9 +150,9 @@ impl Controllers {
     pub(super) fn switch<T>(
         &self,
         plan: &Plan,
-        cancel: impl Fn(u64) -> Result<u64, Busy>,
-        halt: impl FnOnce(AxisSet) -> Result<T, Busy>,
-    ) -> Result<Option<T>, Busy> {
+        cancel: impl Fn(u64) -> Result<u64, SubmitError>,
+        halt: impl FnOnce(AxisSet) -> Result<T, SubmitError>,
+    ) -> Result<Option<T>, SubmitError> {
         let mut states = self.states();
         let (mut axes, mut pending) = (AxisSet::EMPTY, Vec::new());
         for place in &plan.deactivate {
@@ -163,7 +163,7 @@ impl Controllers {
                 pending.extend(state.pending);
             }
         }
-        let halted = if axes.is_empty() { None } else { unless_unconfigured(halt_all(&pending, cancel, axes, halt))? };
+        let halted = if axes.is_empty() { None } else { ignore_unconfigured(halt_all(&pending, cancel, axes, halt))? };
         for (places, is_active) in [(&plan.deactivate, false), (&plan.activate, true)] {
             for place in places {
                 if let Some(state) = states.get_mut(*place) {
@@ -178,10 +178,10 @@ impl Controllers {
 /// The machine reads cancels after waiting trajectories, but halts before them: both are needed.
 fn halt_all<T>(
     pending: &[u64],
-    cancel: impl Fn(u64) -> Result<u64, Busy>,
+    cancel: impl Fn(u64) -> Result<u64, SubmitError>,
     axes: AxisSet,
-    halt: impl FnOnce(AxisSet) -> Result<T, Busy>,
-) -> Result<T, Busy> {
+    halt: impl FnOnce(AxisSet) -> Result<T, SubmitError>,
+) -> Result<T, SubmitError> {
     for goal in pending {
         cancel(*goal)?;
     }
@@ -189,10 +189,10 @@ fn halt_all<T>(
 }
 
 /// While no cycles run nothing moves, so there is nothing to halt.
-fn unless_unconfigured<T>(given: Result<T, Busy>) -> Result<Option<T>, Busy> {
+fn ignore_unconfigured<T>(given: Result<T, SubmitError>) -> Result<Option<T>, SubmitError> {
     match given {
         Ok(given) => Ok(Some(given)),
-        Err(Busy::Unconfigured) => Ok(None),
+        Err(SubmitError::Unconfigured) => Ok(None),
         Err(busy) => Err(busy),
     }
 }

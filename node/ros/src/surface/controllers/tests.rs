@@ -3,7 +3,7 @@
 use super::lists::{self, Hardware};
 use super::plan::Plan;
 use super::switches::Controllers;
-use crate::surface::host::Busy;
+use crate::surface::host::SubmitError;
 use crate::surface::trajectory::Joints;
 use crate::surface::trajectory::tests::{config, joint_names};
 use crate::surface::{Group, JointNames, TrajectorySettings};
@@ -109,11 +109,11 @@ fn a_trajectory_that_waits_for_its_cycle_is_cancelled_as_a_halt_overtakes_it() {
         all.while_active(0, || (), |()| Some(number)).unwrap();
     }
     // The read trajectory is not the newest one.
-    all.is_read(0, 3);
+    all.record_read(0, 3);
     let off = request(&[], &["arm"], Asked::STRICT);
     assert_eq!(switch(&all, &off).unwrap().1, ["cancel 4", "halt [1, 2]"]);
     switch(&all, &request(&["arm"], &[], Asked::STRICT)).unwrap();
-    all.is_read(0, 4);
+    all.record_read(0, 4);
     assert_eq!(switch(&all, &off).unwrap().1, ["halt [1, 2]"]);
 }
 
@@ -121,11 +121,11 @@ fn a_trajectory_that_waits_for_its_cycle_is_cancelled_as_a_halt_overtakes_it() {
 fn a_machine_that_takes_no_more_commands_leaves_all_as_it_was() {
     let all = arm_and_hand();
     let plan = Plan::of(all.all(), &request(&["hand"], &["arm"], Asked::STRICT)).unwrap();
-    let full = |_| Err::<(), _>(Busy::Full);
-    assert_eq!(all.switch(&plan, Ok, full), Err(Busy::Full));
+    let full = |_| Err::<(), _>(SubmitError::Full);
+    assert_eq!(all.switch(&plan, Ok, full), Err(SubmitError::Full));
     assert_eq!(all.active(), [true, true]);
     // Without cycles there is no motion to be halted.
-    assert_eq!(all.switch(&plan, Ok, |_| Err::<(), _>(Busy::Unconfigured)), Ok(None));
+    assert_eq!(all.switch(&plan, Ok, |_| Err::<(), _>(SubmitError::Unconfigured)), Ok(None));
     assert_eq!(all.active(), [false, true]);
 }
 

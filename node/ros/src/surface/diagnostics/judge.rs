@@ -1,7 +1,7 @@
 //! Evaluates cycle, drives, backends and recorder for `/diagnostics`.
 
 use super::Recorder;
-use crate::surface::history::fault;
+use crate::surface::history::error_state_text;
 use crate::surface::host::{BackendHealth, Snapshot};
 use crate::surface::messages::AxisView;
 use lineshaft_core::code::Code;
@@ -17,7 +17,7 @@ const STALE_CYCLES: u64 = 10;
 /// Minimum time for [`STALE_CYCLES`].
 const LEAST_STALE: Duration = Duration::from_millis(100);
 /// Duration of the warning about missed cycles.
-const WARNED: Duration = Duration::from_secs(1);
+const WARNING_TIME: Duration = Duration::from_secs(1);
 /// Hardware ID of statuses that belong to no drive.
 const NO_HARDWARE: &str = "none";
 /// `machine.state` if an axis is in error.
@@ -28,7 +28,7 @@ const MACHINE_ERROR: i64 = 2;
 pub(super) enum Finding {
     Good,
     /// No cycle runs.
-    Standing,
+    Stale,
     /// Number of cycles missed within the last second.
     Missed(u64),
     /// An axis is in error.
@@ -57,7 +57,7 @@ impl Finding {
             AxisError | Error(_) | DriveFault | DriveAway | RecorderGone | BackendTroubles(_) => {
                 DiagnosticStatus::ERROR
             }
-            Finding::Standing => DiagnosticStatus::STALE,
+            Finding::Stale => DiagnosticStatus::STALE,
         }
     }
 }
@@ -82,7 +82,7 @@ impl Findings {
 }
 
 /// Data for the messages in addition to signals.
-pub(super) struct Words<'a> {
+pub(super) struct StatusData<'a> {
     /// Name of the node.
     pub node: &'a str,
     /// Lifecycle state.
@@ -100,7 +100,7 @@ struct Drive {
 }
 
 /// Evaluates successive snapshots.
-pub(super) struct Judge {
+pub(super) struct DiagnosticsEvaluator {
     drives: Vec<Drive>,
     /// Signals state, error and overruns of the machine.
     machine: Option<[Signal; 3]>,
@@ -114,7 +114,7 @@ pub(super) struct Judge {
     warned: Option<(u64, Instant)>,
 }
 
-impl Judge {
+impl DiagnosticsEvaluator {
     pub(super) fn new(
         views: Vec<AxisView>,
         hardware: Vec<Option<String>>,
@@ -138,7 +138,7 @@ impl Judge {
     }
 
     /// Evaluates the present state.
-    pub(super) fn look(
+    pub(super) fn evaluate(
         &mut self,
         snapshot: &Snapshot,
         now: Instant,
@@ -151,10 +151,10 @@ impl Judge {
             Recorder::Status(status) if status.recording && status.lost > 0 => Finding::Lost(status.lost),
             _ => Finding::Good,
         };
-        if self.stands(snapshot, now) {
+        if self.is_stale(snapshot, now) {
             return Findings {
-                machine: Finding::Standing,
-                drives: vec![Finding::Standing; self.drives.len()],
+                machine: Finding::Stale,
+                drives: vec![Finding::Stale; self.drives.len()],
                 backends,
                 recorder,
             };
@@ -163,7 +163,7 @@ impl Judge {
         Findings { machine: self.judge_machine(snapshot, now), drives, backends, recorder }
     }
 
-    fn stands(&mut self, snapshot: &Snapshot, now: Instant) -> bool {
+    fn is_stale(&mut self, snapshot: &Snapshot, now: Instant) -> bool {
         // A snapshot before the first cycle has no time.
         if snapshot.stamp_ns == 0 {
             return true;
@@ -181,7 +181,7 @@ impl Judge {
         let before = self.warned.filter(|(_, until)| now < *until);
         self.warned = match more {
             0 => before,
-            _ => Some((more.saturating_add(before.map_or(0, |(count, _)| count)), now + WARNED)),
+            _ => Some((more.saturating_add(before.map_or(0, |(count, _)| count)), now + WARNING_TIME)),
         };
         if snapshot.board.int(state) == MACHINE_ERROR {
             return Finding::AxisError;
@@ -196,7 +196,7 @@ impl Judge {
         snapshot: &Snapshot,
         backends: &[BackendHealth],
         recorder: &Recorder,
-        words: &Words<'_>,
+        words: &StatusData<'_>,
     ) -> Vec<DiagnosticStatus> {
         let mut all = vec![self.describe_machine(findings.machine, snapshot, words)];
         let drives = self.drives.iter().zip(&findings.drives);
@@ -207,9 +207,9 @@ impl Judge {
         all
     }
 
-    fn describe_machine(&self, finding: Finding, snapshot: &Snapshot, words: &Words<'_>) -> DiagnosticStatus {
+    fn describe_machine(&self, finding: Finding, snapshot: &Snapshot, words: &StatusData<'_>) -> DiagnosticStatus {
         let message = match finding {
-            Finding::Standing => format!("no cycle runs; the node is {}", words.state),
+            Finding::Stale => format!("no cycle runs; the node is {}", words.state),
             Finding::Missed(count) => format!("{count} cycles missed"),
             Finding::AxisError => "an axis is in error".to_owned(),
             _ => words.state.to_owned(),
@@ -229,7 +229,7 @@ fn machine_signals(directory: &Directory) -> Option<[Signal; 3]> {
 }
 
 impl Drive {
-    fn describe(&self, finding: Finding, snapshot: &Snapshot, words: &Words<'_>) -> DiagnosticStatus {
+    fn describe(&self, finding: Finding, snapshot: &Snapshot, words: &StatusData<'_>) -> DiagnosticStatus {
         let (view, board) = (&self.view, &snapshot.board);
         let named = |names: &[&'static str], place: i64| {
             usize::try_from(place).ok().and_then(|place| names.get(place).copied()).unwrap_or("?")
@@ -237,9 +237,9 @@ impl Drive {
         let name = |names: &[&'static str], signal| named(names, view.int(board, signal));
         let state = name(AXIS_STATES, AxisSignal::State);
         let code = Code(u32::try_from(view.int(board, AxisSignal::Error)).unwrap_or(u32::MAX));
-        let error = || (words.error)(self.axis, code).unwrap_or_else(|| format!("{}: {}", view.name, of_code(code)));
+        let error = || (words.error)(self.axis, code).unwrap_or_else(|| format!("{}: {}", view.name, code_name(code)));
         let message = match finding {
-            Finding::Standing => format!("no cycle runs; the node is {}", words.state),
+            Finding::Stale => format!("no cycle runs; the node is {}", words.state),
             Finding::Error(_) => error(),
             Finding::DriveFault => "the drive is in fault".to_owned(),
             Finding::DriveAway => "the drive does not answer, or is not ready".to_owned(),
@@ -259,7 +259,7 @@ impl Drive {
             pair("error", if code.is_none() { "none".to_owned() } else { error() }),
             pair("cause", cause),
             pair("remedy", remedy),
-            pair("last error", if last == 0 { "none".to_owned() } else { format!("{last}, {}", fault(view, board)) }),
+            pair("last error", if last == 0 { "none".to_owned() } else { format!("{last}, {}", error_state_text(view, board)) }),
             pair("command position", view.length_text(board, AxisSignal::CommandPosition)),
             pair("position", view.length_text(board, AxisSignal::ActualPosition)),
             pair("following error", view.length_text(board, AxisSignal::FollowingError)),
@@ -275,7 +275,7 @@ impl Drive {
 }
 
 /// Returns the name of a code if its message is unknown: `following error`, `drive fault 0x2310`.
-fn of_code(code: Code) -> String {
+fn code_name(code: Code) -> String {
     if let Some(fault) = code.0.checked_sub(Code::DRIVE_FAULT).filter(|fault| *fault <= u32::from(u16::MAX)) {
         return format!("drive fault {fault:#06x}");
     }
@@ -305,13 +305,13 @@ fn judge_drive(view: &AxisView, snapshot: &Snapshot) -> Finding {
 
 fn judge_backend(backend: &BackendHealth) -> Finding {
     match backend.health.as_ref().map(|health| health.problems.len()) {
-        None => Finding::Standing,
+        None => Finding::Stale,
         Some(0) => Finding::Good,
         Some(count) => Finding::BackendTroubles(count),
     }
 }
 
-fn describe_backend(backend: &BackendHealth, finding: Finding, words: &Words<'_>) -> DiagnosticStatus {
+fn describe_backend(backend: &BackendHealth, finding: Finding, words: &StatusData<'_>) -> DiagnosticStatus {
     let part = format!("backend {}", backend.name);
     let Some(health) = &backend.health else {
         return status(finding, words.node, &part, "not started".to_owned(), &backend.hardware, vec![]);
@@ -321,7 +321,7 @@ fn describe_backend(backend: &BackendHealth, finding: Finding, words: &Words<'_>
     status(finding, words.node, &part, message, &backend.hardware, values)
 }
 
-fn describe_recorder(finding: Finding, recorder: &Recorder, words: &Words<'_>) -> DiagnosticStatus {
+fn describe_recorder(finding: Finding, recorder: &Recorder, words: &StatusData<'_>) -> DiagnosticStatus {
     let (message, values) = match (finding, recorder) {
         (Finding::RecorderGone, _) => ("the recorder has failed: nothing is recorded any more".to_owned(), vec![]),
         (_, Recorder::Status(status)) => {

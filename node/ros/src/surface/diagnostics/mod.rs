@@ -4,11 +4,11 @@
 mod judge;
 
 use super::hub::Hub;
-use super::lifecycle::Life;
+use super::lifecycle::NodeLifecycle;
 use super::messages::AxisView;
 use super::table;
 use crate::layer::{CreateError, Node, Publisher};
-use judge::{Judge, Words};
+use judge::{DiagnosticsEvaluator, StatusData};
 use lineshaft_msgs::foreign::diagnostic_msgs::msg::DiagnosticArray;
 use lineshaft_msgs::foreign::std_msgs::msg::Header;
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
@@ -36,12 +36,12 @@ enum Recorder {
     Status(RecordResponse),
 }
 
-pub(super) fn start(node: &Node, hub: &Arc<Hub>, life: Arc<Life>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, life: Arc<NodeLifecycle>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let publisher = table::DIAGNOSTICS.publisher(node)?;
     let (config, directory) = (hub.host.config(), hub.host.directory());
     let hardware = |axis: u16| hub.host.hardware(axis).map(str::to_owned);
     let hardware = (0..config.axes.len()).map(|axis| u16::try_from(axis).ok().and_then(hardware)).collect();
-    let judge = Judge::new(AxisView::all(config, directory), hardware, directory, config.cycle_ns, Instant::now());
+    let judge = DiagnosticsEvaluator::new(AxisView::all(config, directory), hardware, directory, config.cycle_ns, Instant::now());
     tasks.spawn(publish(publisher, node.name().name().to_owned(), Arc::clone(hub), life, judge));
     Ok(())
 }
@@ -50,8 +50,8 @@ async fn publish(
     publisher: Publisher<DiagnosticArray>,
     node: String,
     hub: Arc<Hub>,
-    life: Arc<Life>,
-    mut judge: Judge,
+    life: Arc<NodeLifecycle>,
+    mut judge: DiagnosticsEvaluator,
 ) {
     let mut looks = tokio::time::interval(LOOK);
     looks.set_missed_tick_behavior(MissedTickBehavior::Skip);
@@ -61,16 +61,16 @@ async fn publish(
         looks.tick().await;
         if asked.is_none_or(|asked| asked.elapsed() >= PERIOD) {
             asked = Some(Instant::now());
-            recorder = ask(&hub, recorder).await;
+            recorder = request_recorder_state(&hub, recorder).await;
         }
         let (snapshot, time) = (hub.host.snapshot(), Instant::now());
         let backends = hub.host.backends();
-        let findings = judge.look(&snapshot, time, &backends, &recorder);
+        let findings = judge.evaluate(&snapshot, time, &backends, &recorder);
         let levels = findings.levels();
         if told.as_ref().is_some_and(|(last, before)| *before == levels && time - *last < PERIOD) {
             continue;
         }
-        let words = Words { node: &node, state: life.label(), error: &|axis, code| hub.error_of(axis, code) };
+        let words = StatusData { node: &node, state: life.label(), error: &|axis, code| hub.error_of(axis, code) };
         let status = judge.describe(&findings, &snapshot, &backends, &recorder, &words);
         let header = Header { stamp: hub.clock.now(), ..Header::default() };
         if let Err(error) = publisher.publish(&DiagnosticArray { header, status }) {
@@ -84,7 +84,7 @@ async fn publish(
 }
 
 /// Requests the state of the recorder; returns the known state if it does not answer in time.
-async fn ask(hub: &Hub, known: Recorder) -> Recorder {
+async fn request_recorder_state(hub: &Hub, known: Recorder) -> Recorder {
     let (answer, answered) = oneshot::channel();
     hub.host.record(RecordRequest { command: RecordRequest::STATUS, ..RecordRequest::default() }, answer);
     match timeout(PATIENCE, answered).await {

@@ -41,7 +41,7 @@ fn command(config: &MachineConfig, Asked { function, command, parameters }: Aske
     // An unknown function is reported before errors in the fields.
     config.find_function(&function).map_err(|error| error.to_string())?;
     let value = |Parameter { name, value }| {
-        let given = fields::given(&name, &value).map_err(|sentence| format!("{function}: {sentence}"))?;
+        let given = fields::field_value(&name, &value).map_err(|sentence| format!("{function}: {sentence}"))?;
         Ok((name, given))
     };
     let values = parameters.into_iter().map(value).collect::<Result<_, String>>()?;

@@ -11,8 +11,8 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::{Parameter, ParameterType, Par
 ///
 /// # Errors
 /// Another type, or a number that is not an integer; the message contains the name that the client gave.
-pub(in crate::surface) fn given(name: &str, value: &ParameterValue) -> Result<FieldValue, String> {
-    let one = |number: f64| whole(number).ok_or(number);
+pub(in crate::surface) fn field_value(name: &str, value: &ParameterValue) -> Result<FieldValue, String> {
+    let one = |number: f64| as_integer(number).ok_or(number);
     let list = |numbers: &[f64]| numbers.iter().map(|&number| one(number)).collect::<Result<Vec<i64>, f64>>();
     let read = match value.r#type {
         ParameterType::PARAMETER_BOOL => Ok(FieldValue::One(value.bool_value.into())),
@@ -36,7 +36,7 @@ pub(in crate::surface) fn given(name: &str, value: &ParameterValue) -> Result<Fi
 }
 
 /// Returns a double as i64 if it is an integer in its range.
-fn whole(number: f64) -> Option<i64> {
+fn as_integer(number: f64) -> Option<i64> {
     // The range includes -2^63, but not 2^63.
     let fits = (-9_223_372_036_854_775_808.0..9_223_372_036_854_775_808.0).contains(&number);
     (fits && number.fract() == 0.0).then_some(number as i64)
@@ -89,9 +89,9 @@ mod tests {
             double_array_value: vec![1.0, -2.0],
             ..Default::default()
         };
-        assert_eq!(given("m1", &bit), Ok(FieldValue::One(1)));
-        assert_eq!(given("m1", &list), Ok(FieldValue::List(vec![1, -2])));
-        assert_eq!(given("m1", &double(-9_223_372_036_854_775_808.0)), Ok(FieldValue::One(i64::MIN)));
+        assert_eq!(field_value("m1", &bit), Ok(FieldValue::One(1)));
+        assert_eq!(field_value("m1", &list), Ok(FieldValue::List(vec![1, -2])));
+        assert_eq!(field_value("m1", &double(-9_223_372_036_854_775_808.0)), Ok(FieldValue::One(i64::MIN)));
         for (value, sentence) in [
             (double(0.5), "m1 is 0.5; a whole number of 64 bits is needed"),
             (double(9_223_372_036_854_775_808.0), "m1 is 9223372036854776000; a whole number of 64 bits is needed"),
@@ -99,7 +99,7 @@ mod tests {
             (text(), "m1 cannot be a string; an integer or a list of integers is needed"),
             (ParameterValue::default(), "m1 cannot be without a value; an integer or a list of integers is needed"),
         ] {
-            assert_eq!(given("m1", &value), Err(sentence.to_owned()));
+            assert_eq!(field_value("m1", &value), Err(sentence.to_owned()));
         }
     }
 

@@ -4,7 +4,7 @@ use super::fields;
 use super::states::View;
 use crate::surface::goal::{self, Ending, GoalAction, Progress};
 use crate::surface::host::Snapshot;
-use crate::surface::table::{self, Acted};
+use crate::surface::table::{self, ActionRow};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::position::Position;
@@ -26,13 +26,13 @@ impl goal::View for View {
 impl GoalAction for RunFunction {
     type View = View;
 
-    const SERVED_AS: Acted<Self> = table::RUN_FUNCTION;
+    const SERVED_AS: ActionRow<Self> = table::RUN_FUNCTION;
 
     fn resolve(config: &MachineConfig, goal: &RunFunctionGoal) -> Result<(u16, Action), RequestError> {
         let RunFunctionGoal { function, parameters } = goal;
         // An unknown function is reported before errors in the fields.
         let (place, _) = config.find_function(function)?;
-        let value = |Parameter { name, value }: &Parameter| match fields::given(name, value) {
+        let value = |Parameter { name, value }: &Parameter| match fields::field_value(name, value) {
             Ok(given) => Ok((name.clone(), given)),
             Err(sentence) => Err(RequestError::FieldForm { function: function.clone(), sentence }),
         };

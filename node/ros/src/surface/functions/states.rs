@@ -14,9 +14,9 @@ use tokio::task::JoinSet;
 use tokio::time::MissedTickBehavior;
 
 /// Time between two checks, and the minimum time between two messages.
-const LOOK: Duration = Duration::from_millis(20);
+const CHECK_PERIOD: Duration = Duration::from_millis(20);
 /// Number of checks after which a message is published without a change.
-const LOOKS: u32 = 5;
+const MAX_CHECKS: u32 = 5;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     if hub.host.config().slots.is_empty() {
@@ -29,9 +29,9 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 
 async fn publish(publisher: Publisher<FunctionStates>, hub: Arc<Hub>) {
     let views = View::all(hub.host.config(), hub.host.directory());
-    let mut ticks = tokio::time::interval(LOOK);
+    let mut ticks = tokio::time::interval(CHECK_PERIOD);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
-    let (mut rhythm, mut failed) = (Rhythm::default(), 0_u64);
+    let (mut rhythm, mut failed) = (PublishTimer::default(), 0_u64);
     loop {
         ticks.tick().await;
         let snapshot = hub.host.snapshot();
@@ -51,7 +51,7 @@ async fn publish(publisher: Publisher<FunctionStates>, hub: Arc<Hub>) {
 
 /// Decides when a message is published.
 #[derive(Default)]
-struct Rhythm {
+struct PublishTimer {
     /// Cycle time stamp t_k of the last check, in ns.
     seen: u64,
     /// Number of checks since the last message.
@@ -59,14 +59,14 @@ struct Rhythm {
     said: Vec<FunctionState>,
 }
 
-impl Rhythm {
+impl PublishTimer {
     /// Returns true if a message is due for this cycle. While the machine is not running, no message is published.
     fn is_due(&mut self, stamp_ns: u64, functions: &[FunctionState]) -> bool {
         if std::mem::replace(&mut self.seen, stamp_ns) == stamp_ns {
             return false;
         }
         self.looks += 1;
-        let is_due = self.looks >= LOOKS || !functions.iter().map(switched).eq(self.said.iter().map(switched));
+        let is_due = self.looks >= MAX_CHECKS || !functions.iter().map(change_values).eq(self.said.iter().map(change_values));
         if is_due {
             (self.looks, self.said) = (0, functions.to_vec());
         }
@@ -75,7 +75,7 @@ impl Rhythm {
 }
 
 /// Returns the values whose change triggers a message: a moving sink would change in each cycle.
-fn switched(state: &FunctionState) -> (bool, u32, u8, u8) {
+fn change_values(state: &FunctionState) -> (bool, u32, u8, u8) {
     (state.active, state.error_code, state.inputs, state.outputs)
 }
 
@@ -200,7 +200,7 @@ mod tests {
         let at_rest = vec![FunctionState::default()];
         let moved = |sink| vec![FunctionState { sink, ..FunctionState::default() }];
         let started = vec![FunctionState { active: true, ..FunctionState::default() }];
-        let mut rhythm = Rhythm::default();
+        let mut rhythm = PublishTimer::default();
         assert!(rhythm.is_due(1, &at_rest), "the first one");
         assert_eq!(
             [2, 3, 4, 5, 6, 7].map(|stamp| rhythm.is_due(stamp, &moved(5))),

@@ -8,8 +8,8 @@
 //! an error     deactivates and cleans up as far as possible: unconfigured if all drives are off, otherwise finalized
 
 use super::states::{self, Outcome, State, Transition};
-use crate::layer::{Publisher, Severity, TOLD};
-use crate::surface::host::{Busy, GateState};
+use crate::layer::{Publisher, Severity, SENT_TO_ROSOUT};
+use crate::surface::host::{SubmitError, GateState};
 use crate::surface::hub::Hub;
 use lineshaft_core::command::Action;
 use lineshaft_core::event::Kind;
@@ -26,10 +26,10 @@ const STOP_PATIENCE: Duration = Duration::from_secs(60);
 /// Time between two checks of the gate.
 const LOOK: Duration = Duration::from_millis(2);
 /// Longer than events take from the last cycle to their receivers.
-const ON_THEIR_WAY: Duration = Duration::from_millis(50);
+const EVENT_LATENCY: Duration = Duration::from_millis(50);
 
 /// Lifecycle of one node.
-pub(in crate::surface) struct Life {
+pub(in crate::surface) struct NodeLifecycle {
     hub: Arc<Hub>,
     /// Full name of the node, for remedies.
     node: String,
@@ -40,12 +40,12 @@ pub(in crate::surface) struct Life {
 }
 
 /// Transition in progress.
-pub(super) struct Begun {
+pub(super) struct StartedTransition {
     transition: Transition,
     _turn: tokio::sync::OwnedMutexGuard<()>,
 }
 
-impl Life {
+impl NodeLifecycle {
     pub(super) fn new(hub: Arc<Hub>, node: String, publisher: Publisher<TransitionEvent>) -> Self {
         let state = Mutex::new(states::UNCONFIGURED);
         Self { hub, node, publisher, state, turn: Arc::default() }
@@ -70,7 +70,7 @@ impl Life {
         let _turn = self.turn.lock().await;
         for (label, work) in [("configure", true), ("activate", false)] {
             let wanted = msg::Transition { id: 0, label: label.to_owned() };
-            let Some(transition) = self.state().wanted(&wanted) else { return };
+            let Some(transition) = self.state().requested_transition(&wanted) else { return };
             self.step(transition);
             let result = if work { self.wait_for(&GateState::Open).await } else { Ok(()) };
             if result.is_err() {
@@ -83,24 +83,24 @@ impl Life {
     }
 
     /// Starts a transition if it is possible and no other one is in progress.
-    pub(super) fn begin_change(&self, wanted: &msg::Transition) -> Option<Begun> {
+    pub(super) fn begin_change(&self, wanted: &msg::Transition) -> Option<StartedTransition> {
         let Ok(turn) = Arc::clone(&self.turn).try_lock_owned() else {
             self.refuse(wanted, &format!("the node is {}; one transition at a time", self.label()));
             return None;
         };
         let state = self.state();
-        let Some(transition) = state.wanted(wanted) else {
+        let Some(transition) = state.requested_transition(wanted) else {
             let known: Vec<String> = state.transitions().map(|known| format!("{} {}", known.id, known.label)).collect();
             let known = if known.is_empty() { "no transition".to_owned() } else { known.join(", ") };
             self.refuse(wanted, &format!("the node is {}; {known} is possible", state.label));
             return None;
         };
         self.step(transition);
-        Some(Begun { transition, _turn: turn })
+        Some(StartedTransition { transition, _turn: turn })
     }
 
     /// Executes a transition to its end. Returns true if it succeeded.
-    pub(super) async fn end_change(&self, begun: Begun) -> bool {
+    pub(super) async fn end_change(&self, begun: StartedTransition) -> bool {
         let result = match begun.transition.goal {
             states::CONFIGURING => self.configure().await,
             states::ACTIVATING => self.activate().await,
@@ -112,7 +112,7 @@ impl Life {
     }
 
     fn refuse(&self, wanted: &msg::Transition, why: &str) {
-        let name = if wanted.label.is_empty() { wanted.id.to_string() } else { text_of(&wanted.label) };
+        let name = if wanted.label.is_empty() { wanted.id.to_string() } else { safe_label(&wanted.label) };
         self.hub.refuse(format!("change_state: transition {name} is refused: {why}"));
     }
 
@@ -132,7 +132,7 @@ impl Life {
             Err((outcome, sentence)) => {
                 let advice = state.after(outcome).and_then(|end| remedy(end.goal, &self.node));
                 let line = format!("{}: {sentence}{}", state.label, advice.unwrap_or_default());
-                tracing::error!(target: TOLD, "{line}");
+                tracing::error!(target: SENT_TO_ROSOUT, "{line}");
                 self.hub.say(Severity::Error, &line);
                 outcome
             }
@@ -161,7 +161,7 @@ impl Life {
         self.hub.host.open();
         let opened = self.wait_for(&GateState::Open).await;
         match opened {
-            Ok(()) => self.hub.host.take_commands(),
+            Ok(()) => self.hub.host.resume_commands(),
             Err(_) => self.hub.host.close(),
         }
         opened.map_err(|sentence| (Outcome::Failure, sentence))
@@ -182,8 +182,8 @@ impl Life {
     async fn clean_up(&self) -> Result<(), (Outcome, String)> {
         self.hub.host.close();
         let closed = self.wait_for(&GateState::Closed).await;
-        sleep(ON_THEIR_WAY).await;
-        self.hub.forget_askers();
+        sleep(EVENT_LATENCY).await;
+        self.hub.end_waiting();
         closed.map_err(|sentence| (Outcome::Error, sentence))
     }
 
@@ -224,7 +224,7 @@ impl Life {
             match self.hub.submit(action.clone()) {
                 Ok(answers) => break answers,
                 // A full queue empties within a few cycles.
-                Err(Busy::Full) if Instant::now() < end => sleep(LOOK).await,
+                Err(SubmitError::Full) if Instant::now() < end => sleep(LOOK).await,
                 Err(busy) => return Err(busy.to_string()),
             }
         };
@@ -254,7 +254,7 @@ fn remedy(end: State, node: &str) -> Option<String> {
 }
 
 /// Returns a label from a client in a form that is safe in a message.
-fn text_of(label: &str) -> String {
+fn safe_label(label: &str) -> String {
     format!("`{}`", lineshaft_core::unit::excerpt(label))
 }
 

@@ -9,7 +9,7 @@ mod states;
 use super::hub::Hub;
 use super::table;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
-pub(super) use life::Life;
+pub(super) use life::NodeLifecycle;
 use lineshaft_msgs::foreign::lifecycle_msgs::srv::{
     ChangeState, ChangeStateResponse, GetAvailableStates, GetAvailableStatesResponse, GetAvailableTransitions,
     GetAvailableTransitionsResponse, GetState, GetStateResponse,
@@ -18,23 +18,23 @@ use states::{STATES, TRANSITIONS, Transition};
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<Arc<Life>, CreateError> {
-    let life = Arc::new(Life::new(Arc::clone(hub), node.name().to_string(), table::TRANSITION_EVENT.publisher(node)?));
+pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<Arc<NodeLifecycle>, CreateError> {
+    let life = Arc::new(NodeLifecycle::new(Arc::clone(hub), node.name().to_string(), table::TRANSITION_EVENT.publisher(node)?));
     tasks.spawn(change(table::CHANGE_STATE.server(node)?, Arc::clone(&life)));
-    tasks.spawn(tell_state(table::GET_STATE.server(node)?, Arc::clone(&life)));
-    tasks.spawn(tell_states(table::GET_AVAILABLE_STATES.server(node)?));
+    tasks.spawn(serve_state(table::GET_STATE.server(node)?, Arc::clone(&life)));
+    tasks.spawn(serve_states(table::GET_AVAILABLE_STATES.server(node)?));
     let here = Arc::clone(&life);
     let from_here = move || here.state().transitions().map(Transition::description).collect();
-    tasks.spawn(tell_transitions(table::GET_AVAILABLE_TRANSITIONS.server(node)?, from_here));
+    tasks.spawn(serve_transitions(table::GET_AVAILABLE_TRANSITIONS.server(node)?, from_here));
     let all = || TRANSITIONS.map(Transition::description).into();
-    tasks.spawn(tell_transitions(table::GET_TRANSITION_GRAPH.server(node)?, all));
-    if hub.host.begins_active() {
+    tasks.spawn(serve_transitions(table::GET_TRANSITION_GRAPH.server(node)?, all));
+    if hub.host.is_active_at_start() {
         tasks.spawn(Arc::clone(&life).begin());
     }
     Ok(life)
 }
 
-async fn change(mut server: ServiceServer<ChangeState>, life: Arc<Life>) {
+async fn change(mut server: ServiceServer<ChangeState>, life: Arc<NodeLifecycle>) {
     // A transition continues if its client leaves; it ends with the node.
     let mut open = JoinSet::new();
     while let Some(Request { message, reply }) = server.next().await {
@@ -53,19 +53,19 @@ async fn change(mut server: ServiceServer<ChangeState>, life: Arc<Life>) {
     }
 }
 
-async fn tell_state(mut server: ServiceServer<GetState>, life: Arc<Life>) {
+async fn serve_state(mut server: ServiceServer<GetState>, life: Arc<NodeLifecycle>) {
     while let Some(Request { reply, .. }) = server.next().await {
         reply.send_soon(GetStateResponse { current_state: life.state().message() });
     }
 }
 
-async fn tell_states(mut server: ServiceServer<GetAvailableStates>) {
+async fn serve_states(mut server: ServiceServer<GetAvailableStates>) {
     while let Some(Request { reply, .. }) = server.next().await {
         reply.send_soon(GetAvailableStatesResponse { available_states: STATES.map(states::State::message).into() });
     }
 }
 
-async fn tell_transitions(
+async fn serve_transitions(
     mut server: ServiceServer<GetAvailableTransitions>,
     which: impl Fn() -> Vec<lineshaft_msgs::foreign::lifecycle_msgs::msg::TransitionDescription>,
 ) {

@@ -101,7 +101,7 @@ impl State {
     }
 
     /// Returns the transition that a client requests. A label has precedence over the ID, which is 0 if it was not given.
-    pub(super) fn wanted(self, wanted: &msg::Transition) -> Option<Transition> {
+    pub(super) fn requested_transition(self, wanted: &msg::Transition) -> Option<Transition> {
         let mut from_here = self.transitions();
         match wanted.label.as_str() {
             "" => from_here.find(|transition| transition.id == wanted.id),
@@ -145,7 +145,7 @@ mod tests {
 
     fn ask(state: State, id: u8, label: &str) -> Option<(u8, &'static str)> {
         let wanted = msg::Transition { id, label: label.to_owned() };
-        state.wanted(&wanted).map(|transition| (transition.id, transition.goal.label))
+        state.requested_transition(&wanted).map(|transition| (transition.id, transition.goal.label))
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Parameters that the node declares, and their values.
 
-use super::functions::{self, OfFunction};
+use super::functions::{self, FunctionParameter};
 use super::own::type_name;
 use lineshaft_core::config::{MachineConfig, highest_velocity};
 use lineshaft_core::parameter::{
@@ -12,7 +12,7 @@ use std::collections::HashSet;
 
 /// Parameter of one object.
 #[derive(Clone, Debug)]
-pub(super) struct Declared {
+pub(super) struct DeclaredParameter {
     pub name: String,
     /// Index of the axis; [`MACHINE`] for the machine.
     axis: u16,
@@ -28,8 +28,8 @@ pub(super) const PART_OF_CELL: &str = "part of the cell: changes with the file a
 /// All declared parameters, by name.
 #[derive(Clone, Debug)]
 pub(super) struct Catalogue {
-    of_machine: Vec<Declared>,
-    of_functions: Vec<OfFunction>,
+    of_machine: Vec<DeclaredParameter>,
+    of_functions: Vec<FunctionParameter>,
 }
 
 impl Catalogue {
@@ -37,7 +37,7 @@ impl Catalogue {
         // Values that the source publishes in a register are signals here.
         let rows = || ROWS.iter().filter(|row| !matches!(row.storage, Storage::Signal(_)));
         let highest_velocity = highest_velocity(config.cycle_ns);
-        let of_machine = rows().filter(|row| row.applies == Applies::Machine).map(|row| Declared {
+        let of_machine = rows().filter(|row| row.applies == Applies::Machine).map(|row| DeclaredParameter {
             name: format!("machine.{}", row.key),
             axis: MACHINE,
             row,
@@ -45,7 +45,7 @@ impl Catalogue {
             highest_velocity,
         });
         let of_axes = config.axes.iter().zip(0..).flat_map(|(axis, index)| {
-            rows().filter(|row| row.applies.to(axis)).map(move |row| Declared {
+            rows().filter(|row| row.applies.to(axis)).map(move |row| DeclaredParameter {
                 name: format!("{}.{}", axis.name, row.key),
                 axis: index,
                 row,
@@ -53,7 +53,7 @@ impl Catalogue {
                 highest_velocity,
             })
         });
-        let mut all: Vec<Declared> = of_machine.chain(of_axes).collect();
+        let mut all: Vec<DeclaredParameter> = of_machine.chain(of_axes).collect();
         all.sort_by(|a, b| a.name.cmp(&b.name));
         let mut of_functions = functions::all(config);
         of_functions.sort_by(|a, b| a.name.cmp(&b.name));
@@ -61,12 +61,12 @@ impl Catalogue {
     }
 
     /// Returns all parameters of axes and of the machine, ascending by name.
-    pub(super) fn all(&self) -> &[Declared] {
+    pub(super) fn all(&self) -> &[DeclaredParameter] {
         &self.of_machine
     }
 
     /// Returns all parameters of functions, ascending by name.
-    pub(super) fn functions(&self) -> &[OfFunction] {
+    pub(super) fn functions(&self) -> &[FunctionParameter] {
         &self.of_functions
     }
 
@@ -76,19 +76,19 @@ impl Catalogue {
     }
 
     /// Returns the parameter of an axis or the machine with this name.
-    pub(super) fn find(&self, name: &str) -> Option<&Declared> {
+    pub(super) fn find(&self, name: &str) -> Option<&DeclaredParameter> {
         let place = self.of_machine.binary_search_by(|declared| declared.name.as_str().cmp(name)).ok()?;
         self.of_machine.get(place)
     }
 
     /// Returns the parameter of a function with this name.
-    pub(super) fn function(&self, name: &str) -> Option<&OfFunction> {
+    pub(super) fn function(&self, name: &str) -> Option<&FunctionParameter> {
         let place = self.of_functions.binary_search_by(|known| known.name.as_str().cmp(name)).ok()?;
         self.of_functions.get(place)
     }
 }
 
-impl Declared {
+impl DeclaredParameter {
     /// Returns the value in an image, in units of the core.
     pub(super) fn value(&self, image: &ParameterImage) -> Value {
         let of_machine = || self.row.machine_value(&image.machine[0]);
@@ -140,12 +140,12 @@ impl Declared {
     /// # Errors
     /// The type is not that of the parameter; the message gives the expected one.
     pub(super) fn input(&self, value: &ParameterValue) -> Result<ParameterInput, String> {
-        match (self.said(value), self.row.border_type()) {
-            (Said::Nothing, _) if self.may_be_unset() => Ok(ParameterInput::Unset),
-            (Said::Switch(is_on), BorderType::Switch) => Ok(ParameterInput::Text(is_on.to_string())),
-            (Said::Integer(number), BorderType::Integer | BorderType::Real) => Ok(ParameterInput::Integer(number)),
-            (Said::Real(number), BorderType::Real) => Ok(ParameterInput::Number(number)),
-            (Said::Name(name), BorderType::Name) => Ok(ParameterInput::Text(name.to_owned())),
+        match (self.interpret(value), self.row.border_type()) {
+            (InterpretedValue::Nothing, _) if self.may_be_unset() => Ok(ParameterInput::Unset),
+            (InterpretedValue::Switch(is_on), BorderType::Switch) => Ok(ParameterInput::Text(is_on.to_string())),
+            (InterpretedValue::Integer(number), BorderType::Integer | BorderType::Real) => Ok(ParameterInput::Integer(number)),
+            (InterpretedValue::Real(number), BorderType::Real) => Ok(ParameterInput::Number(number)),
+            (InterpretedValue::Name(name), BorderType::Name) => Ok(ParameterInput::Text(name.to_owned())),
             (said, expected) => {
                 let given = type_name(said.type_number());
                 let expected = match expected {
@@ -162,65 +162,65 @@ impl Declared {
 
     /// Returns true if the parameter shows a value that cannot be set: a part of the cell, a calculated value, or a view beyond the range
     /// of its source (`velmax` of a fast axis). A dump contains such values.
-    pub(super) fn is_only_shown(&self, config: &MachineConfig, value: &ParameterValue) -> bool {
+    pub(super) fn is_not_settable(&self, config: &MachineConfig, value: &ParameterValue) -> bool {
         let given = || self.input(value).ok().and_then(|input| config.resolve_parameter(&self.name, &input).ok());
         self.row.is_read_only() || given().is_some_and(|change| self.row.check(change.value).is_err())
     }
 
     /// Returns true if the parameter is a view of one of `names`, as each value in a dump has: `x.dfltacc` next to
     /// `x.default_acceleration`.
-    pub(super) fn repeats(&self, names: &HashSet<&str>) -> bool {
+    pub(super) fn is_view_of(&self, names: &HashSet<&str>) -> bool {
         let of_itself = || self.name.strip_suffix(self.row.key).map(|object| format!("{object}{}", self.row.root()));
         self.row.is_view() && of_itself().is_some_and(|name| names.contains(name.as_str()))
     }
 
     /// Returns true if the parameter has this value in an image.
-    pub(super) fn is(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
-        match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
-            (Said::Nothing, BorderValue::Unset) => true,
-            (Said::Switch(given), BorderValue::Switch(shown)) => given == shown,
-            (Said::Integer(given), BorderValue::Integer(shown)) => given == shown,
-            (Said::Integer(given), BorderValue::Real(shown)) => given as f64 == shown,
-            (Said::Real(given), BorderValue::Real(shown)) => given == shown,
-            (Said::Name(given), BorderValue::Name(shown)) => given == shown,
+    pub(super) fn has_value(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
+        match (self.interpret(value), self.row.shown(&self.scale, self.value(image))) {
+            (InterpretedValue::Nothing, BorderValue::Unset) => true,
+            (InterpretedValue::Switch(given), BorderValue::Switch(shown)) => given == shown,
+            (InterpretedValue::Integer(given), BorderValue::Integer(shown)) => given == shown,
+            (InterpretedValue::Integer(given), BorderValue::Real(shown)) => given as f64 == shown,
+            (InterpretedValue::Real(given), BorderValue::Real(shown)) => given == shown,
+            (InterpretedValue::Name(given), BorderValue::Name(shown)) => given == shown,
             _ => false,
         }
     }
 
     /// Returns true if the parameter has this number in an image, apart from rounding.
-    pub(super) fn is_nearly(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
-        match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
-            (Said::Real(given), BorderValue::Real(shown)) => (given - shown).abs() <= 1e-9 * shown.abs(),
+    pub(super) fn nearly_has_value(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
+        match (self.interpret(value), self.row.shown(&self.scale, self.value(image))) {
+            (InterpretedValue::Real(given), BorderValue::Real(shown)) => (given - shown).abs() <= 1e-9 * shown.abs(),
             _ => false,
         }
     }
 
     /// Interprets a value for this parameter. `ros2 param load` guesses the types of texts again: it sends the null of a file as the string
     /// `None`, and 0.00001 as the string `1e-05`.
-    fn said<'a>(&self, value: &'a ParameterValue) -> Said<'a> {
+    fn interpret<'a>(&self, value: &'a ParameterValue) -> InterpretedValue<'a> {
         let text = value.string_value.as_str();
         match (value.r#type, self.row.border_type()) {
-            (ParameterType::PARAMETER_NOT_SET, _) => Said::Nothing,
-            (ParameterType::PARAMETER_BOOL, _) => Said::Switch(value.bool_value),
-            (ParameterType::PARAMETER_INTEGER, _) => Said::Integer(value.integer_value),
-            (ParameterType::PARAMETER_DOUBLE, _) => Said::Real(value.double_value),
+            (ParameterType::PARAMETER_NOT_SET, _) => InterpretedValue::Nothing,
+            (ParameterType::PARAMETER_BOOL, _) => InterpretedValue::Switch(value.bool_value),
+            (ParameterType::PARAMETER_INTEGER, _) => InterpretedValue::Integer(value.integer_value),
+            (ParameterType::PARAMETER_DOUBLE, _) => InterpretedValue::Real(value.double_value),
             (ParameterType::PARAMETER_STRING, BorderType::Integer | BorderType::Real | BorderType::Switch)
                 if text == "None" =>
             {
-                Said::Nothing
+                InterpretedValue::Nothing
             }
             (ParameterType::PARAMETER_STRING, BorderType::Real) => {
-                power_of_ten(text).map_or(Said::Name(text), Said::Real)
+                power_of_ten(text).map_or(InterpretedValue::Name(text), InterpretedValue::Real)
             }
-            (ParameterType::PARAMETER_STRING, _) => Said::Name(text),
-            (other, _) => Said::Other(other),
+            (ParameterType::PARAMETER_STRING, _) => InterpretedValue::Name(text),
+            (other, _) => InterpretedValue::Other(other),
         }
     }
 }
 
 /// Value as a parameter of the machine interprets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Said<'a> {
+enum InterpretedValue<'a> {
     Nothing,
     Switch(bool),
     Integer(i64),
@@ -230,7 +230,7 @@ enum Said<'a> {
     Other(u8),
 }
 
-impl Said<'_> {
+impl InterpretedValue<'_> {
     fn type_number(self) -> u8 {
         match self {
             Self::Nothing => ParameterType::PARAMETER_NOT_SET,
@@ -325,7 +325,7 @@ mod tests {
     fn a_view_repeats_the_value_that_is_named_beside_it() {
         let catalogue = Catalogue::new(&fake::config());
         let repeats = |name: &str, names: &[&str]| {
-            catalogue.find(name).expect("declared").repeats(&names.iter().copied().collect())
+            catalogue.find(name).expect("declared").is_view_of(&names.iter().copied().collect())
         };
         assert!(repeats("x.velmax", &["x.velmax", "x.max_velocity"]));
         assert!(!repeats("x.velmax", &["x.velmax", "line.max_velocity", "x.max_acceleration"]));
@@ -338,16 +338,16 @@ mod tests {
         let (catalogue, image) = (Catalogue::new(&config), fake::image(&config));
         let find = |name: &str| catalogue.find(name).expect("declared");
         for declared in catalogue.all() {
-            assert!(declared.is(&declared.message(&image), &image), "{}", declared.name);
+            assert!(declared.has_value(&declared.message(&image), &image), "{}", declared.name);
         }
         let integer = |integer_value| ParameterValue {
             r#type: ParameterType::PARAMETER_INTEGER,
             integer_value,
             ..ParameterValue::default()
         };
-        assert!(find("x.max_velocity").is(&integer(1), &image) && !find("x.max_velocity").is(&integer(2), &image));
-        assert!(!find("x.max_velocity").is(&ParameterValue::default(), &image));
-        assert!(find("x.max_jerk").is(&ParameterValue::default(), &image));
-        assert!(!find("x.max_jerk").is(&integer(0), &image));
+        assert!(find("x.max_velocity").has_value(&integer(1), &image) && !find("x.max_velocity").has_value(&integer(2), &image));
+        assert!(!find("x.max_velocity").has_value(&ParameterValue::default(), &image));
+        assert!(find("x.max_jerk").has_value(&ParameterValue::default(), &image));
+        assert!(!find("x.max_jerk").has_value(&integer(0), &image));
     }
 }

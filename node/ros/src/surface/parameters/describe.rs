@@ -1,11 +1,11 @@
 //! Parameter descriptors: description, type and ranges.
 
-use super::catalogue::{Declared, PART_OF_CELL};
+use super::catalogue::{DeclaredParameter, PART_OF_CELL};
 use lineshaft_core::parameter::{BorderRange, BorderValue, Measure, Range, Row, Storage, System, Value};
 use lineshaft_core::unit::Scale;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{FloatingPointRange, IntegerRange, ParameterDescriptor};
 
-impl Declared {
+impl DeclaredParameter {
     pub(super) fn descriptor(&self) -> ParameterDescriptor {
         let range = self.row.shown_range(&self.scale);
         let (mut floating_point_range, mut integer_range) = (None, None);
@@ -33,7 +33,7 @@ impl Declared {
     }
 }
 
-impl Declared {
+impl DeclaredParameter {
     /// Returns the limit of the range that the cycle time determines.
     fn limit(&self) -> Option<f64> {
         match self.row.shown(&self.scale, Value::Real(self.highest_velocity)) {
@@ -86,7 +86,7 @@ fn constraints(row: &Row, scale: &Scale) -> String {
         (_, Range::PositiveUpTo(_)) => parts.push("more than 0".to_owned()),
         _ => {}
     }
-    if !row.is_read_only() && lies_outside(row.default, row.range) {
+    if !row.is_read_only() && is_outside(row.default, row.range) {
         parts.push(format!("and its default, {}", text(row.default)));
     }
     if row.default == Value::Unset && !row.is_read_only() && !row.required {
@@ -104,7 +104,7 @@ fn constraints(row: &Row, scale: &Scale) -> String {
 }
 
 /// Returns true if the value is outside the range; some sources have such default values.
-fn lies_outside(value: Value, range: Range) -> bool {
+fn is_outside(value: Value, range: Range) -> bool {
     match (value, range) {
         (Value::Unset, _) => false,
         (Value::Int(value), Range::Int(low, high)) => !(low..=high).contains(&value),

@@ -1,8 +1,8 @@
 //! /parameter_events: differences of successive images, regardless of the origin of a change, and changes of the node's own parameters.
 
-use super::catalogue::{Catalogue, Declared};
-use super::functions::OfFunction;
-use super::own::Own;
+use super::catalogue::{Catalogue, DeclaredParameter};
+use super::functions::FunctionParameter;
+use super::own::OwnParameter;
 use crate::layer::{NodeHandle, Publisher};
 use crate::surface::hub::Hub;
 use lineshaft_core::parameter::ParameterImage;
@@ -67,14 +67,14 @@ async fn publish(publisher: Publisher<ParameterEvent>, node: String, hub: Arc<Hu
     }
 }
 
-fn own_parameters<'a>(own: impl Iterator<Item = (&'a String, &'a Own)>) -> Vec<Parameter> {
+fn own_parameters<'a>(own: impl Iterator<Item = (&'a String, &'a OwnParameter)>) -> Vec<Parameter> {
     own.map(|(name, own)| Parameter { name: name.clone(), value: own.value.clone() }).collect()
 }
 
 /// Returns the node's own parameters whose value has changed, and the new ones.
-fn own_difference(last: &BTreeMap<String, Own>, newest: &BTreeMap<String, Own>) -> (Vec<Parameter>, Vec<Parameter>) {
+fn own_difference(last: &BTreeMap<String, OwnParameter>, newest: &BTreeMap<String, OwnParameter>) -> (Vec<Parameter>, Vec<Parameter>) {
     let is_new = |name: &str| !last.contains_key(name);
-    let differs = |name: &str, own: &Own| last.get(name).is_some_and(|before| before.value != own.value);
+    let differs = |name: &str, own: &OwnParameter| last.get(name).is_some_and(|before| before.value != own.value);
     let changed = own_parameters(newest.iter().filter(|(name, own)| differs(name, own)));
     (changed, own_parameters(newest.iter().filter(|(name, _)| is_new(name))))
 }
@@ -82,13 +82,13 @@ fn own_difference(last: &BTreeMap<String, Own>, newest: &BTreeMap<String, Own>) 
 /// Returns the parameters that have a value at the start, one event for each object.
 fn declarations(catalogue: &Catalogue, image: &ParameterImage) -> Vec<ParameterEvent> {
     let object = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
-    let of_object = |declared: &[Declared]| {
+    let of_object = |declared: &[DeclaredParameter]| {
         let parameters = declared.iter().map(|declared| declared.parameter(image));
         let with_value = |parameter: &Parameter| parameter.value.r#type != ParameterType::PARAMETER_NOT_SET;
         ParameterEvent { new_parameters: parameters.filter(with_value).collect(), ..ParameterEvent::default() }
     };
     let of_axes = catalogue.all().chunk_by(|a, b| object(&a.name) == object(&b.name)).map(of_object);
-    let of_function = |known: &[OfFunction]| {
+    let of_function = |known: &[FunctionParameter]| {
         let new_parameters = known.iter().map(|known| known.parameter(image)).collect();
         ParameterEvent { new_parameters, ..ParameterEvent::default() }
     };
@@ -98,7 +98,7 @@ fn declarations(catalogue: &Catalogue, image: &ParameterImage) -> Vec<ParameterE
 
 /// Returns the changed parameters; one that was removed has no value.
 fn changes(catalogue: &Catalogue, last: &ParameterImage, newest: &ParameterImage) -> Vec<Parameter> {
-    let differs = |declared: &&Declared| declared.value(last) != declared.value(newest);
+    let differs = |declared: &&DeclaredParameter| declared.value(last) != declared.value(newest);
     let of_axes = catalogue.all().iter().filter(differs).map(|declared| declared.parameter(newest));
     let of_functions = catalogue.functions().iter().filter(|known| !known.is_same(last, newest));
     of_axes.chain(of_functions.map(|known| known.parameter(newest))).collect()

@@ -15,15 +15,15 @@ use lineshaft_msgs::foreign::rcl_interfaces::msg::{
 
 /// Parameter of one function.
 #[derive(Clone, Debug)]
-pub(super) struct OfFunction {
+pub(super) struct FunctionParameter {
     pub name: String,
     /// Index of the function among the slots.
     place: u16,
-    what: What,
+    what: FunctionParameterKind,
 }
 
 #[derive(Clone, Debug)]
-enum What {
+enum FunctionParameterKind {
     /// Field of the parameter set, and the index of its first value in the set.
     Field(&'static Field, usize),
     /// Value from the cell, with its description.
@@ -40,17 +40,17 @@ pub(super) struct Staged {
 }
 
 /// Returns the parameters of all functions.
-pub(super) fn all(config: &MachineConfig) -> Vec<OfFunction> {
+pub(super) fn all(config: &MachineConfig) -> Vec<FunctionParameter> {
     let of_slot = |(slot, place): (&SlotConfig, u16)| {
         let mut first = 0;
         let fields = slot.kind.description().fields.iter().map(move |field| {
-            let what = What::Field(field, first);
+            let what = FunctionParameterKind::Field(field, first);
             first += field.count;
             (field.name, what)
         });
         let structure = structure(config, slot).into_iter();
-        let structure = structure.map(|(key, value, help)| (key, What::Structure(value, help)));
-        let named = |(key, what)| OfFunction { name: format!("{}.{key}", slot.name), place, what };
+        let structure = structure.map(|(key, value, help)| (key, FunctionParameterKind::Structure(value, help)));
+        let named = |(key, what)| FunctionParameter { name: format!("{}.{key}", slot.name), place, what };
         fields.chain(structure).map(named).collect::<Vec<_>>()
     };
     config.slots.iter().zip(0..).flat_map(of_slot).collect()
@@ -86,12 +86,12 @@ fn text(string_value: String) -> ParameterValue {
     ParameterValue { r#type: ParameterType::PARAMETER_STRING, string_value, ..ParameterValue::default() }
 }
 
-impl OfFunction {
+impl FunctionParameter {
     /// Returns the value in an image.
     pub(super) fn message(&self, image: &ParameterImage) -> ParameterValue {
         match &self.what {
-            What::Structure(value, _) => value.clone(),
-            What::Field(field, _) => {
+            FunctionParameterKind::Structure(value, _) => value.clone(),
+            FunctionParameterKind::Field(field, _) => {
                 self.values(image).map_or_else(ParameterValue::default, |values| fields::message(field, values))
             }
         }
@@ -109,21 +109,21 @@ impl OfFunction {
 
     /// Returns the staged values of a field.
     fn values<'a>(&self, image: &'a ParameterImage) -> Option<&'a [i64]> {
-        let What::Field(field, first) = self.what else { return None };
+        let FunctionParameterKind::Field(field, first) = self.what else { return None };
         image.functions.get(usize::from(self.place))?.staged.get(first..first + field.count)
     }
 
     pub(super) fn descriptor(&self) -> ParameterDescriptor {
         let descriptor = ParameterDescriptor { name: self.name.clone(), ..ParameterDescriptor::default() };
         match &self.what {
-            What::Structure(value, help) => ParameterDescriptor {
+            FunctionParameterKind::Structure(value, help) => ParameterDescriptor {
                 r#type: value.r#type,
                 description: (*help).to_owned(),
                 additional_constraints: PART_OF_CELL.to_owned(),
                 read_only: true,
                 ..descriptor
             },
-            What::Field(field, _) => {
+            FunctionParameterKind::Field(field, _) => {
                 let is_list = field.count > 1;
                 let unit = if field.unit.is_empty() { String::new() } else { format!(" Unit: {}.", field.unit) };
                 let when = if field.live { "START or VALUE_NEW" } else { "START" };
@@ -162,11 +162,11 @@ impl OfFunction {
     pub(super) fn staged(&self, value: &ParameterValue, image: &ParameterImage) -> Result<Option<Staged>, String> {
         let name = &self.name;
         let field = match &self.what {
-            What::Structure(known, _) if value == known => return Ok(None),
-            What::Structure(..) => return Err(format!("{name} is read-only: {PART_OF_CELL}")),
-            What::Field(field, _) => *field,
+            FunctionParameterKind::Structure(known, _) if value == known => return Ok(None),
+            FunctionParameterKind::Structure(..) => return Err(format!("{name} is read-only: {PART_OF_CELL}")),
+            FunctionParameterKind::Field(field, _) => *field,
         };
-        let value = match (fields::given(name, value)?, field.count) {
+        let value = match (fields::field_value(name, value)?, field.count) {
             (FieldValue::List(_), 1) => return Err(format!("{name} cannot be a list; an integer is needed")),
             (FieldValue::One(_), 2..) => {
                 return Err(format!("{name} cannot be one number; a list of 1 to {} integers is needed", field.count));

@@ -24,7 +24,7 @@ pub(super) use self::own::type_name;
 pub use self::start::start_commands;
 
 use self::catalogue::Catalogue;
-use super::hub::{Answers, Hub};
+use super::hub::{CommandEvents, Hub};
 use super::table;
 use crate::layer::{CreateError, Node};
 use lineshaft_core::command::Action;
@@ -45,6 +45,6 @@ pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Res
 }
 
 /// Submits a command. Returns its pending answers.
-fn give(hub: &Arc<Hub>, action: Action) -> Result<Answers, String> {
+fn give(hub: &Arc<Hub>, action: Action) -> Result<CommandEvents, String> {
     hub.submit(action).map_err(|busy| busy.to_string())
 }

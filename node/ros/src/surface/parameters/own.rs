@@ -1,7 +1,7 @@
 //! Parameters of the node itself, in addition to those of the machine: they have no object, and do not affect motion directly.
 
 use super::catalogue::power_of_ten;
-use crate::layer::{CreateError, Given, NodeHandle, Overrides};
+use crate::layer::{CreateError, OverrideValue, NodeHandle, Overrides};
 use lineshaft_core::unit::{excerpt, number_to_text};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
 use std::collections::BTreeMap;
@@ -18,9 +18,9 @@ pub(in crate::surface) struct OwnParameters {
 
 #[derive(Debug)]
 struct State {
-    declared: BTreeMap<String, Own>,
+    declared: BTreeMap<String, OwnParameter>,
     /// Names that clients may confuse with parameter names, and the intended parameters.
-    renamed: BTreeMap<String, String>,
+    misleading_names: BTreeMap<String, String>,
     /// Overrides of parameters that are not declared yet.
     overrides: Overrides,
     /// Refused overrides, one message each.
@@ -30,14 +30,14 @@ struct State {
 impl State {
     /// Returns the message that a name is refused because it is not the intended parameter name.
     fn rename(&self, name: &str) -> Option<String> {
-        let meant = self.renamed.get(name)?;
+        let meant = self.misleading_names.get(name)?;
         Some(format!("parameter `{name}` has not been declared; by the joint name it is `{meant}`"))
     }
 }
 
 /// Parameter of the node itself.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::surface) struct Own {
+pub(in crate::surface) struct OwnParameter {
     /// Descriptor: name, type, range, description.
     pub descriptor: ParameterDescriptor,
     /// Value.
@@ -47,7 +47,7 @@ pub(in crate::surface) struct Own {
 }
 
 /// Values of all parameters at one moment.
-pub(in crate::surface) struct Values<'s>(&'s BTreeMap<String, Own>);
+pub(in crate::surface) struct Values<'s>(&'s BTreeMap<String, OwnParameter>);
 
 impl Values<'_> {
     /// Returns a number; 0 if the parameter is missing.
@@ -78,7 +78,7 @@ impl Default for OwnParameters {
 impl OwnParameters {
     /// Creates an empty set; each declared parameter gets its override.
     pub(crate) fn new(overrides: Overrides) -> Self {
-        let state = State { declared: BTreeMap::new(), renamed: BTreeMap::new(), overrides, refused: Vec::new() };
+        let state = State { declared: BTreeMap::new(), misleading_names: BTreeMap::new(), overrides, refused: Vec::new() };
         Self { state: Mutex::new(state), version: watch::Sender::new(0) }
     }
 
@@ -88,23 +88,23 @@ impl OwnParameters {
 
     /// Declares a parameter; one with the same name is replaced. An override replaces its default value, even if the parameter is read-only
     /// later. [`OwnParameters::check`] reports an invalid override.
-    pub(crate) fn declare(&self, own: Own) {
+    pub(crate) fn declare(&self, own: OwnParameter) {
         let mut state = self.state();
-        let Own { descriptor, mut value, words } = own;
-        if let Some(Given { value: given, place, .. }) = state.overrides.take(&descriptor.name) {
+        let OwnParameter { descriptor, mut value, words } = own;
+        if let Some(OverrideValue { value: given, place, .. }) = state.overrides.take(&descriptor.name) {
             match fitting(&descriptor, words, given) {
                 Ok(given) => value = given,
                 Err(sentence) => state.refused.push(format!("{place}: {sentence}")),
             }
         }
-        state.declared.insert(descriptor.name.clone(), Own { descriptor, value, words });
+        state.declared.insert(descriptor.name.clone(), OwnParameter { descriptor, value, words });
         drop(state);
         self.version.send_modify(|version| *version += 1);
     }
 
     /// Refuses values for `name` with a message that names `meant`, the intended parameter.
     pub(crate) fn rename(&self, name: String, meant: String) {
-        self.state().renamed.insert(name, meant);
+        self.state().misleading_names.insert(name, meant);
     }
 
     /// Declares a switch that is off by default.
@@ -112,10 +112,10 @@ impl OwnParameters {
         let (name, description) = (name.to_owned(), description.to_owned());
         let r#type = ParameterType::PARAMETER_BOOL;
         let descriptor = ParameterDescriptor { name, r#type, description, ..ParameterDescriptor::default() };
-        self.declare(Own {
+        self.declare(OwnParameter {
             descriptor,
             value: ParameterValue { r#type, ..ParameterValue::default() },
-            ..Own::default()
+            ..OwnParameter::default()
         });
     }
 
@@ -125,25 +125,25 @@ impl OwnParameters {
     /// All overrides that are refused or match no parameter, in one message.
     pub(crate) fn check(&self) -> Result<(), CreateError> {
         let state = self.state();
-        let strict = state.overrides.iter().filter(|(_, given)| given.is_strict);
+        let strict = state.overrides.iter().filter(|(_, given)| given.is_for_this_node_only);
         let renamed = strict.filter_map(|(name, given)| Some(format!("{}: {}", given.place, state.rename(name)?)));
         let refused: Vec<String> = state.refused.iter().cloned().chain(renamed).collect();
         if !refused.is_empty() {
             return Err(CreateError::Given(refused.join("; ")));
         }
-        for warning in state.overrides.unknown().map_err(CreateError::Given)? {
+        for warning in state.overrides.check_unused().map_err(CreateError::Given)? {
             tracing::warn!("{warning}; it was given to all nodes");
         }
         Ok(())
     }
 
     /// Returns the parameter with this name.
-    pub(crate) fn get(&self, name: &str) -> Option<Own> {
+    pub(crate) fn get(&self, name: &str) -> Option<OwnParameter> {
         self.state().declared.get(name).cloned()
     }
 
     /// Returns all parameters, ascending by name.
-    pub(crate) fn all(&self) -> BTreeMap<String, Own> {
+    pub(crate) fn all(&self) -> BTreeMap<String, OwnParameter> {
         self.state().declared.clone()
     }
 
@@ -204,7 +204,7 @@ impl OwnParameters {
 /// # Errors
 /// A QoS override matches no topic of the node.
 pub(super) fn declare_qos(own: &OwnParameters, node: &NodeHandle) -> Result<(), CreateError> {
-    for warning in node.unused_qos().unknown().map_err(CreateError::Given)? {
+    for warning in node.unused_qos().check_unused().map_err(CreateError::Given)? {
         tracing::warn!("{warning}; it was given to all nodes");
     }
     for (name, value) in node.qos_parameters() {
@@ -215,7 +215,7 @@ pub(super) fn declare_qos(own: &OwnParameters, node: &NodeHandle) -> Result<(), 
         let description = format!("QoS policy {policy} of {topic}.");
         let r#type = value.r#type;
         let descriptor = ParameterDescriptor { name, r#type, description, read_only: true, ..Default::default() };
-        own.declare(Own { descriptor, value, ..Own::default() });
+        own.declare(OwnParameter { descriptor, value, ..OwnParameter::default() });
     }
     Ok(())
 }

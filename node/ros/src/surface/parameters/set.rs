@@ -4,7 +4,7 @@ use super::catalogue::Catalogue;
 use super::functions::{self, Staged};
 use super::give;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
-use crate::surface::hub::{Answers, Hub};
+use crate::surface::hub::{CommandEvents, Hub};
 use crate::surface::table;
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
@@ -20,7 +20,7 @@ use std::sync::Arc;
 use tokio::task::JoinSet;
 
 /// Maximum number of sets of one request in progress: a fraction of the command queue, to leave room for others.
-const UNDER_WAY: usize = 32;
+const MAX_PENDING_SETS: usize = 32;
 
 pub(super) fn start(
     node: &Node,
@@ -59,17 +59,17 @@ async fn set_each(
     service: &str,
     parameters: &[Parameter],
 ) -> Vec<SetParametersResult> {
-    if let Err(sentence) = few_enough(hub, catalogue, parameters) {
+    if let Err(sentence) = check_count(hub, catalogue, parameters) {
         hub.refuse(format!("{service}: {sentence}"));
         return vec![SetParametersResult { successful: false, reason: sentence }];
     }
     let names: HashSet<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    let repeats = |place: &usize| catalogue.find(&parameters[*place].name).is_some_and(|known| known.repeats(&names));
+    let repeats = |place: &usize| catalogue.find(&parameters[*place].name).is_some_and(|known| known.is_view_of(&names));
     // Views of other parameters in the request are checked once those are set.
     let (later, first): (Vec<usize>, Vec<usize>) = (0..parameters.len()).partition(repeats);
     let mut results = vec![SetParametersResult::default(); parameters.len()];
     let mut under_way = VecDeque::new();
-    let mut wrong = Wrong::default();
+    let mut wrong = RefusalLog::default();
     let mut refused = |sentence: String| {
         wrong.note(&sentence);
         Given::Waits(Err(sentence))
@@ -78,7 +78,7 @@ async fn set_each(
         let parameter = &parameters[place];
         let known = catalogue.find(&parameter.name);
         let is_shown = known
-            .is_some_and(|known| known.repeats(&names) || known.is_only_shown(hub.host.config(), &parameter.value));
+            .is_some_and(|known| known.is_view_of(&names) || known.is_not_settable(hub.host.config(), &parameter.value));
         if is_shown {
             // Whether it has that value is known only after the previous parameters are set.
             while let Some((place, given)) = under_way.pop_front() {
@@ -87,7 +87,7 @@ async fn set_each(
         }
         let given = match asked(hub, catalogue, parameter) {
             Ok(Asked::Nothing) => Given::Done,
-            Ok(_) if is_shown && known.is_some_and(|known| known.is(&parameter.value, &hub.host.parameters())) => {
+            Ok(_) if is_shown && known.is_some_and(|known| known.has_value(&parameter.value, &hub.host.parameters())) => {
                 Given::Done
             }
             Ok(Asked::Own(value)) => {
@@ -102,7 +102,7 @@ async fn set_each(
             Err(sentence) => refused(sentence),
         };
         under_way.push_back((place, given));
-        if under_way.len() >= UNDER_WAY
+        if under_way.len() >= MAX_PENDING_SETS
             && let Some((place, given)) = under_way.pop_front()
         {
             results[place] = result(given).await;
@@ -111,7 +111,7 @@ async fn set_each(
     while let Some((place, given)) = under_way.pop_front() {
         results[place] = result(given).await;
     }
-    wrong.tell(hub, service);
+    wrong.report(hub, service);
     results
 }
 
@@ -126,7 +126,7 @@ async fn set_together(
     if parameters.is_empty() {
         return refused("the list of parameters is empty; at least one is needed");
     }
-    if let Err(sentence) = few_enough(hub, catalogue, parameters) {
+    if let Err(sentence) = check_count(hub, catalogue, parameters) {
         hub.refuse(format!("{service}: {sentence}"));
         return refused(&sentence);
     }
@@ -196,7 +196,7 @@ fn together(
 enum Given {
     Done,
     /// The answer of the machine is pending, or the command was refused before.
-    Waits(Result<Answers, String>),
+    Waits(Result<CommandEvents, String>),
 }
 
 /// Target of a set.
@@ -225,7 +225,7 @@ fn asked(hub: &Hub, catalogue: &Catalogue, parameter: &Parameter) -> Result<Aske
 
 /// Checks the number of parameters: a request may name each one once, because a million sets of one parameter would delay all other
 /// clients.
-fn few_enough(hub: &Hub, catalogue: &Catalogue, parameters: &[Parameter]) -> Result<(), String> {
+fn check_count(hub: &Hub, catalogue: &Catalogue, parameters: &[Parameter]) -> Result<(), String> {
     let (given, most) = (parameters.len(), catalogue.len() + hub.own.all().len());
     if given > most {
         return Err(format!("{given} parameters in one request; there are {most}, each of which may be named once"));
@@ -257,7 +257,7 @@ pub(super) fn change(
             _ => sentence,
         });
     };
-    if declared.is_only_shown(config, &parameter.value) && declared.is(&parameter.value, image) {
+    if declared.is_not_settable(config, &parameter.value) && declared.has_value(&parameter.value, image) {
         return Ok(None);
     }
     if declared.row.is_read_only() {
@@ -270,12 +270,12 @@ pub(super) fn change(
 
 /// Errors of requests that never became commands, reported once for each call.
 #[derive(Default)]
-struct Wrong {
+struct RefusalLog {
     first: Option<String>,
     more: usize,
 }
 
-impl Wrong {
+impl RefusalLog {
     fn note(&mut self, sentence: &str) {
         match self.first {
             Some(_) => self.more += 1,
@@ -283,7 +283,7 @@ impl Wrong {
         }
     }
 
-    fn tell(self, hub: &Hub, service: &str) {
+    fn report(self, hub: &Hub, service: &str) {
         let Some(sentence) = self.first else { return };
         let more = if self.more > 0 { format!(" ({} more in this request)", self.more) } else { String::new() };
         hub.refuse(format!("{service}: {sentence}{more}"));

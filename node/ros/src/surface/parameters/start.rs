@@ -1,9 +1,9 @@
 //! Overrides of the machine's parameters at the start of the node.
 
-use super::catalogue::{Catalogue, Declared};
+use super::catalogue::{Catalogue, DeclaredParameter};
 use super::functions::{self, Staged};
 use super::set::change;
-use crate::layer::{Given, Overrides};
+use crate::layer::{OverrideValue, Overrides};
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::machine::Machine;
@@ -21,7 +21,7 @@ pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<V
     let of_functions = |word: &str| config.slots.iter().any(|slot| slot.name == word);
     let is_object =
         |word: &str| word == "machine" || config.axes.iter().any(|axis| axis.name == word) || of_functions(word);
-    let given = given.take_where(|name| name.split_once('.').is_some_and(|(object, _)| is_object(object)));
+    let given = given.take_matching(|name| name.split_once('.').is_some_and(|(object, _)| is_object(object)));
     let catalogue = Catalogue::new(config);
     let (mut changes, mut wrong, mut shown) = (Vec::new(), BTreeMap::new(), Vec::new());
     let (mut staged, cell) = (BTreeMap::<u16, Vec<Staged>>::new(), functions::of_cell(config));
@@ -46,25 +46,25 @@ pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<V
             }
             continue;
         }
-        let is_shown = |known: &&Declared| known.repeats(&names) || known.is_only_shown(config, &parameter.value);
+        let is_shown = |known: &&DeclaredParameter| known.is_view_of(&names) || known.is_not_settable(config, &parameter.value);
         if let Some(declared) = declared.filter(is_shown) {
             shown.push((declared, parameter, given));
             continue;
         }
         match change(&catalogue, config, &parameter, &ParameterImage::default()) {
             Ok(change) => changes.extend(change),
-            Err(sentence) if !given.is_strict && declared.is_none() => {
+            Err(sentence) if !given.is_for_this_node_only && declared.is_none() => {
                 tracing::warn!("{}: {sentence}; it was given to all nodes", given.place);
             }
             Err(sentence) => drop(wrong.insert(name, format!("{}: {sentence}", given.place))),
         }
     }
     // Values that cannot be set, or that are views of others, are left out if the other values lead to them.
-    let image = if shown.is_empty() { ParameterImage::default() } else { in_force(config, changes.clone())? };
+    let image = if shown.is_empty() { ParameterImage::default() } else { image_after(config, changes.clone())? };
     // The same number may have been converted to two units and rounded twice.
-    let differs = |(declared, parameter, _): &&(&Declared, Parameter, &Given)| {
-        let is_same = declared.is(&parameter.value, &image);
-        !(is_same || declared.repeats(&names) && declared.is_nearly(&parameter.value, &image))
+    let differs = |(declared, parameter, _): &&(&DeclaredParameter, Parameter, &OverrideValue)| {
+        let is_same = declared.has_value(&parameter.value, &image);
+        !(is_same || declared.is_view_of(&names) && declared.nearly_has_value(&parameter.value, &image))
     };
     for (declared, parameter, given) in shown.iter().filter(differs) {
         if declared.row.storage == Storage::Derived && given.is_of_file {
@@ -90,7 +90,7 @@ fn moves(name: &str) -> String {
 }
 
 /// Returns the parameters of a machine that starts with these changes; those of the cell if the machine refuses them.
-fn in_force(config: &MachineConfig, changes: Vec<Change>) -> Result<ParameterImage, String> {
+fn image_after(config: &MachineConfig, changes: Vec<Change>) -> Result<ParameterImage, String> {
     let mut machine = Machine::new(config.clone()).map_err(|error| error.to_string())?;
     let (inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let command = Command { sequence: 1, source: Source::Cli, action: Action::SetParameters(changes.into()) };
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn what_is_read_only_may_be_said_again() {
         let config = fake::config();
-        let image = in_force(&config, Vec::new()).unwrap();
+        let image = image_after(&config, Vec::new()).unwrap();
         let catalogue = Catalogue::new(&config);
         let computed = catalogue.find("x.velmaxqc").expect("declared").message(&image).integer_value;
         let command = |line: String| start_commands(&config, &mut given(&line));

@@ -2,7 +2,7 @@
 
 use super::give;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
-use crate::surface::host::Listing;
+use crate::surface::host::ParameterSelection;
 use crate::surface::hub::Hub;
 use crate::surface::table;
 use lineshaft_core::command::Action;
@@ -46,12 +46,12 @@ async fn export(hub: &Arc<Hub>, request: ExportParametersRequest) -> Result<Stri
 }
 
 /// Returns the selection with this number in the interface.
-fn listing(number: u8) -> Result<Listing, String> {
+fn listing(number: u8) -> Result<ParameterSelection, String> {
     match number {
-        ExportParametersRequest::ALL => Ok(Listing::All),
-        ExportParametersRequest::NOT_DEFAULT => Ok(Listing::NotDefault),
-        ExportParametersRequest::NOT_CELL => Ok(Listing::NotCell),
-        ExportParametersRequest::NOT_SAVED => Ok(Listing::NotSaved),
+        ExportParametersRequest::ALL => Ok(ParameterSelection::All),
+        ExportParametersRequest::NOT_DEFAULT => Ok(ParameterSelection::NotDefault),
+        ExportParametersRequest::NOT_CELL => Ok(ParameterSelection::NotCell),
+        ExportParametersRequest::NOT_SAVED => Ok(ParameterSelection::NotSaved),
         other => Err(format!("which is {other}; 0 ALL, 1 NOT_DEFAULT, 2 NOT_CELL, 3 NOT_SAVED are allowed")),
     }
 }
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn choices_have_the_numbers_of_the_interface() {
-        let all = [Listing::All, Listing::NotDefault, Listing::NotCell, Listing::NotSaved];
+        let all = [ParameterSelection::All, ParameterSelection::NotDefault, ParameterSelection::NotCell, ParameterSelection::NotSaved];
         assert_eq!([0, 1, 2, 3].map(listing), all.map(Ok));
         assert!(listing(4).is_err_and(|sentence| sentence.starts_with("which is 4; 0 ALL")));
     }

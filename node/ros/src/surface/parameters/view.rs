@@ -1,8 +1,8 @@
 //! All parameters at one moment: those of the machine, and those of the node itself.
 
-use super::catalogue::{Catalogue, Declared};
-use super::functions::OfFunction;
-use super::own::Own;
+use super::catalogue::{Catalogue, DeclaredParameter};
+use super::functions::FunctionParameter;
+use super::own::OwnParameter;
 use lineshaft_core::parameter::ParameterImage;
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterValue};
 use std::collections::BTreeMap;
@@ -11,17 +11,17 @@ use std::collections::BTreeMap;
 pub(super) struct View<'a> {
     pub catalogue: &'a Catalogue,
     pub image: &'a ParameterImage,
-    pub own: &'a BTreeMap<String, Own>,
+    pub own: &'a BTreeMap<String, OwnParameter>,
 }
 
 /// Parameter.
-pub(super) enum Known<'a> {
-    Machine(&'a Declared),
-    Function(&'a OfFunction),
-    Own(&'a Own),
+pub(super) enum KnownParameter<'a> {
+    Machine(&'a DeclaredParameter),
+    Function(&'a FunctionParameter),
+    Own(&'a OwnParameter),
 }
 
-impl Known<'_> {
+impl KnownParameter<'_> {
     pub(super) fn value(&self, image: &ParameterImage) -> ParameterValue {
         match self {
             Self::Machine(declared) => declared.message(image),
@@ -51,15 +51,15 @@ impl<'a> View<'a> {
 
     /// Returns the parameters with these names; `None` if one of them is not declared, as in rclcpp, or if there are more names than
     /// parameters: an answer to a name that is repeated a million times would be far longer than the request.
-    pub(super) fn find_all(&self, names: &[String]) -> Option<Vec<Known<'a>>> {
+    pub(super) fn find_all(&self, names: &[String]) -> Option<Vec<KnownParameter<'a>>> {
         if names.len() > self.catalogue.len() + self.own.len() {
             return None;
         }
         let find = |name: &String| match self.own.get(name) {
-            Some(own) => Some(Known::Own(own)),
+            Some(own) => Some(KnownParameter::Own(own)),
             None => match self.catalogue.function(name) {
-                Some(known) => Some(Known::Function(known)),
-                None => self.catalogue.find(name).map(Known::Machine),
+                Some(known) => Some(KnownParameter::Function(known)),
+                None => self.catalogue.find(name).map(KnownParameter::Machine),
             },
         };
         names.iter().map(find).collect()

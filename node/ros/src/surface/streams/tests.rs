@@ -172,11 +172,11 @@ fn a_message_is_no_older_than_its_axes_allow() {
 
 #[test]
 fn of_many_refusals_one_in_a_second_is_told_with_the_number_of_the_others() {
-    let (mut refusals, start) = (Refusals::default(), Instant::now());
+    let (mut refusals, start) = (RefusalLimit::default(), Instant::now());
     assert_eq!(refusals.say(start).as_deref(), Some(""));
     assert!((1..100).all(|ms| refusals.say(start + Duration::from_millis(ms)).is_none()));
-    assert_eq!(refusals.say(start + PAUSE).as_deref(), Some(" (99 messages before it were refused too)"));
-    assert_eq!(refusals.say(start + PAUSE * 2).as_deref(), Some(""));
+    assert_eq!(refusals.say(start + REFUSAL_PERIOD).as_deref(), Some(" (99 messages before it were refused too)"));
+    assert_eq!(refusals.say(start + REFUSAL_PERIOD * 2).as_deref(), Some(""));
 }
 
 proptest! {

@@ -1,12 +1,12 @@
 //! `~/follow_joint_trajectory`: executes a goal until its end.
 
-use super::ending::{Last, end};
+use super::ending::{FinalState, end};
 use super::joints::Joints;
 use super::points::Points;
-use super::{Taker, settings};
+use super::{TrajectoryReceiver, settings};
 use crate::layer::{ActionEvent, ActionServer, GoalHandle};
 use crate::surface::host::Snapshot;
-use crate::surface::hub::Answers;
+use crate::surface::hub::CommandEvents;
 use crate::surface::messages;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
@@ -18,7 +18,7 @@ use tokio::time::MissedTickBehavior;
 
 type Handle = GoalHandle<FollowJointTrajectory>;
 
-pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker: Taker) {
+pub(super) async fn serve(mut server: ActionServer<FollowJointTrajectory>, taker: TrajectoryReceiver) {
     let name = server.name().to_string();
     let period = settings::feedback_period(&taker.hub.own);
     // Running goals end with the action.
@@ -55,15 +55,15 @@ fn finish(handle: Handle, (code, has_run): (Code, bool), sentence: &str, notes: 
         result.error_string += note;
     }
     match last {
-        Last::Succeeded => handle.succeed(result),
-        Last::Canceled => handle.canceled(result),
-        Last::Aborted => handle.abort(result),
+        FinalState::Succeeded => handle.succeed(result),
+        FinalState::Canceled => handle.canceled(result),
+        FinalState::Aborted => handle.abort(result),
     }
 }
 
 /// Executes an accepted goal until it ends.
-async fn run(taker: Taker, handle: Handle, mut answers: Answers, period: Duration) {
-    let Taker { hub, controllers, place, joints } = taker;
+async fn run(taker: TrajectoryReceiver, handle: Handle, mut answers: CommandEvents, period: Duration) {
+    let TrajectoryReceiver { hub, controllers, place, joints } = taker;
     let mut ticks = tokio::time::interval(period);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let goal = answers.sequence;
@@ -75,11 +75,11 @@ async fn run(taker: Taker, handle: Handle, mut answers: Answers, period: Duratio
                 Some(event) => match event.kind {
                     Kind::Accepted => {
                         accepted = true;
-                        controllers.is_read(place, goal);
+                        controllers.record_read(place, goal);
                         handle.execute();
                     }
                     Kind::Refused | Kind::Done => {
-                        controllers.is_read(place, goal);
+                        controllers.record_read(place, goal);
                         let sentence = joints.sentence(&event, hub.host.config());
                         return finish(handle, (event.code, event.kind == Kind::Done), &sentence, &notes);
                     }
@@ -87,12 +87,12 @@ async fn run(taker: Taker, handle: Handle, mut answers: Answers, period: Duratio
                     _ => {}
                 },
                 None => {
-                    controllers.is_read(place, goal);
+                    controllers.record_read(place, goal);
                     return finish(handle, (Code::DISABLED, accepted), "the machine has stopped", &notes);
                 }
             },
             () = handle.cancel_requested(), if !cancelled => {
-                cancelled = hub.submit_unheard(Action::Cancel { goal }).is_ok();
+                cancelled = hub.submit_without_answer(Action::Cancel { goal }).is_ok();
                 if !cancelled {
                     // The command queue is full; tried again a little later.
                     tokio::time::sleep(Duration::from_millis(50)).await;

@@ -8,7 +8,7 @@
 
 use super::joints::Joints;
 use super::settings::Settings;
-use crate::surface::joint_names::object_name;
+use crate::surface::joint_names::object_name_refusal;
 use lineshaft_core::request::{MAX_START_NS, NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::{Duration, Time};
@@ -17,15 +17,15 @@ use lineshaft_msgs::foreign::control_msgs::msg::JointTolerance;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint as Point;
 
 /// Value that removes a tolerance of the parameters.
-const WITHOUT_LIMIT: f64 = -1.0;
+const NO_TOLERANCE: f64 = -1.0;
 /// Value that removes the goal time tolerance, in ns.
-const FOR_EVER: i64 = -1_000_000_000;
+const NO_GOAL_TIME_NS: i64 = -1_000_000_000;
 /// Numbers from here on are not accepted by the core.
 const LARGEST: f64 = 1e38;
 
 /// Reason why a goal is rejected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(super) enum Wrong {
+pub(super) enum GoalError {
     #[error("multi_dof_trajectory is not empty; only trajectory is followed")]
     MultiDof,
     #[error("{0} is not empty; only tolerances of joints are kept")]
@@ -36,7 +36,7 @@ pub(super) enum Wrong {
     NoJoints { known: String },
     #[error("{field} has the joint `{name}`; there are {known}")]
     UnknownJoint { field: &'static str, name: String, known: String },
-    #[error("{}", object_name(.field, .axis, .joint))]
+    #[error("{}", object_name_refusal(.field, .axis, .joint))]
     ObjectName { field: &'static str, axis: String, joint: String },
     #[error("{field} has the joint `{name}` twice; once is expected")]
     Twice { field: &'static str, name: String },
@@ -88,7 +88,7 @@ fn duration_ns(duration: &Duration) -> i64 {
 }
 
 /// Returns the indices of named joints.
-pub(super) fn places(joints: &Joints, names: &[String]) -> Result<Vec<usize>, Wrong> {
+pub(super) fn places(joints: &Joints, names: &[String]) -> Result<Vec<usize>, GoalError> {
     let mut places = Vec::with_capacity(names.len().min(joints.names.len()));
     for name in names {
         places.push(place(joints, "joint_names", name, &places)?);
@@ -96,13 +96,13 @@ pub(super) fn places(joints: &Joints, names: &[String]) -> Result<Vec<usize>, Wr
     Ok(places)
 }
 
-fn place(joints: &Joints, field: &'static str, name: &str, taken: &[usize]) -> Result<usize, Wrong> {
-    let unknown = || match joints.meant(name) {
-        Some(joint) => Wrong::ObjectName { field, axis: name.to_owned(), joint: joint.to_owned() },
-        None => Wrong::UnknownJoint { field, name: excerpt(name), known: joints.names.join(", ") },
+fn place(joints: &Joints, field: &'static str, name: &str, taken: &[usize]) -> Result<usize, GoalError> {
+    let unknown = || match joints.joint_name_of(name) {
+        Some(joint) => GoalError::ObjectName { field, axis: name.to_owned(), joint: joint.to_owned() },
+        None => GoalError::UnknownJoint { field, name: excerpt(name), known: joints.names.join(", ") },
     };
     let place = joints.place(name).ok_or_else(unknown)?;
-    if taken.contains(&place) { Err(Wrong::Twice { field, name: name.to_owned() }) } else { Ok(place) }
+    if taken.contains(&place) { Err(GoalError::Twice { field, name: name.to_owned() }) } else { Ok(place) }
 }
 
 /// Returns the request of a goal that arrives at `now_ns` (since the Unix epoch).
@@ -111,33 +111,33 @@ pub(super) fn request(
     settings: &Settings,
     goal: &Goal,
     now_ns: i64,
-) -> Result<TrajectoryRequest, Wrong> {
+) -> Result<TrajectoryRequest, GoalError> {
     let trajectory = &goal.trajectory;
     let multi_dof = &goal.multi_dof_trajectory;
     if !multi_dof.joint_names.is_empty() || !multi_dof.points.is_empty() {
-        return Err(Wrong::MultiDof);
+        return Err(GoalError::MultiDof);
     }
     let known = || joints.names.join(", ");
     let given = trajectory.joint_names.len();
     if given == 0 {
-        return Err(Wrong::NoJoints { known: known() });
+        return Err(GoalError::NoJoints { known: known() });
     }
     let places = places(joints, &trajectory.joint_names)?;
     if !settings.partial && given != joints.names.len() {
-        return Err(Wrong::Count { given, known: known() });
+        return Err(GoalError::Count { given, known: known() });
     }
     let points = points(&trajectory.points)?;
     let stamp = stamp_ns(&trajectory.header.stamp);
     if let Some(stamp_ns) = stamp.filter(|_| now_ns == 0) {
-        return Err(Wrong::NoTime { stamp_ns });
+        return Err(GoalError::NoTime { stamp_ns });
     }
     if let Some(stamp_ns) = stamp.filter(|stamp| stamp.saturating_sub(now_ns) > MAX_START_NS) {
-        return Err(Wrong::Ahead { stamp_ns, now_ns });
+        return Err(GoalError::Ahead { stamp_ns, now_ns });
     }
     if let (Some(stamp), Some(last)) = (stamp, trajectory.points.last()) {
         let ago_ns = now_ns.saturating_sub(stamp.saturating_add(duration_ns(&last.time_from_start)));
         if ago_ns > 0 {
-            return Err(Wrong::Past { ago_ns });
+            return Err(GoalError::Past { ago_ns });
         }
     }
     for (field, tolerances) in [
@@ -145,7 +145,7 @@ pub(super) fn request(
         ("component_goal_tolerance", &goal.component_goal_tolerance),
     ] {
         if !tolerances.is_empty() {
-            return Err(Wrong::Component(field));
+            return Err(GoalError::Component(field));
         }
     }
     // The default velocity tolerance is for joints at rest. It applies to no joint then, because measured velocities are coarse.
@@ -177,9 +177,9 @@ pub(super) fn request(
 }
 
 /// Returns the points. The core checks the lengths of lists and their numbers.
-fn points(points: &[Point]) -> Result<Vec<PointRequest>, Wrong> {
+fn points(points: &[Point]) -> Result<Vec<PointRequest>, GoalError> {
     if points.is_empty() {
-        return Err(Wrong::NoPoints);
+        return Err(GoalError::NoPoints);
     }
     let mut before = None;
     let mut all = Vec::with_capacity(points.len());
@@ -192,15 +192,15 @@ fn points(points: &[Point]) -> Result<Vec<PointRequest>, Wrong> {
             accelerations: given.accelerations.clone(),
         });
         if !given.effort.is_empty() {
-            return Err(Wrong::Effort { point });
+            return Err(GoalError::Effort { point });
         }
         before = Some(time_ns);
     }
     Ok(all)
 }
 
-fn time(point: usize, time_ns: i64, before: Option<i64>) -> Result<u64, Wrong> {
-    let wrong = |expected: String| Wrong::Time { point, time_ns, expected };
+fn time(point: usize, time_ns: i64, before: Option<i64>) -> Result<u64, GoalError> {
+    let wrong = |expected: String| GoalError::Time { point, time_ns, expected };
     if let Some(before) = before.filter(|before| time_ns <= *before) {
         return Err(wrong(format!("more than {} s, the time of the point before it, is expected", seconds(before))));
     }
@@ -219,16 +219,16 @@ fn tolerances(
     field: &'static str,
     given: &[JointTolerance],
     usual: impl Fn(usize) -> ToleranceRequest,
-) -> Result<Vec<ToleranceRequest>, Wrong> {
+) -> Result<Vec<ToleranceRequest>, GoalError> {
     let mut all: Vec<ToleranceRequest> = places.iter().map(|&place| usual(place)).collect();
     let mut taken = Vec::new();
     for tolerance in given {
         let place = place(joints, field, &tolerance.name, &taken)?;
         taken.push(place);
         let moved = places.iter().position(|moved| *moved == place).and_then(|index| all.get_mut(index));
-        let merged = moved.ok_or_else(|| Wrong::NotMoved { field, name: tolerance.name.clone() })?;
+        let merged = moved.ok_or_else(|| GoalError::NotMoved { field, name: tolerance.name.clone() })?;
         let merge = |what: &str, usual: Option<f64>, value: f64| {
-            let wrong = || Wrong::Tolerance { field: format!("{field} ({what})"), name: tolerance.name.clone(), value };
+            let wrong = || GoalError::Tolerance { field: format!("{field} ({what})"), name: tolerance.name.clone(), value };
             merged_value(usual, value).ok_or_else(wrong)
         };
         merged.position = merge("position", merged.position, tolerance.position)?;
@@ -242,7 +242,7 @@ fn tolerances(
 fn merged_value(usual: Option<f64>, value: f64) -> Option<Option<f64>> {
     if value == 0.0 {
         Some(usual)
-    } else if (value - WITHOUT_LIMIT).abs() < f64::EPSILON {
+    } else if (value - NO_TOLERANCE).abs() < f64::EPSILON {
         Some(None)
     } else if value > 0.0 {
         Some(positive(value))
@@ -252,12 +252,12 @@ fn merged_value(usual: Option<f64>, value: f64) -> Option<Option<f64>> {
 }
 
 /// Returns how long to wait for the goal tolerances; `None`: unlimited.
-fn goal_time(settings: &Settings, time_ns: i64) -> Result<Option<u64>, Wrong> {
+fn goal_time(settings: &Settings, time_ns: i64) -> Result<Option<u64>, GoalError> {
     match time_ns {
         // Rounded to a nanosecond, at most 292 years.
         0 => Ok(positive(settings.goal_time).map(|seconds| ((seconds * 1e9).round() as u64).min(i64::MAX as u64))),
-        FOR_EVER => Ok(None),
-        time_ns => u64::try_from(time_ns).map(Some).map_err(|_| Wrong::GoalTime { time_ns }),
+        NO_GOAL_TIME_NS => Ok(None),
+        time_ns => u64::try_from(time_ns).map(Some).map_err(|_| GoalError::GoalTime { time_ns }),
     }
 }
 

@@ -5,14 +5,14 @@
 //! Refuses  such points in a trajectory with a stamp: the positions of the joints at its start are unknown
 //! Source   joint_trajectory_controller (Jazzy)
 
-use super::convert::{Wrong, places};
+use super::convert::{GoalError, places};
 use super::joints::Joints;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as Goal;
 use lineshaft_msgs::foreign::trajectory_msgs::msg::JointTrajectoryPoint as Point;
 
 /// Returns true if a point has only velocities.
-pub(super) fn is_asked_for(goal: &Goal) -> bool {
+pub(super) fn has_points_to_integrate(goal: &Goal) -> bool {
     goal.trajectory.points.iter().any(has_velocities_alone)
 }
 
@@ -24,10 +24,10 @@ fn has_velocities_alone(point: &Point) -> bool {
 ///
 /// # Errors
 /// The goal has a stamp, or an unknown joint. Other errors are found by [`request`](super::convert::request).
-pub(super) fn integrate(joints: &Joints, goal: &mut Goal, command: &Point) -> Result<(), Wrong> {
+pub(super) fn integrate(joints: &Joints, goal: &mut Goal, command: &Point) -> Result<(), GoalError> {
     let trajectory = &mut goal.trajectory;
     if trajectory.header.stamp != Time::default() {
-        return Err(Wrong::IntegrationLater);
+        return Err(GoalError::IntegrationLater);
     }
     let places = places(joints, &trajectory.joint_names)?;
     let of = |values: &[f64]| -> Vec<f64> {
@@ -77,7 +77,7 @@ mod tests {
     fn each_joint_goes_by_the_mean_velocity() {
         let mut goal =
             goal(vec![point(0, &[], &[1.0, 0.4]), point(2, &[5.0, 6.0], &[0.0, 1.0]), point(4, &[], &[0.0, 0.0])]);
-        assert!(is_asked_for(&goal));
+        assert!(has_points_to_integrate(&goal));
         integrate(&joints(), &mut goal, &command()).expect("nothing is wrong");
         let positions: Vec<_> = goal.trajectory.points.iter().map(|point| point.positions.clone()).collect();
         // y: 2 + (0 + 1) / 2 * 0.5; x: 1 + (0.2 + 0.4) / 2 * 0.5. Then from the point with positions: x 6 + (1 + 0) / 2 * 2.
@@ -100,6 +100,6 @@ mod tests {
         let request = convert::request(&joints(), &settings, &fewer, 1).expect("the core finds it");
         let error = config().resolve_trajectory(&request).unwrap_err().to_string();
         assert_eq!(error, "points[0].positions has 0 numbers; one for each joint (2) is expected");
-        assert!(!is_asked_for(&goal(vec![point(0, &[], &[])])));
+        assert!(!has_points_to_integrate(&goal(vec![point(0, &[], &[])])));
     }
 }

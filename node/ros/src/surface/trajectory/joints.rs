@@ -85,7 +85,7 @@ impl Joints {
     }
 
     /// Returns the joint name of the axis with this object name, if the two differ.
-    pub(super) fn meant(&self, object: &str) -> Option<&str> {
+    pub(super) fn joint_name_of(&self, object: &str) -> Option<&str> {
         let place = self.objects.iter().position(|known| known == object)?;
         self.names.get(place).map(String::as_str).filter(|joint| *joint != object)
     }
@@ -94,7 +94,7 @@ impl Joints {
     pub(super) fn sentence(&self, event: &Event, config: &MachineConfig) -> String {
         let sentence = text::sentence(event, config);
         let object = config.name(event.source);
-        with_joint(sentence, object, self.meant(object).unwrap_or(object))
+        with_joint(sentence, object, self.joint_name_of(object).unwrap_or(object))
     }
 
     /// Returns the index of a joint in the group.
@@ -145,7 +145,7 @@ mod tests {
         );
         assert_eq!((joints.place("Shoulder_Pan"), joints.place("x")), (Some(1), None));
         assert_eq!(
-            (joints.meant("x"), joints.meant("line"), joints.meant("left/arm_1")),
+            (joints.joint_name_of("x"), joints.joint_name_of("line"), joints.joint_name_of("left/arm_1")),
             (Some("Shoulder_Pan"), None, None)
         );
     }

@@ -19,11 +19,11 @@ mod settings;
 mod topic;
 
 use super::controllers::Controllers;
-use super::host::Busy;
-use super::hub::{Answers, Hub};
+use super::host::SubmitError;
+use super::hub::{CommandEvents, Hub};
 use super::table;
 use crate::layer::{CreateError, Node};
-use convert::Wrong;
+use convert::GoalError;
 pub(super) use joints::Joints;
 use lineshaft_core::command::Action;
 use lineshaft_core::request::TrajectoryRequest;
@@ -53,7 +53,7 @@ pub(super) fn start(
             table::FOLLOW_JOINT_TRAJECTORY.server_as(node, &joints.name_of(&table::FOLLOW_JOINT_TRAJECTORY.0))?;
         let topic = table::JOINT_TRAJECTORY.subscription_as(node, &joints.name_of(&table::JOINT_TRAJECTORY.0))?;
         let taker =
-            Taker { hub: Arc::clone(hub), controllers: Arc::clone(controllers), place, joints: Arc::clone(joints) };
+            TrajectoryReceiver { hub: Arc::clone(hub), controllers: Arc::clone(controllers), place, joints: Arc::clone(joints) };
         tasks.spawn(action::serve(action, taker.clone()));
         tasks.spawn(topic::serve(topic, taker.clone()));
         let query = table::QUERY_STATE.server_as(node, &joints.name_of(&table::QUERY_STATE.0))?;
@@ -66,7 +66,7 @@ pub(super) fn start(
 
 /// Receiver of the trajectories of one controller.
 #[derive(Clone)]
-struct Taker {
+struct TrajectoryReceiver {
     hub: Arc<Hub>,
     controllers: Arc<Controllers>,
     /// Index of the controller.
@@ -74,12 +74,12 @@ struct Taker {
     joints: Arc<Joints>,
 }
 
-impl Taker {
+impl TrajectoryReceiver {
     /// Reads a goal, if the controller is active.
     ///
     /// # Errors
     /// The controller is inactive, or the goal itself is invalid; as a message.
-    fn read(&self, goal: &FollowJointTrajectoryGoal) -> Result<Started, String> {
+    fn read(&self, goal: &FollowJointTrajectoryGoal) -> Result<PreparedTrajectory, String> {
         self.controllers.check(self.place)?;
         read(&self.hub, &self.joints, goal)
     }
@@ -88,7 +88,7 @@ impl Taker {
     ///
     /// # Errors
     /// The controller is inactive. Inner error: the machine accepts no further commands at present.
-    fn hand_over(&self, started: Started, topic: Option<&str>) -> Result<Result<Answers, Busy>, String> {
+    fn hand_over(&self, started: PreparedTrajectory, topic: Option<&str>) -> Result<Result<CommandEvents, SubmitError>, String> {
         let submit = || {
             let action = Action::Trajectory(started.begin(self.hub.now_ns()));
             match topic {
@@ -96,7 +96,7 @@ impl Taker {
                 None => self.hub.submit(action),
             }
         };
-        let number = |given: &Result<Answers, Busy>| given.as_ref().ok().map(|answers| answers.sequence);
+        let number = |given: &Result<CommandEvents, SubmitError>| given.as_ref().ok().map(|answers| answers.sequence);
         self.controllers.while_active(self.place, submit, number)
     }
 }
@@ -106,11 +106,11 @@ impl Taker {
 ///
 /// # Errors
 /// The goal itself is invalid; as a message.
-fn read(hub: &Hub, joints: &Joints, goal: &FollowJointTrajectoryGoal) -> Result<Started, String> {
+fn read(hub: &Hub, joints: &Joints, goal: &FollowJointTrajectoryGoal) -> Result<PreparedTrajectory, String> {
     let settings = Settings::read(&hub.own, joints);
     let request = request(hub, joints, &settings, goal).map_err(|wrong| wrong.to_string())?;
     let trajectory = hub.host.config().resolve_trajectory(&request).map_err(|error| error.to_string())?;
-    Ok(Started { trajectory, stamp_ns: convert::stamp_ns(&goal.trajectory.header.stamp) })
+    Ok(PreparedTrajectory { trajectory, stamp_ns: convert::stamp_ns(&goal.trajectory.header.stamp) })
 }
 
 fn request(
@@ -118,12 +118,12 @@ fn request(
     joints: &Joints,
     settings: &Settings,
     goal: &FollowJointTrajectoryGoal,
-) -> Result<TrajectoryRequest, Wrong> {
-    if !integrate::is_asked_for(goal) {
+) -> Result<TrajectoryRequest, GoalError> {
+    if !integrate::has_points_to_integrate(goal) {
         return convert::request(joints, settings, goal, hub.now_ns());
     }
     if !settings.integration {
-        return Err(Wrong::Integration);
+        return Err(GoalError::Integration);
     }
     let mut goal = goal.clone();
     let command = Points::of(joints, &hub.host.snapshot().board).command;
@@ -132,13 +132,13 @@ fn request(
 }
 
 /// Trajectory that is ready to be submitted, with its start time.
-struct Started {
+struct PreparedTrajectory {
     trajectory: Trajectory,
     /// Nanoseconds since the Unix epoch; `None`: at once.
     stamp_ns: Option<i64>,
 }
 
-impl Started {
+impl PreparedTrajectory {
     /// Returns the trajectory for a machine whose next cycle is at `now_ns`: the time for reading it is not added to its start.
     fn begin(self, now_ns: i64) -> Arc<Trajectory> {
         Arc::new(self.trajectory.starting(self.stamp_ns.map_or(0, |stamp| stamp.saturating_sub(now_ns))))

@@ -4,7 +4,7 @@
 //! Refuses  a time that the trajectory does not cover; no trajectory at all; a joint in another motion; an inactive controller
 //! Source   joint_trajectory_controller (Jazzy), which also answers at the time of its last point that the trajectory has ended
 
-use super::Taker;
+use super::TrajectoryReceiver;
 use super::convert::seconds;
 use crate::layer::{Request, ServiceServer};
 use lineshaft_core::command::{Action, QueryTrajectory};
@@ -14,7 +14,7 @@ use lineshaft_msgs::foreign::builtin_interfaces::msg::Time;
 use lineshaft_msgs::foreign::control_msgs::srv::{QueryTrajectoryState, QueryTrajectoryStateResponse};
 use tokio::task::JoinSet;
 
-pub(super) async fn serve(mut server: ServiceServer<QueryTrajectoryState>, taker: Taker) {
+pub(super) async fn serve(mut server: ServiceServer<QueryTrajectoryState>, taker: TrajectoryReceiver) {
     // Waiting answers end with the service.
     let mut open = JoinSet::new();
     while let Some(Request { message, reply }) = server.next().await {
@@ -29,7 +29,7 @@ pub(super) async fn serve(mut server: ServiceServer<QueryTrajectoryState>, taker
     }
 }
 
-impl Taker {
+impl TrajectoryReceiver {
     /// Queries one joint after another, so that a refusal is reported once.
     async fn states(&self, time: &Time) -> Result<QueryTrajectoryStateResponse, String> {
         let Self { hub, controllers, joints, place } = self;

@@ -4,7 +4,7 @@
 use super::joints::Joints;
 use crate::surface::group::TrajectorySettings;
 use crate::surface::joint_names::JointNames;
-use crate::surface::parameters::own::{Own, OwnParameters, Values};
+use crate::surface::parameters::own::{OwnParameter, OwnParameters, Values};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{
@@ -116,12 +116,12 @@ fn declare_of_group(own: &OwnParameters, joints: &Joints) {
         string_value: on_excess.name().to_owned(),
         ..ParameterValue::default()
     };
-    own.declare(Own { words: WORDS, ..word });
+    own.declare(OwnParameter { words: WORDS, ..word });
 }
 
-fn switch(name: &str, text: &str) -> Own {
+fn switch(name: &str, text: &str) -> OwnParameter {
     let r#type = ParameterType::PARAMETER_BOOL;
-    Own {
+    OwnParameter {
         descriptor: ParameterDescriptor {
             name: name.to_owned(),
             r#type,
@@ -129,11 +129,11 @@ fn switch(name: &str, text: &str) -> Own {
             ..ParameterDescriptor::default()
         },
         value: ParameterValue { r#type, ..ParameterValue::default() },
-        ..Own::default()
+        ..OwnParameter::default()
     }
 }
 
-fn real(name: &str, usual: f64, (from_value, to_value): (f64, f64), text: &str) -> Own {
+fn real(name: &str, usual: f64, (from_value, to_value): (f64, f64), text: &str) -> OwnParameter {
     let mut own = switch(name, text);
     let range = FloatingPointRange { from_value, to_value, step: 0.0 };
     own.descriptor.r#type = ParameterType::PARAMETER_DOUBLE;

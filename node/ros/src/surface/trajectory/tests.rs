@@ -48,7 +48,7 @@ fn a_trajectory_begins_at_its_stamp_whatever_reading_took() {
     let rest = PointRequest { positions: vec![0.0], ..PointRequest::default() };
     let request = TrajectoryRequest { axes: vec!["x".to_owned()], points: vec![rest], ..TrajectoryRequest::default() };
     let trajectory = config().resolve_trajectory(&request).expect("a sound request");
-    let started = |stamp_ns| Started { trajectory: trajectory.clone(), stamp_ns };
+    let started = |stamp_ns| PreparedTrajectory { trajectory: trajectory.clone(), stamp_ns };
     assert_eq!(started(Some(7_000)).begin(4_000).start_ns(), 3_000);
     assert_eq!(started(Some(7_000)).begin(9_000).start_ns(), -2_000, "it has begun before");
     assert_eq!(started(None).begin(9_000).start_ns(), 0, "without a stamp it begins now");

@@ -2,7 +2,7 @@
 
 use super::super::topic_commands::message_refused;
 use super::joints::Joints;
-use super::{Started, Taker, convert};
+use super::{PreparedTrajectory, TrajectoryReceiver, convert};
 use crate::layer::Subscription;
 use lineshaft_core::command::Action;
 use lineshaft_core::object::AxisSet;
@@ -14,12 +14,12 @@ use tokio::task::{JoinSet, spawn_blocking};
 /// Request of a message.
 enum Asked {
     /// Trajectory with the tolerances of the parameters.
-    Trajectory(Started),
+    Trajectory(PreparedTrajectory),
     /// Message without points, which stops these axes.
     Stop(AxisSet),
 }
 
-pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, taker: Taker) {
+pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, taker: TrajectoryReceiver) {
     let name = topic.topic().to_string();
     // Trajectories that the machine has not read yet.
     let mut open = JoinSet::new();
@@ -27,15 +27,15 @@ pub(super) async fn serve(mut topic: Subscription<JointTrajectory>, taker: Taker
         while open.try_join_next().is_some() {}
         let reader = taker.clone();
         // A long message takes time and is read in a separate thread; in sequence, so that the newest one takes effect.
-        let Ok(asked) = spawn_blocking(move || asked(&reader, message)).await else { continue };
-        if let Err(sentence) = asked.and_then(|asked| give(&taker, &name, asked, &mut open)) {
+        let Ok(asked) = spawn_blocking(move || read_message(&reader, message)).await else { continue };
+        if let Err(sentence) = asked.and_then(|asked| submit_request(&taker, &name, asked, &mut open)) {
             taker.hub.refuse(message_refused(&name, &sentence));
         }
     }
 }
 
 /// Reads a message. An inactive controller accepts a stop as well.
-fn asked(taker: &Taker, message: JointTrajectory) -> Result<Asked, String> {
+fn read_message(taker: &TrajectoryReceiver, message: JointTrajectory) -> Result<Asked, String> {
     if message.points.is_empty() {
         return stopped(&taker.joints, &message).map(Asked::Stop);
     }
@@ -44,18 +44,18 @@ fn asked(taker: &Taker, message: JointTrajectory) -> Result<Asked, String> {
 }
 
 /// Submits the request of a message.
-fn give(taker: &Taker, topic: &str, asked: Asked, open: &mut JoinSet<()>) -> Result<(), String> {
+fn submit_request(taker: &TrajectoryReceiver, topic: &str, asked: Asked, open: &mut JoinSet<()>) -> Result<(), String> {
     match asked {
-        Asked::Stop(axes) => taker.hub.submit_unheard(Action::Halt(axes)).map(drop).map_err(|busy| busy.to_string()),
+        Asked::Stop(axes) => taker.hub.submit_without_answer(Action::Halt(axes)).map(drop).map_err(|busy| busy.to_string()),
         Asked::Trajectory(started) => {
             let answers = taker.hand_over(started, Some(topic))?.map_err(|busy| busy.to_string())?;
-            if taker.controllers.is_switchable() {
+            if taker.controllers.has_manager() {
                 let (controllers, place) = (Arc::clone(&taker.controllers), taker.place);
                 open.spawn(async move {
                     let sequence = answers.sequence;
                     // The machine reports a refusal itself.
                     let _ = answers.accepted().await;
-                    controllers.is_read(place, sequence);
+                    controllers.record_read(place, sequence);
                 });
             }
             Ok(())

@@ -2,17 +2,17 @@
 
 use lineshaft_can::NodeId;
 use lineshaft_can::commission::words::{drive_state, nmt_state};
-use lineshaft_can::commission::{Device, Drive, Heard, PdoSeen};
+use lineshaft_can::commission::{Device, Drive, ReportedState, PdoConfiguration};
 use lineshaft_can::eds::{Dictionary, Direction};
 use lineshaft_core::drive::DriveState;
 use serde_json::{Value as Json, json};
 
-pub(super) fn of_device(node: NodeId, device: &Device, heard: Heard) -> Json {
+pub(super) fn of_device(node: NodeId, device: &Device, heard: ReportedState) -> Json {
     let [vendor, product, revision, serial] = device.identity;
     let [name, hardware, software] = &device.texts;
     let state = match heard {
-        Heard::State(state) => Some(nmt_state(state)),
-        Heard::None | Heard::Silent => None,
+        ReportedState::State(state) => Some(nmt_state(state)),
+        ReportedState::None | ReportedState::Silent => None,
     };
     json!({
         "node": node.get(),
@@ -47,7 +47,7 @@ pub(super) fn of_drive(drive: &Drive) -> Json {
     })
 }
 
-pub(super) fn of_pdo(pdo: &PdoSeen, dictionary: Option<&Dictionary>) -> Json {
+pub(super) fn of_pdo(pdo: &PdoConfiguration, dictionary: Option<&Dictionary>) -> Json {
     let mapped = pdo.mapped.iter().map(|mapped| {
         let object = mapped.object;
         json!({
@@ -92,9 +92,9 @@ mod tests {
             "vendor": 251, "product_code": 2, "revision": null, "serial": 4_294_967_295_u32,
             "nmt_state": "pre-operational", "heartbeat_ms": 50, "error_register": 33, "error_history": [28_961]
         });
-        assert_eq!(of_device(node, &device, Heard::State(NmtState::PreOperational)), expected);
-        assert_eq!(of_device(node, &device, Heard::Silent)["nmt_state"], Json::Null);
-        assert_eq!(of_device(node, &Device::default(), Heard::None)["error_history"], Json::Null);
+        assert_eq!(of_device(node, &device, ReportedState::State(NmtState::PreOperational)), expected);
+        assert_eq!(of_device(node, &device, ReportedState::Silent)["nmt_state"], Json::Null);
+        assert_eq!(of_device(node, &Device::default(), ReportedState::None)["error_history"], Json::Null);
     }
 
     #[test]
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn pdo_has_times_in_us_and_ms_and_names_of_the_eds() {
         let known = eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
-        let pdo = PdoSeen {
+        let pdo = PdoConfiguration {
             direction: Direction::Transmit,
             number: 1,
             cob_id: CobId(0x8000_0183),

@@ -13,14 +13,14 @@ fn axis(label: &str, low: f64, high: f64, spacing: Spacing) -> Axis {
 fn panel() -> Panel {
     let curve = Curve {
         name: "now".to_owned(),
-        look: Look::New,
+        look: LineStyle::New,
         points: (0..100).map(|k| (1.0 * 1.05_f64.powi(k), 20.0 - f64::from(k))).collect(),
     };
     Panel {
         across: axis("frequency (Hz)", 1.0, 100.0, Spacing::Decades),
         up: axis("gain (dB)", -40.0, 20.0, Spacing::Even),
         curves: vec![curve],
-        pins: vec![Pin { from: (10.0, 0.0), to: (10.0, -20.0), text: "20 dB".to_owned() }],
+        pins: vec![MeasureMark { from: (10.0, 0.0), to: (10.0, -20.0), text: "20 dB".to_owned() }],
         level: Some(0.0),
         lines: vec!["crossover 3 Hz".to_owned()],
         height: 200.0,
@@ -90,7 +90,7 @@ fn a_curve_is_cut_at_the_edges() {
 
 #[test]
 fn each_curve_of_a_panel_has_its_own_colour_and_dash() {
-    let looks: Vec<Line> = (0..42).map(|place| Look::Signal(place).line()).collect();
+    let looks: Vec<Line> = (0..42).map(|place| LineStyle::Signal(place).line()).collect();
     for (place, look) in looks.iter().enumerate() {
         let same = |other: &Line| (other.0, other.2) == (look.0, look.2);
         assert!(!looks[..place].iter().any(same), "{place}");
@@ -105,7 +105,7 @@ fn each_curve_of_a_panel_has_its_own_colour_and_dash() {
 #[test]
 fn noise_makes_no_flood_of_dashes() {
     let points = (0..4000).map(|n| (f64::from(n) / 40.0, f64::from(n % 2) * 60.0 - 40.0)).collect();
-    let curve = Curve { name: String::new(), look: Look::Signal(1), points };
+    let curve = Curve { name: String::new(), look: LineStyle::Signal(1), points };
     let across = axis("", 0.0, 100.0, Spacing::Even);
     let svg = svg(&chart(vec![Panel { across, curves: vec![curve], ..panel() }]));
     assert!(svg.matches("<polyline").count() < 200);

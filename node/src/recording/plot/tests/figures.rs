@@ -2,7 +2,7 @@
 
 use super::{figure, mark, sampled, series, states, svg, texts};
 use crate::recording::plot::{Figure, Target, draw, write};
-use crate::recording::series::{Kind, Mark, Series};
+use crate::recording::series::{Kind, EventMark, Series};
 use std::fs;
 
 fn run() -> Vec<Series> {
@@ -18,7 +18,7 @@ fn run() -> Vec<Series> {
     ]
 }
 
-fn events() -> Vec<Mark> {
+fn events() -> Vec<EventMark> {
     vec![
         mark(0.5, 1, "refused", "target 900 mm exceeds max_position 850 mm"),
         mark(1.0, 0, "accepted", "move_axis accepted"),
@@ -227,7 +227,7 @@ fn signals_of_one_name_are_told_apart_by_their_topics() {
 #[test]
 fn many_expected_events_make_no_fence() {
     let signals = run();
-    let marks: Vec<Mark> = (0..300).map(|n| mark(f64::from(n) * 6e-3, 0, "done", "done")).collect();
+    let marks: Vec<EventMark> = (0..300).map(|n| mark(f64::from(n) * 6e-3, 0, "done", "done")).collect();
     // Horizontal positions of the vertical lines of events.
     let tall = |svg: &str| {
         let upright = svg.split("<polyline").filter(|line| line.contains(r##"stroke="#787878""##));
@@ -313,7 +313,7 @@ fn figures_of_long_runs_stay_small() {
         .map(|place| sampled(&format!("x{place}.command.velocity"), "mm/s", Kind::Real, 600_000, noise))
         .collect();
     signals.push(sampled("x.in_position", "", Kind::Bit, 600_000, |time| f64::from(noise(time) > 0.0)));
-    let marks: Vec<Mark> = (0..100_000).map(|n| mark(f64::from(n) * 6e-3, 0, "latch", "latch of mark")).collect();
+    let marks: Vec<EventMark> = (0..100_000).map(|n| mark(f64::from(n) * 6e-3, 0, "latch", "latch of mark")).collect();
     let svg = svg(&figure(&signals, &marks));
     let points = svg.split("points=\"").skip(1).filter_map(|rest| rest.split('"').next());
     let points: usize = points.map(|points| points.split_whitespace().count()).sum();

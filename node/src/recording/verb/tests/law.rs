@@ -18,7 +18,7 @@ const AXES: [&str; 5] = ["x", "turret", "odd", "fine", "coarse"];
 
 /// Writes an action and reads it back. Debug shows every bit of an f64 except those of NaN, which is not equal to
 /// itself.
-fn comes_back(action: &Action) -> Result<(), TestCaseError> {
+fn round_trips(action: &Action) -> Result<(), TestCaseError> {
     let json = DESK.write(action);
     match DESK.read(&json) {
         Ok(read) => {
@@ -422,14 +422,14 @@ proptest! {
     #[test]
     fn every_move_that_a_request_makes(request in move_request()) {
         if let Ok(action) = DESK.config.resolve_recorded_move(&request) {
-            comes_back(&Action::Move(action))?;
+            round_trips(&Action::Move(action))?;
         }
     }
 
     #[test]
     fn every_probe_that_a_request_makes(request in probe_request()) {
         if let Ok(request) = DESK.config.resolve_probe(&request) {
-            comes_back(&Action::Probe(request))?;
+            round_trips(&Action::Probe(request))?;
         }
     }
 
@@ -441,13 +441,13 @@ proptest! {
         let event = event.to_owned();
         let abort = AbortTriggerRequest { axis: axis.clone(), event: if is_aborted { event.clone() } else { String::new() } };
         if let Ok(request) = DESK.config.resolve_abort_trigger(&abort) {
-            comes_back(&Action::AbortTrigger(request))?;
+            round_trips(&Action::AbortTrigger(request))?;
         }
         let units = Units::Increments;
         let request =
             TouchProbeRequest { axis, event, edge, continuous, units, window_only, first_position, last_position };
         if let Ok(request) = DESK.config.resolve_touch_probe(&request) {
-            comes_back(&Action::TouchProbe(request))?;
+            round_trips(&Action::TouchProbe(request))?;
         }
     }
 
@@ -455,14 +455,14 @@ proptest! {
     fn every_shift_of_a_position_that_a_request_makes(axis in axis(), position in amount(0)) {
         let request = SetPositionRequest { axis, position, units: Units::Increments };
         if let Ok(action) = DESK.config.resolve_shift_position(&request) {
-            comes_back(&action)?;
+            round_trips(&action)?;
         }
     }
 
     #[test]
     fn every_coupling_that_a_request_makes(request in prop_oneof![synchronize_request(), camming_request(), waiting_request()]) {
         if let Ok(action) = DESK.config.resolve_recorded_synchronize(&request) {
-            comes_back(&Action::Synchronize(action))?;
+            round_trips(&Action::Synchronize(action))?;
         }
     }
 
@@ -472,7 +472,7 @@ proptest! {
     ) {
         let request = PhaseRequest { axis, side, shift, velocity, acceleration };
         if let Ok(request) = DESK.config.resolve_phase(&request) {
-            comes_back(&Action::Phase(request))?;
+            round_trips(&Action::Phase(request))?;
         }
     }
 
@@ -480,7 +480,7 @@ proptest! {
     fn every_end_of_a_coupling_that_a_request_makes(axis in axis(), at in 0..4_u8, increments in any::<i64>(), disengage in 0..4_u8) {
         let increments = if at == 0 { 0 } else { increments };
         if let Ok(request) = DESK.config.resolve_gear_out(&GearOutRequest { axis, at, increments, disengage }) {
-            comes_back(&Action::GearOut(request))?;
+            round_trips(&Action::GearOut(request))?;
         }
     }
 
@@ -488,28 +488,28 @@ proptest! {
     fn every_value_of_lower_loops_that_a_request_makes(axis in axis(), value in -1.1..1.1_f64, is_effort in any::<bool>()) {
         let level = if is_effort { Level::Effort } else { Level::Setpoint };
         if let Ok(request) = DESK.config.resolve_out_an(&OutAnRequest { axis, value, level }) {
-            comes_back(&Action::OutAn(request))?;
+            round_trips(&Action::OutAn(request))?;
         }
     }
 
     #[test]
     fn every_homing_that_a_request_makes(request in home_request()) {
         if let Ok(request) = DESK.config.resolve_home(&request) {
-            comes_back(&Action::HomeAxis(request))?;
+            round_trips(&Action::HomeAxis(request))?;
         }
     }
 
     #[test]
     fn every_new_position_that_a_request_makes(request in set_position_request()) {
         if let Ok(request) = DESK.config.resolve_set_position(&request) {
-            comes_back(&request)?;
+            round_trips(&request)?;
         }
     }
 
     #[test]
     fn every_trajectory_that_a_request_makes(request in trajectory_request()) {
         if let Ok(trajectory) = DESK.config.resolve_trajectory(&request) {
-            comes_back(&Action::Trajectory(trajectory.into()))?;
+            round_trips(&Action::Trajectory(trajectory.into()))?;
         }
     }
 
@@ -519,8 +519,8 @@ proptest! {
         (order, ..) in prop::sample::select(Order::ALL.to_vec()),
     ) {
         let values: Box<[(u16, i64)]> = values.into_iter().collect();
-        comes_back(&Action::RunFunction(RunFunction { slot: 0, values: values.clone() }))?;
-        comes_back(&Action::CommandFunction(CommandFunction { slot: 0, order, values }))?;
+        round_trips(&Action::RunFunction(RunFunction { slot: 0, values: values.clone() }))?;
+        round_trips(&Action::CommandFunction(CommandFunction { slot: 0, order, values }))?;
     }
 
     #[test]
@@ -534,22 +534,22 @@ proptest! {
             changes.extend(change.ok().filter(|new| changes.iter().all(|old| (old.axis, old.row) != (new.axis, new.row))));
         }
         if !changes.is_empty() {
-            comes_back(&Action::SetParameters(changes.into()))?;
+            round_trips(&Action::SetParameters(changes.into()))?;
         }
     }
 
     #[test]
     fn every_verb_of_a_scenario(text in verb()) {
         if let Ok(action) = DESK.read(&text) {
-            comes_back(&action)?;
+            round_trips(&action)?;
         }
     }
 
     #[test]
     fn every_target_and_offset(target in length(), axis in 0..5_u16, mode in 0..4_usize) {
         let modes = [MoveMode::Absolute, MoveMode::Relative, MoveMode::Additive, MoveMode::Velocity];
-        comes_back(&Action::Move(Move { mode: modes[mode], ..to(axis, target) }))?;
-        comes_back(&Action::Synchronize(Coupling {
+        round_trips(&Action::Move(Move { mode: modes[mode], ..to(axis, target) }))?;
+        round_trips(&Action::Synchronize(Coupling {
             axis,
             leader: Some(Leader::Encoder(0)),
             mode: SyncMode::Position,
@@ -567,13 +567,13 @@ proptest! {
     #[test]
     fn every_verb_of_saia(action in saia()) {
         if let Some(action) = action {
-            comes_back(&action)?;
+            round_trips(&action)?;
         }
     }
 
     #[test]
     fn every_other_action(action in plain()) {
-        comes_back(&action)?;
+        round_trips(&action)?;
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::*;
 #[test]
 fn a_module_is_inputs_and_outputs_of_the_machine() {
     let terminal = |place, address| Terminal { place, address };
-    let analog = |place, address| config::Analog { terminal: terminal(place, address), full_scale: 10.0 };
+    let analog = |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
     let terminals = Terminals {
         digital_inputs: vec![terminal(0, 15)],
         digital_outputs: vec![terminal(1, 7)],
@@ -15,11 +15,11 @@ fn a_module_is_inputs_and_outputs_of_the_machine() {
         analog_outputs: vec![analog(0, 1)],
         ..Terminals::default()
     };
-    let mut config = drive(0, 3, Watching::None);
+    let mut config = drive(0, 3, Monitoring::None);
     config.role = Role::Module;
     config.layout = Layout::module(node(3), &terminals).unwrap();
     config.terminals = terminals;
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     (rig.inputs.digital, rig.inputs.analog) = (vec![0], vec![0.0]);
     (rig.outputs.digital, rig.outputs.analog) = (vec![0b10], vec![-5.0]);
@@ -44,12 +44,12 @@ fn a_module_is_inputs_and_outputs_of_the_machine() {
 /// An encoder starts a new coordinate system after a boot-up, and counts on after a silence.
 #[test]
 fn an_encoder_that_has_booted_has_another_coordinate() {
-    let mut config = drive(0, 3, Watching::None);
+    let mut config = drive(0, 3, Monitoring::None);
     config.role = Role::Encoder;
     config.layout = Layout::encoder(node(3)).unwrap();
     config.terminals =
         Terminals { encoders: vec![config::Encoder { place: 0, is_absolute: false }], ..Terminals::default() };
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     rig.inputs.encoder = vec![EncoderInput::default()];
     let mut seen = Vec::new();
@@ -73,10 +73,10 @@ fn an_encoder_that_has_booted_has_another_coordinate() {
 /// Efforts are per mille of rated torque, as 16 bits in both directions.
 #[test]
 fn a_drive_of_torques_takes_and_tells_them_per_mille() {
-    let mut config = drive(0, 3, Watching::None);
+    let mut config = drive(0, 3, Monitoring::None);
     config.layout = Layout::plan(node(3), DriveMode::Cst, Extras::default(), &config.terminals, None).unwrap();
     as_drive(&mut config).mode = DriveMode::Cst;
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     for (effort, word) in [
         (250.4, 250),
@@ -104,12 +104,12 @@ fn a_drive_of_torques_takes_and_tells_them_per_mille() {
 #[test]
 fn missing_words_are_held_or_extrapolated() {
     for (extrapolates, expected) in [(false, [200; 4]), (true, [300, 400, 500, 500])] {
-        let mut config = drive(0, 3, Watching::None);
+        let mut config = drive(0, 3, Monitoring::None);
         let extras = Extras { torque: true, ..Extras::default() };
         config.layout = Layout::plan(node(3), DriveMode::Csp, extras, &config.terminals, None).unwrap();
-        as_drive(&mut config).missed = Missed { cycles: 3, extrapolates };
+        as_drive(&mut config).missed = MissingDataBehaviour { cycles: 3, extrapolates };
         as_drive(&mut config).rated_effort = Some(2.0);
-        let mut rig = Rig::running(Watching::None);
+        let mut rig = Rig::running(Monitoring::None);
         rig.replace_first(&config);
         rig.comes(0x283, &(-500_i16).to_le_bytes());
         for position in [100, 200] {
@@ -139,10 +139,10 @@ fn a_drive_has_terminals_as_well() {
         encoders: vec![config::Encoder { place: 0, is_absolute: false }],
         ..Terminals::default()
     };
-    let mut config = drive(0, 3, Watching::None);
+    let mut config = drive(0, 3, Monitoring::None);
     config.layout = Layout::plan(node(3), DriveMode::Csp, Extras::default(), &terminals, None).unwrap();
     config.terminals = terminals;
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     (rig.inputs.digital, rig.inputs.encoder) = (vec![0], vec![EncoderInput::default()]);
     rig.outputs.digital = vec![1];

@@ -5,10 +5,10 @@ use super::*;
 
 /// Returns a rig with drive 0, node 3, that cannot map these objects.
 fn by_sdo(objects: &[&str]) -> Rig {
-    let mut config = drive(0, 3, Watching::None);
+    let mut config = drive(0, 3, Monitoring::None);
     let known = dictionary_without(objects);
     config.layout = Layout::plan(node(3), DriveMode::Csp, Extras::default(), &config.terminals, Some(&known)).unwrap();
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     rig.outputs.drive[0] = DriveOutput { control: control::SWITCH_ON, mode: Mode::Position, ..Default::default() };
     rig
@@ -229,10 +229,10 @@ fn drive_whose_homing_is_ended_is_disabled_until_it_is_back_in_its_mode() {
 /// A target velocity of the homing would move a drive that is not in mode homing yet.
 #[test]
 fn drive_in_csv_has_target_velocity_zero_while_a_homing_is_set_up() {
-    let mut config = drive(0, 3, Watching::None);
+    let mut config = drive(0, 3, Monitoring::None);
     as_drive(&mut config).mode = DriveMode::Csv;
     config.layout = Layout::plan(node(3), DriveMode::Csv, Extras::default(), &config.terminals, None).unwrap();
-    let mut rig = Rig::running(Watching::None);
+    let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     for (mode, sent) in [(Mode::Velocity, 50_000_i32), (Mode::Homing(HOME), 0), (Mode::Velocity, 50_000)] {
         rig.outputs.drive[0] =

@@ -59,15 +59,15 @@ fn a_goal_goes_from_accepted_to_succeeded() {
     let (mut goals, now) = goals();
     assert!(goals.offer(id(1), sent(0), now));
     let canceled = goals.accept(id(1), at(5, 6));
-    assert_eq!(goals.shown().collect::<Vec<_>>(), [Shown { id: id(1), stamp: at(5, 6), status: Status::Accepted }]);
+    assert_eq!(goals.shown().collect::<Vec<_>>(), [GoalStatusEntry { id: id(1), stamp: at(5, 6), status: Status::Accepted }]);
     assert!(goals.execute(id(1)));
     assert!(!goals.execute(id(1)), "it is being done already");
-    assert_eq!(goals.ask(id(1), 70, now), Asked::Waits);
-    assert_eq!(goals.ask(id(1), 71, now), Asked::Waits);
+    assert_eq!(goals.request_result(id(1), 70, now), ResultAnswer::Waits);
+    assert_eq!(goals.request_result(id(1), 71, now), ResultAnswer::Waits);
     assert_eq!(goals.end(id(1), End::Succeeded, "there", now), Some((Status::Succeeded, vec![70, 71])));
     assert_eq!(goals.end(id(1), End::Aborted, "again", now), None, "it ends once");
-    assert_eq!(goals.ask(id(1), 72, now), Asked::Ended(72, Status::Succeeded, "there"));
-    assert_eq!(goals.ask(id(1), 73, now), Asked::Ended(73, Status::Succeeded, "there"));
+    assert_eq!(goals.request_result(id(1), 72, now), ResultAnswer::Ended(72, Status::Succeeded, "there"));
+    assert_eq!(goals.request_result(id(1), 73, now), ResultAnswer::Ended(73, Status::Succeeded, "there"));
     assert!(!*canceled.borrow());
 }
 
@@ -77,7 +77,7 @@ fn an_id_is_used_once() {
     assert!(goals.offer(id(1), sent(0), now));
     assert!(!goals.offer(id(1), sent(0), now), "while it is being decided");
     goals.withdraw(id(1));
-    assert_eq!(goals.ask(id(1), 1, now), Asked::Unknown(1), "a rejected goal is not known");
+    assert_eq!(goals.request_result(id(1), 1, now), ResultAnswer::Unknown(1), "a rejected goal is not known");
     assert!(goals.offer(id(1), sent(0), now), "a rejected goal may be sent again");
     goals.accept(id(1), at(1, 0));
     assert!(!goals.offer(id(1), sent(0), now), "while it is there");
@@ -91,9 +91,9 @@ fn results_are_forgotten_when_their_time_is_over() {
     let (mut goals, now) = executing(&[1, 2]);
     goals.end(id(1), End::Succeeded, "one", now);
     let before = now + KEEP - Duration::from_nanos(1);
-    assert_eq!(goals.ask(id(1), 1, before), Asked::Ended(1, Status::Succeeded, "one"));
-    assert_eq!(goals.ask(id(1), 2, now + KEEP), Asked::Unknown(2));
-    assert_eq!(goals.ask(id(2), 3, now + KEEP * 1000), Asked::Waits, "what has not ended is never forgotten");
+    assert_eq!(goals.request_result(id(1), 1, before), ResultAnswer::Ended(1, Status::Succeeded, "one"));
+    assert_eq!(goals.request_result(id(1), 2, now + KEEP), ResultAnswer::Unknown(2));
+    assert_eq!(goals.request_result(id(2), 3, now + KEEP * 1000), ResultAnswer::Waits, "what has not ended is never forgotten");
     assert_eq!(goals.shown().count(), 1);
 }
 
@@ -119,7 +119,7 @@ fn a_canceled_goal_may_still_end_in_any_way() {
         goals.offer(id(1), sent(0), now);
         let canceled = goals.accept(id(1), at(1, 0));
         let canceling = goals.cancel(&[id(1)]);
-        assert_eq!(canceling, [Shown { id: id(1), stamp: at(1, 0), status: Status::Canceling }]);
+        assert_eq!(canceling, [GoalStatusEntry { id: id(1), stamp: at(1, 0), status: Status::Canceling }]);
         assert!(*canceled.borrow());
         assert!(!goals.execute(id(1)), "it does not go back");
         assert_eq!(goals.end(id(1), end, "", now), Some((ended, vec![])));
@@ -167,7 +167,7 @@ fn cancel_by_id_and_time_means_that_one_and_the_older_ones() {
 fn of_too_many_who_wait_the_first_to_ask_is_forgotten() {
     let (mut goals, now) = executing(&[1]);
     for asker in 0..1000 {
-        assert_eq!(goals.ask(id(1), asker, now), Asked::Waits);
+        assert_eq!(goals.request_result(id(1), asker, now), ResultAnswer::Waits);
     }
     let (_, waiting) = goals.end(id(1), End::Succeeded, "", now).unwrap();
     assert_eq!(waiting, (744..1000).collect::<Vec<u32>>());

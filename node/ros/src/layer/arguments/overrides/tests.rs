@@ -79,11 +79,11 @@ fn later_values_win_and_what_was_meant_for_a_node_has_to_be_there() {
     let text =
         "/**: {ros__parameters: {p: 1, q: 1}}\n/lineshaft: {ros__parameters: {p: 2}}\n'*': {ros__parameters: {p: 3}}\n";
     let mut overrides = Overrides::of(&read("p.yaml", text).unwrap(), &node("/lineshaft"));
-    let refused = overrides.unknown().unwrap_err();
+    let refused = overrides.check_unused().unwrap_err();
     assert!(refused.starts_with("p.yaml:3:25: no parameter is called `p`; "), "{refused}");
     assert!(!refused.contains("`q`"), "{refused}");
     assert_eq!(overrides.take("p").unwrap().value.integer_value, 3);
-    assert_eq!(overrides.unknown(), Ok(vec!["p.yaml:1:31: no parameter is called `q`".to_owned()]));
+    assert_eq!(overrides.check_unused(), Ok(vec!["p.yaml:1:31: no parameter is called `q`".to_owned()]));
 }
 
 #[test]

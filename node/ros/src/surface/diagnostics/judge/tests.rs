@@ -13,7 +13,7 @@ const STALE: u8 = 3;
 /// A machine with axes line (virtual) and x, after its first cycle.
 struct Bench {
     machine: Machine,
-    judge: Judge,
+    judge: DiagnosticsEvaluator,
     snapshot: Snapshot,
     begin: Instant,
 }
@@ -28,7 +28,7 @@ impl Bench {
         let begin = Instant::now();
         let views = AxisView::all(machine.config(), machine.directory());
         let hardware = vec![None, Some("plant:0".to_owned())];
-        let judge = Judge::new(views, hardware, machine.directory(), 1_000_000, begin);
+        let judge = DiagnosticsEvaluator::new(views, hardware, machine.directory(), 1_000_000, begin);
         let snapshot = Snapshot { cycle: 1, stamp_ns: 5, board: machine.board().clone() };
         let mut bench = Self { machine, judge, snapshot, begin };
         bench.set("x.drive_state", 1);
@@ -44,19 +44,19 @@ impl Bench {
     /// Returns the levels of machine, x and recorder at a time in milliseconds.
     fn levels(&mut self, ms: u64) -> Vec<u8> {
         let now = self.begin + Duration::from_millis(ms);
-        self.judge.look(&self.snapshot, now, &[], &Recorder::Unknown).levels()
+        self.judge.evaluate(&self.snapshot, now, &[], &Recorder::Unknown).levels()
     }
 
     fn describe(&mut self, ms: u64, recorder: &Recorder) -> Vec<DiagnosticStatus> {
         let now = self.begin + Duration::from_millis(ms);
-        let findings = self.judge.look(&self.snapshot, now, &[], recorder);
+        let findings = self.judge.evaluate(&self.snapshot, now, &[], recorder);
         let error = |axis, code: Code| (axis == 1 && code.0 == 88).then(|| "x: a sentence".to_owned());
         self.judge.describe(
             &findings,
             &self.snapshot,
             &[],
             recorder,
-            &Words { node: "cell", state: "active", error: &error },
+            &StatusData { node: "cell", state: "active", error: &error },
         )
     }
 }
@@ -75,10 +75,10 @@ fn a_cycle_stands_after_100_ms_and_10_cycles_without_a_new_one() {
     assert_eq!(bench.levels(102), [OK, OK, OK]);
 
     let views = AxisView::all(bench.machine.config(), bench.machine.directory());
-    let mut slow = Judge::new(views, Vec::new(), bench.machine.directory(), 20_000_000, bench.begin);
+    let mut slow = DiagnosticsEvaluator::new(views, Vec::new(), bench.machine.directory(), 20_000_000, bench.begin);
     let mut look =
-        |ms| slow.look(&bench.snapshot, bench.begin + Duration::from_millis(ms), &[], &Recorder::Unknown).machine;
-    assert_eq!((look(0), look(200), look(201)), (Finding::Good, Finding::Good, Finding::Standing));
+        |ms| slow.evaluate(&bench.snapshot, bench.begin + Duration::from_millis(ms), &[], &Recorder::Unknown).machine;
+    assert_eq!((look(0), look(200), look(201)), (Finding::Good, Finding::Good, Finding::Stale));
     // Before the first cycle the cycle is stale.
     bench.snapshot.stamp_ns = 0;
     assert_eq!(bench.levels(102), [STALE, STALE, OK]);
@@ -91,7 +91,7 @@ fn missed_cycles_are_warned_of_for_a_second() {
         bench.set("machine.overruns", overruns);
         bench.snapshot.cycle = ms + 1;
         let now = bench.begin + Duration::from_millis(ms);
-        bench.judge.look(&bench.snapshot, now, &[], &Recorder::Unknown).machine
+        bench.judge.evaluate(&bench.snapshot, now, &[], &Recorder::Unknown).machine
     };
     assert_eq!(at(0, 0), Finding::Good);
     assert_eq!(at(20, 3), Finding::Missed(3));
@@ -200,8 +200,8 @@ fn a_backend_tells_its_problems_and_its_values() {
     };
     let mut status = |health| {
         let backends = [backend(health)];
-        let findings = bench.judge.look(&bench.snapshot, bench.begin, &backends, &Recorder::Unknown);
-        let words = Words { node: "cell", state: "active", error: &|_, _| None };
+        let findings = bench.judge.evaluate(&bench.snapshot, bench.begin, &backends, &Recorder::Unknown);
+        let words = StatusData { node: "cell", state: "active", error: &|_, _| None };
         let all = bench.judge.describe(&findings, &bench.snapshot, &backends, &Recorder::Unknown, &words);
         assert_eq!(findings.levels(), all.iter().map(|status| status.level).collect::<Vec<_>>());
         all[2].clone()

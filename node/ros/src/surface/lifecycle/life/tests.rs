@@ -4,7 +4,7 @@ use super::super::states::{ACTIVE, FINALIZED, INACTIVE, UNCONFIGURED};
 use super::*;
 use crate::layer::{Environment, Networks, Node, NodeName};
 use crate::surface::JointNames;
-use crate::surface::host::{Host, Listing, Snapshot, StampedEvent, Statistics};
+use crate::surface::host::{Host, ParameterSelection, Snapshot, StampedEvent, Statistics};
 use crate::surface::parameters::fake;
 use crate::surface::table;
 use lineshaft_core::code::Code;
@@ -55,7 +55,7 @@ impl Host for Fake {
         &self.directory
     }
 
-    fn submit(&self, action: Action) -> Result<u64, Busy> {
+    fn submit(&self, action: Action) -> Result<u64, SubmitError> {
         let mut given = self.given.lock().unwrap_or_else(PoisonError::into_inner);
         given.0 += 1;
         given.1 += u64::from(action == Action::Deactivate);
@@ -77,11 +77,11 @@ impl Host for Fake {
         Ok(given.0)
     }
 
-    fn stream(&self, _: &lineshaft_core::command::Setpoints) -> Result<(), Busy> {
-        Err(Busy::Unconfigured)
+    fn stream(&self, _: &lineshaft_core::command::Setpoints) -> Result<(), SubmitError> {
+        Err(SubmitError::Unconfigured)
     }
 
-    fn begins_active(&self) -> bool {
+    fn is_active_at_start(&self) -> bool {
         false
     }
 
@@ -91,7 +91,7 @@ impl Host for Fake {
             if self.script.no_backend { failed } else { GateState::Open };
     }
 
-    fn take_commands(&self) {}
+    fn resume_commands(&self) {}
 
     fn close(&self) {
         if !self.script.runs_on {
@@ -119,7 +119,7 @@ impl Host for Fake {
         Err("nobody asks".to_owned())
     }
 
-    fn write_parameters(&self, _: AxisSet, _: Listing) -> String {
+    fn write_parameters(&self, _: AxisSet, _: ParameterSelection) -> String {
         String::new()
     }
 
@@ -138,7 +138,7 @@ impl Host for Fake {
 
 /// The lifecycle of a simulated machine.
 struct Bench {
-    life: Life,
+    life: NodeLifecycle,
     host: Arc<Fake>,
     _tasks: JoinSet<()>,
     _node: Node,
@@ -163,7 +163,7 @@ impl Bench {
         });
         let mut tasks = JoinSet::new();
         let hub = Hub::start(&node, host.clone(), heard, &mut tasks).expect("a hub");
-        let life = Life::new(hub, node.name().to_string(), table::TRANSITION_EVENT.publisher(&node).expect("a topic"));
+        let life = NodeLifecycle::new(hub, node.name().to_string(), table::TRANSITION_EVENT.publisher(&node).expect("a topic"));
         Self { life, host, _tasks: tasks, _node: node }
     }
 

@@ -27,20 +27,20 @@ fn declare(own: &OwnParameters) {
     let range = FloatingPointRange { from_value: 0.0, to_value: 1.0, step: 0.0 };
     let share = descriptor("share", ParameterType::PARAMETER_DOUBLE);
     let descriptor_of_share = ParameterDescriptor { floating_point_range: Some(range).into(), ..share };
-    own.declare(Own { descriptor: descriptor_of_share, value: double(0.5), ..Own::default() });
+    own.declare(OwnParameter { descriptor: descriptor_of_share, value: double(0.5), ..OwnParameter::default() });
     let range = IntegerRange { from_value: 1, to_value: 10, step: 4 };
     let count = descriptor("count", ParameterType::PARAMETER_INTEGER);
-    own.declare(Own {
+    own.declare(OwnParameter {
         descriptor: ParameterDescriptor { integer_range: Some(range).into(), ..count },
         value: integer(5),
-        ..Own::default()
+        ..OwnParameter::default()
     });
     let list = descriptor("list", ParameterType::PARAMETER_DOUBLE_ARRAY);
     let r#type = ParameterType::PARAMETER_DOUBLE_ARRAY;
     let value = ParameterValue { r#type, double_array_value: vec![1.0], ..ParameterValue::default() };
-    own.declare(Own { descriptor: ParameterDescriptor { read_only: true, ..list }, value, ..Own::default() });
+    own.declare(OwnParameter { descriptor: ParameterDescriptor { read_only: true, ..list }, value, ..OwnParameter::default() });
     let word = descriptor("word", ParameterType::PARAMETER_STRING);
-    own.declare(Own { descriptor: word, value: string("scale"), words: &["scale", "refuse"] });
+    own.declare(OwnParameter { descriptor: word, value: string("scale"), words: &["scale", "refuse"] });
     own.declare_switch("use_sim_time", "The time of /clock.");
 }
 

@@ -37,7 +37,7 @@ fn tolerance(name: &str, position: f64, velocity: f64, acceleration: f64) -> Joi
     JointTolerance { name: name.to_owned(), position, velocity, acceleration }
 }
 
-fn read(goal: &Goal) -> Result<TrajectoryRequest, Wrong> {
+fn read(goal: &Goal) -> Result<TrajectoryRequest, GoalError> {
     request(&joints(), &settings(), goal, NOW)
 }
 
@@ -112,7 +112,7 @@ fn a_stamp_moves_the_start() {
     assert_eq!(start(now + 3, 5), Ok(3_000_000_005), "in the future");
     assert_eq!(start(now - 2, 0), Ok(-2_000_000_000), "it has begun before");
     assert_eq!(start(now - 3, 500_000_000), Ok(-2_500_000_000), "it ends now");
-    assert_eq!(start(now - 3, 0), Err(Wrong::Past { ago_ns: 500_000_000 }));
+    assert_eq!(start(now - 3, 0), Err(GoalError::Past { ago_ns: 500_000_000 }));
     assert_eq!(
         start(now - 3, 0).unwrap_err().to_string(),
         "the trajectory ends 0.5 s before now; it may have begun before, but must end later"
