@@ -1,6 +1,6 @@
 //! Tests independent CANopen drives in a cell of the program: taken over, moved, homed, geared.
 
-use crate::support::can::{Bus, CanDrives, BusConnection};
+use crate::support::can::{Bus, BusConnection, CanDrives};
 use crate::support::can_cell::{CanCell, CanRun, axis};
 use crate::support::domain::Domain;
 use crate::support::machine::alone;

@@ -73,7 +73,8 @@ steps:
     for (at, [begin, end, sentence]) in SERVERS.iter().enumerate() {
         run.until(&mut drives, 1, "it moves", |shown| shown.velocity == 10_000);
         drives.tell(begin);
-        let (sentence, before) = (format!("WARN backend bus0: node 1 (x): {sentence}"), run.count_in_log("ready after"));
+        let (sentence, before) =
+            (format!("WARN backend bus0: node 1 (x): {sentence}"), run.count_in_log("ready after"));
         let told = run.count_in_log(&sentence);
         drives.tell("power 1");
         run.wait_for_log(told + 1, &sentence);
@@ -89,7 +90,12 @@ steps:
         assert_eq!((still.machine, still.is_off()), (back.machine, true), "{begin}: {still:?}");
         assert_eq!(run.count_in_log("ERROR x: "), at + 1, "{begin}: {}", run.program.log());
     }
-    assert_eq!((run.count_in_log("WARN eds `"), run.count_in_log("[6041] ParameterValue=x: ")), (1, 1), "{}", run.program.log());
+    assert_eq!(
+        (run.count_in_log("WARN eds `"), run.count_in_log("[6041] ParameterValue=x: ")),
+        (1, 1),
+        "{}",
+        run.program.log()
+    );
     assert_eq!(run.count_in_log("backend bus0: node 1 (x): left out of its DCF, as setpoints: 60FFh:00"), 1);
     run.passes();
     assert_eq!(drives.shown(2).position, 180_000);

@@ -1,6 +1,6 @@
 //! Tests inputs, outputs and encoders at independent CANopen modules, in a cell of the program.
 
-use crate::support::can::{CanDrives, BusConnection};
+use crate::support::can::{BusConnection, CanDrives};
 use crate::support::can_cell::{CanCell, CanRun, PATIENCE, axis};
 use std::thread;
 use std::time::{Duration, Instant};

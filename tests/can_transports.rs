@@ -1,6 +1,6 @@
 //! Tests each transport to a bus of independent CANopen drives: reached, disconnected, absent.
 
-use crate::support::can::{Bus, CanDrives, BusConnection};
+use crate::support::can::{Bus, BusConnection, CanDrives};
 use crate::support::{namespace, setup};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::{Options, Transport, TransportError, open};

@@ -66,7 +66,10 @@ fn a_folder_that_cannot_be_written_is_told_before_anything_starts() {
     let bench = Bench::new();
     let file = bench.write("file", "");
     for folder in [file, "/proc/flight".to_owned()] {
-        bench.lineshaft(&["run", "--flight-folder", &folder]).expect_code(2).expect_text(&["--flight-folder: cannot write", &folder]);
+        bench
+            .lineshaft(&["run", "--flight-folder", &folder])
+            .expect_code(2)
+            .expect_text(&["--flight-folder: cannot write", &folder]);
     }
 }
 

@@ -118,7 +118,9 @@ fn rosbag2_reads_every_file_in_the_order_of_time() {
     let whole = reads_in_time_order([bench.record("run.mcap")]);
     let bag = bench.path("bag");
     let (cell, scenario) = (root("tests/recording/cell.yaml"), root("tests/recording/scenario.yaml"));
-    bench.lineshaft(&["sim", &cell, "--scenario", &scenario, "--record", &bag, "--max-bag-duration", "1"]).expect_code(0);
+    bench
+        .lineshaft(&["sim", &cell, "--scenario", &scenario, "--record", &bag, "--max-bag-duration", "1"])
+        .expect_code(0);
     let files = bench.bag_files("bag");
     assert_eq!((files.len(), reads_in_time_order(&files)), (3, whole));
 }
@@ -197,7 +199,11 @@ fn a_place_that_cannot_be_written_is_one_sentence() {
 fn info_tells_what_is_in_a_bag() {
     let bench = Bench::new();
     let bag = bench.record_scenario(&demo(), &root("launch-configs/scenarios/first_move.yaml"), "run.mcap");
-    bench.lineshaft(&["bag", "info", &bag]).expect_code(0).expect_text(&["/joint_states", "lineshaft_msgs/msg/CycleInputs", "7000"]);
+    bench.lineshaft(&["bag", "info", &bag]).expect_code(0).expect_text(&[
+        "/joint_states",
+        "lineshaft_msgs/msg/CycleInputs",
+        "7000",
+    ]);
 }
 
 /// Tests the example of docs/recording.md, which reads ~/signals with rosbags.

@@ -6,7 +6,7 @@ use super::domain::Domain;
 use super::setup;
 use lineshaft_can::sdo::{Client, Object, Transfer};
 use lineshaft_can::transport::{Address, Options, Transport, open};
-use lineshaft_can::{Frame, SignOfLife, NmtState, NodeId};
+use lineshaft_can::{Frame, NmtState, NodeId, SignOfLife};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{Ipv4Addr, TcpStream};

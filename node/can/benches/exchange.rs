@@ -11,7 +11,7 @@ use lineshaft_can::load;
 use lineshaft_can::master::CanBackend;
 use lineshaft_can::sdo::{Client, Object};
 use lineshaft_can::transport::{Transport, TransportError};
-use lineshaft_can::{Frame, Id, NodeId, Monitoring};
+use lineshaft_can::{Frame, Id, Monitoring, NodeId};
 use lineshaft_core::drive::{Backend, DriveInput, DriveOutput, Inputs, MODE_CSP, Outputs};
 use std::hint::black_box;
 

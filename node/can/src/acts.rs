@@ -110,7 +110,7 @@ fn logical_device(index: u16) -> Option<u16> {
 pub fn reason(object: Object, profile: Option<u16>) -> Option<LeftOutReason> {
     let Some(device) = logical_device(object.index) else { return find_reason(&COMMON, object) };
     let object = Object { index: object.index - device * LOGICAL_DEVICE, ..object };
-    match PROFILES.iter().find(|(number, _)| Some(*number) == profile_number) {
+    match PROFILES.iter().find(|(number, _)| Some(*number) == profile) {
         Some((_, rows)) => find_reason(rows, object),
         None => PROFILES.iter().find_map(|(_, rows)| find_reason(rows, object)),
     }
@@ -126,7 +126,7 @@ pub fn device_type(index: u16) -> Option<Object> {
 
 /// Returns the profile number in a device type; `None` for 0, which means a device without a profile.
 pub fn profile_number(device_type: u32) -> Option<u16> {
-    Some(device_type as u16).filter(|profile| *profile_number != 0)
+    Some(device_type as u16).filter(|profile| *profile != 0)
 }
 
 /// Returns the profile of the logical device that has an index, according to a dictionary. `first` is the profile of the first logical

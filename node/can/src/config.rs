@@ -6,7 +6,7 @@ use crate::drive::probe::Probes;
 use crate::drive::{DriveMode, DriveType, Layout};
 use crate::sdo::Object;
 use crate::transport::Address;
-use crate::{NodeId, Monitoring};
+use crate::{Monitoring, NodeId};
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{Capabilities, Terminal};
 use lineshaft_core::sync::gear::gcd;

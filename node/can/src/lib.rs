@@ -20,7 +20,7 @@ pub mod transport;
 mod watch;
 
 pub use frame::{Frame, FrameError, Id};
-pub use nmt::{SignOfLife, NmtCommand, NmtState};
+pub use nmt::{NmtCommand, NmtState, SignOfLife};
 pub use node_id::NodeId;
 pub use watch::{DeviceEvent, Monitor, Monitoring};
 

@@ -9,7 +9,7 @@
 //! Writes   the remote frames for node guarding
 //! Source   CiA 301, MACS-CAN-06
 
-use crate::{Frame, SignOfLife, NmtState, NodeId};
+use crate::{Frame, NmtState, NodeId, SignOfLife};
 
 /// Kind of monitoring.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -81,8 +81,9 @@ mod tests {
     #[test]
     fn no_minute_has_more_wherever_it_begins() {
         let (limit, start) = (MessageRateLimit::default(), Instant::now());
-        let said: Vec<u64> =
-            (0..300).filter(|s| *s != 1 && limit.skipped_if_allowed("enable", start + Duration::from_secs(*s)).is_some()).collect();
+        let said: Vec<u64> = (0..300)
+            .filter(|s| *s != 1 && limit.skipped_if_allowed("enable", start + Duration::from_secs(*s)).is_some())
+            .collect();
         assert_eq!(said[..10], [0, 2, 3, 4, 5, 6, 7, 8, 9, 60], "one a second, but for the second one");
         for from in 0..240 {
             assert!(said.iter().filter(|s| (from..from + 60).contains(*s)).count() <= MOST, "{from}: {said:?}");

@@ -14,7 +14,7 @@ use super::joints;
 use super::loops::Chains;
 use super::machine;
 use super::models::model;
-use super::names::{Entry, UsedOnce, Section, limit, quote};
+use super::names::{Entry, Section, UsedOnce, limit, quote};
 use super::parameters;
 use super::scale::Travel;
 use super::terminals::{self, CellTerminal};
@@ -74,7 +74,7 @@ impl Driven {
 }
 
 /// Objects that may be used only once in all axes.
-struct UsedOnce<'d> {
+struct UniqueNames<'d> {
     taken: drives::Taken,
     outputs: wiring::Taken,
     switches: fixtures::Taken,
@@ -103,7 +103,7 @@ pub(super) fn read<'d>(
 ) -> Vec<Option<Axis>> {
     let entries = cx.names.section(Section::Axes);
     limit(entries, MAX_AXES);
-    let mut once = UsedOnce {
+    let mut once = UniqueNames {
         taken: UsedOnce::new(),
         outputs,
         switches: UsedOnce::new(),
@@ -123,9 +123,9 @@ fn axis<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
     of: Entries<'_, 'd>,
-    once: &mut UsedOnce<'d>,
+    once: &mut UniqueNames<'d>,
 ) -> Option<Axis> {
-    let UsedOnce { taken, outputs, switches, masters, functions, joints } = once;
+    let UniqueNames { taken, outputs, switches, masters, functions, joints } = once;
     let Entries { io: entries, encoders: coded, tables, .. } = of;
     let io = &*entries.entries;
     let name = entry.name();

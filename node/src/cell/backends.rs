@@ -1,7 +1,7 @@
 //! Reads section `backends`, and the keys with which other sections refer to it.
 
 use super::can::{self, CellBus, CellDrive};
-use super::names::{Entry, Names, UsedOnce, Section};
+use super::names::{Entry, Names, Section, UsedOnce};
 use crate::document::Map;
 use lineshaft_can::NodeId;
 use lineshaft_can::transport::Address;

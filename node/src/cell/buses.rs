@@ -15,7 +15,9 @@ use super::terminals::{self, CellTerminal};
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
 use lineshaft_can::acts::{self, LeftOut};
-use lineshaft_can::config::{BusConfig, DeviceConfig, DriveConfig, Identity, MissingDataBehaviour, Role, Terminals, Write};
+use lineshaft_can::config::{
+    BusConfig, DeviceConfig, DriveConfig, Identity, MissingDataBehaviour, Role, Terminals, Write,
+};
 use lineshaft_can::drive::Layout;
 use lineshaft_can::drive::layout::Extras;
 use lineshaft_can::eds::{self, Dictionary, IgnoredKeyKind, Problem};
@@ -335,15 +337,16 @@ pub(crate) fn passed_over(what: &str, path: &Path, dictionary: &Dictionary, star
         Some(passed_over.key)
     };
     let single = problems.iter().filter(|problem| counted_as(problem).is_none()).map(Problem::to_string);
-    let counted = [(IgnoredKeyKind::Value, "values"), (IgnoredKeyKind::Limit, "limits")].into_iter().filter_map(|(key, word)| {
-        let of_key: Vec<_> = problems.iter().filter(|problem| counted_as(problem) == Some(key)).collect();
-        let first = of_key.first()?.to_string();
-        if of_key.len() == 1 {
-            return Some(first);
-        }
-        let (count, first) = (of_key.len(), first.trim_end_matches("; passed over"));
-        Some(format!("{count} {word} of objects of the manufacturer passed over, the first in {first}"))
-    });
+    let counted =
+        [(IgnoredKeyKind::Value, "values"), (IgnoredKeyKind::Limit, "limits")].into_iter().filter_map(|(key, word)| {
+            let of_key: Vec<_> = problems.iter().filter(|problem| counted_as(problem) == Some(key)).collect();
+            let first = of_key.first()?.to_string();
+            if of_key.len() == 1 {
+                return Some(first);
+            }
+            let (count, first) = (of_key.len(), first.trim_end_matches("; passed over"));
+            Some(format!("{count} {word} of objects of the manufacturer passed over, the first in {first}"))
+        });
     let more = (dropped > 0).then(|| format!("and {dropped} more"));
     single.chain(counted).chain(more).map(|sentence| format!("{what} {name}: {sentence}")).collect()
 }

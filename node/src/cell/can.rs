@@ -10,7 +10,7 @@ use lineshaft_can::drive::probe::{Probe, Probes};
 use lineshaft_can::drive::{DriveMode, DriveType};
 use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::{Address, BAUD_RATES, slcan};
-use lineshaft_can::{NodeId, Monitoring};
+use lineshaft_can::{Monitoring, NodeId};
 use lineshaft_core::drive::Capabilities;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::unit::{Dimension, ScaleKind};
@@ -358,7 +358,12 @@ fn drive_type(value: &Value<'_>, interface: Option<Interface>) -> Option<DriveTy
 
 /// Returns the supervision of a drive with a drive type: its sign enables guarding; the times are those of key
 /// `guarding`.
-fn watching_of(of: DriveType, said: Monitoring, [heartbeat, guarding]: [bool; 2], at: &Value<'_>) -> Option<Monitoring> {
+fn watching_of(
+    of: DriveType,
+    said: Monitoring,
+    [heartbeat, guarding]: [bool; 2],
+    at: &Value<'_>,
+) -> Option<Monitoring> {
     let number = at.peek().unwrap_or_default();
     if heartbeat {
         at.refuse(format!("drivetype {number}: its sign says how it is watched; heartbeat is not for it"), None);

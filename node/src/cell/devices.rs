@@ -3,7 +3,7 @@
 use super::backends::{Backend, Context, ENCODER, Hardware, address};
 use super::encoders;
 use super::marks;
-use super::names::{Entry, UsedOnce, Section, limit, quote};
+use super::names::{Entry, Section, UsedOnce, limit, quote};
 use super::scale::Travel;
 use super::terminals::{CellTerminal, FULL_SCALE, Kind};
 use super::times::time;

@@ -6,7 +6,7 @@
 
 use super::backends::Context;
 use super::devices;
-use super::names::{UsedOnce, Section, quote};
+use super::names::{Section, UsedOnce, quote};
 use super::scale::Travel;
 use super::times::time;
 use crate::document::{Allowed, Map, Value};

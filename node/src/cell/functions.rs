@@ -5,7 +5,7 @@
 
 use super::backends::Context;
 use super::loops::{Chains, Link, Reads, refuse_loops};
-use super::names::{Entry, UsedOnce, Section, hint, quote};
+use super::names::{Entry, Section, UsedOnce, hint, quote};
 use super::wiring::Taken;
 use crate::document::{Map, Value};
 use lineshaft_core::config::{

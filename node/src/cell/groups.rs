@@ -1,7 +1,7 @@
 //! Reads section `groups`.
 
 use super::backends::Context;
-use super::names::{Entry, UsedOnce, Section, is_virtual, quote};
+use super::names::{Entry, Section, UsedOnce, is_virtual, quote};
 use super::times::time_up_to;
 use crate::document::Value;
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};

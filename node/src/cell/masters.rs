@@ -5,7 +5,7 @@
 
 use super::backends::Context;
 use super::loops::{Reads, path};
-use super::names::{Entry, UsedOnce, Section, limit, quote};
+use super::names::{Entry, Section, UsedOnce, limit, quote};
 use crate::document::Value;
 use lineshaft_core::config::{MAX_MASTERS, MAX_MEMBERS, SlotConfig, SumConfig, sums};
 use lineshaft_core::object::{Leader, VIRTUAL_MASTER};

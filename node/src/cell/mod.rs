@@ -73,7 +73,7 @@ use lineshaft_ros::surface::{Group, JointNames};
 pub(crate) use machine::{refuse_missing, refuse_virtual_master};
 pub use marks::CellMarks;
 use names::{Names, Section, quote};
-pub(crate) use parameters::{contradictions, double_views, refuse_senses, inverted_limits};
+pub(crate) use parameters::{contradictions, double_views, inverted_limits, refuse_senses};
 pub use preset::Preset;
 pub use record_topics::RecordTopics;
 pub use robot::Robot;

@@ -2,7 +2,7 @@
 //! its drive.
 
 use super::backends::Context;
-use super::names::{UsedOnce, Section, quote};
+use super::names::{Section, UsedOnce, quote};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::SpeedOutputs;

@@ -1,7 +1,7 @@
 //! Writes the log to standard error, and to `/rosout` while there is a node.
 
 use crate::terminal;
-use lineshaft_ros::layer::{Loggers, Rosout, Severity, Source, SENT_TO_ROSOUT, log_filter};
+use lineshaft_ros::layer::{Loggers, Rosout, SENT_TO_ROSOUT, Severity, Source, log_filter};
 use lineshaft_ros::line_limit::MessageRateLimit;
 use std::fmt::Write;
 use std::sync::{Arc, PoisonError, RwLock};

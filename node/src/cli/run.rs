@@ -6,7 +6,7 @@ mod watch;
 
 use self::drive_lines::DriveLines;
 use self::running::SurfaceInputs;
-pub(super) use self::running::{InitialData, Hardware, Prepared, Recording, Running, stop_machine};
+pub(super) use self::running::{Hardware, InitialData, Prepared, Recording, Running, stop_machine};
 use self::watch::{Change, Timeouts, Watch};
 use super::check::{summary, warnings};
 use super::logging::Logging;

@@ -7,7 +7,7 @@
 //!          machine would move
 
 use super::Failure;
-use super::session::{POLL_INTERVAL, Options};
+use super::session::{Options, POLL_INTERVAL};
 use lineshaft_msgs::srv::AxesCommand;
 use lineshaft_ros::layer::{Environment, Networks, Node, NodeNames, Qos, ServiceClient};
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! Tests links, loops and the figure of small cells.
 
 use super::links::{Port, ports};
-use super::{loops, draw};
+use super::{draw, loops};
 use crate::cell::Cell;
 use lineshaft_core::config::MachineConfig;
 use std::path::Path;

@@ -63,7 +63,8 @@ impl<'c> Reader<'c> {
         let given = name.text()?;
         let names = || self.places.iter().map(|place| joint_name(self.cell, *place));
         let Some(place) = self.places.iter().find(|place| joint_name(self.cell, **place) == given) else {
-            let renamed = self.cell.joint_names.different_names(&self.cell.machine).find(|(object, _)| *object == given);
+            let renamed =
+                self.cell.joint_names.different_names(&self.cell.machine).find(|(object, _)| *object == given);
             let renamed = renamed.map(|(object, joint)| format!("the joint name of axis {object} is `{joint}`"));
             let near = || nearest(given, names()).map(did_you_mean);
             let known = || format!("there are {}", names().collect::<Vec<_>>().join(", "));

@@ -6,7 +6,9 @@
 
 mod names;
 
-use crate::cell::{contradictions, double_views, refuse_missing, refuse_senses, refuse_virtual_master, inverted_limits};
+use crate::cell::{
+    contradictions, double_views, inverted_limits, refuse_missing, refuse_senses, refuse_virtual_master,
+};
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
 use lineshaft_core::axis::may_tell_sign;

@@ -8,7 +8,7 @@
 //! ~/signals has all values in a key cycle, otherwise only those that differ from the previous encoded cycle.
 
 use super::cadence::Cadence;
-use super::{Cycle, Encoded, Topic, FrameDirection, key_cycles};
+use super::{Cycle, Encoded, FrameDirection, Topic, key_cycles};
 use super::{inputs, verb};
 use crate::cell::Cell;
 use lineshaft_core::code::Code;

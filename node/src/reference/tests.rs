@@ -6,7 +6,7 @@ mod validator;
 use super::catalogue::steps;
 use super::*;
 use crate::cell::Cell;
-use crate::document::{ExpectedKind, Document, Seen};
+use crate::document::{Document, ExpectedKind, Seen};
 use crate::scenario::Scenario;
 use crate::table::description::Description;
 use lineshaft_core::function::TYPES;

@@ -29,8 +29,8 @@ use lineshaft_msgs::srv::{
 use lineshaft_ros::layer::SENT_TO_ROSOUT;
 use lineshaft_ros::line_limit::MessageRateLimit;
 use lineshaft_ros::surface::host::{
-    BackendHealth, SubmitError, PendingAnswer, GateState, Host, ParameterSelection, Snapshot, StampedEvent, Statistics as HostStatistics,
-    TuneOrder, Tuning,
+    BackendHealth, GateState, Host, ParameterSelection, PendingAnswer, Snapshot, StampedEvent,
+    Statistics as HostStatistics, SubmitError, TuneOrder, Tuning,
 };
 use lineshaft_ros::surface::{JointNames, StateSender, TopicCommands, is_logged_on_rosout};
 use rtrb::Consumer;
@@ -502,13 +502,17 @@ fn log(event: &StampedEvent, handle: &Handle, lines: &MessageRateLimit<Line>) {
     };
     let say = |line: fn(String)| lines.log(kind(event.source, event.code), |more| line(told() + more));
     match (event.severity, event.kind) {
-        (Severity::Error, _) if is_logged_on_rosout(event) => say(|line| tracing::error!(target: SENT_TO_ROSOUT, "{line}")),
+        (Severity::Error, _) if is_logged_on_rosout(event) => {
+            say(|line| tracing::error!(target: SENT_TO_ROSOUT, "{line}"))
+        }
         (Severity::Error, _) => say(|line| tracing::error!("{line}")),
         // The surface has logged requests that never became a command.
         (_, Kind::Refused) if event.code == Code::BAD_REQUEST => {}
         // The client of a goal gets the reason of its end.
         (_, Kind::Done | Kind::Accepted | Kind::Overrun) => tracing::debug!("{}", sentence()),
-        (Severity::Warn, _) if is_logged_on_rosout(event) => say(|line| tracing::warn!(target: SENT_TO_ROSOUT, "{line}")),
+        (Severity::Warn, _) if is_logged_on_rosout(event) => {
+            say(|line| tracing::warn!(target: SENT_TO_ROSOUT, "{line}"))
+        }
         (Severity::Warn, _) => say(|line| tracing::warn!("{line}")),
         (Severity::Info, Kind::Reset) => say(|line| tracing::info!("{line}")),
         (Severity::Info, _) if is_over => say(|line| tracing::info!("{line}")),

@@ -5,7 +5,7 @@ use lineshaft_core::machine::MAX_COMMANDS;
 use lineshaft_core::table::Table;
 use lineshaft_core::trajectory::Trajectory;
 use lineshaft_program::Module;
-use lineshaft_ros::surface::host::{SubmitError, MOST_COMMANDS};
+use lineshaft_ros::surface::host::{MOST_COMMANDS, SubmitError};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -10,13 +10,13 @@
 use crate::cell::owner;
 use lineshaft_can::NodeId;
 use lineshaft_can::commission::words::hex;
-use lineshaft_can::commission::{self, decoded, encoded, kind, label, check_readable, type_of};
+use lineshaft_can::commission::{self, check_readable, decoded, encoded, kind, label, type_of};
 use lineshaft_can::config::{BusConfig, DeviceConfig};
 use lineshaft_can::eds::{DataType, Dictionary, Value};
-use lineshaft_can::master::{Access, ObjectAccessError, LONGEST, SdoRequestQueue};
+use lineshaft_can::master::{Access, LONGEST, ObjectAccessError, SdoRequestQueue};
 use lineshaft_can::sdo::Object;
 use lineshaft_msgs::srv::{SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse};
-use lineshaft_ros::surface::host::{PendingAnswer, NO_BUS};
+use lineshaft_ros::surface::host::{NO_BUS, PendingAnswer};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::time::Duration;

@@ -22,7 +22,7 @@ use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::event::{Event, Kind, Severity};
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
-use lineshaft_ros::surface::host::{SubmitError, Host};
+use lineshaft_ros::surface::host::{Host, SubmitError};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;

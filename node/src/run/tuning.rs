@@ -12,7 +12,7 @@ use crate::tune::{Bounds, Ended, Findings, Setting, Stop, Subject, Trial};
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Source;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_ros::surface::host::{SubmitError, GateState, Host, TuneOrder, TuningResult, Tuning, TuningFailure};
+use lineshaft_ros::surface::host::{GateState, Host, SubmitError, TuneOrder, Tuning, TuningFailure, TuningResult};
 use std::sync::Arc;
 use tokio::sync::oneshot;
 
@@ -69,8 +69,12 @@ pub(super) fn begin(handle: &Handle, real: &[bool], order: &TuneOrder) -> Result
     let found = async move {
         let gone = || TuningFailure { code: Code::DISABLED, message: "the machine has stopped".to_owned() };
         let trial = back.await.map_err(|_| gone())?;
-        let failed =
-            |_| Err(TuningFailure { code: Code::NOT_TUNED, message: "the computation has failed; this is a bug".to_owned() });
+        let failed = |_| {
+            Err(TuningFailure {
+                code: Code::NOT_TUNED,
+                message: "the computation has failed; this is a bug".to_owned(),
+            })
+        };
         tokio::task::spawn_blocking(move || find(&trial, subject, &config)).await.unwrap_or_else(failed)
     };
     Ok(Tuning { watch, found: Box::pin(found) })

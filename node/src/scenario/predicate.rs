@@ -113,7 +113,13 @@ impl Probe {
 
     /// Returns the ruler of the sum with another signal. A memory cell has no unit: its number is in the unit of the
     /// signal to which it is added. `has_no_unit`: all terms so far are memory cells.
-    fn common_ruler(&self, other: Signal, value: &Value<'_>, names: &Names<'_>, has_no_unit: bool) -> Option<ValueFormat> {
+    fn common_ruler(
+        &self,
+        other: Signal,
+        value: &Value<'_>,
+        names: &Names<'_>,
+        has_no_unit: bool,
+    ) -> Option<ValueFormat> {
         let (mine, theirs) = (&self.ruler, ValueFormat::of(names, other));
         let entry = names.directory.entry(other);
         let is_real = mine.kind == Type::Real || entry.kind == Type::Real;

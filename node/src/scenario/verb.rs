@@ -272,7 +272,9 @@ impl Reader<'_> {
             Err(error) => error.to_string(),
         };
         match self.refused {
-            Some(wanted) if wanted.fits(Code::BAD_REQUEST, &[&sentence], &[]) => return Some(Effect::Refused(sentence)),
+            Some(wanted) if wanted.fits(Code::BAD_REQUEST, &[&sentence], &[]) => {
+                return Some(Effect::Refused(sentence));
+            }
             Some(wanted) => {
                 let code = Code::BAD_REQUEST.0;
                 value.refuse(sentence, Some(format!("`refused` asks for {wanted}; this has code {code}")));

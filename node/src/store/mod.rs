@@ -14,7 +14,7 @@ mod read;
 mod text;
 
 use crate::document::Problems;
-use file::{Files, StoredFiles, Present};
+use file::{Files, Present, StoredFiles};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::parameter::{AxisParameters, MachineParameters};
 use std::fs::{File, TryLockError};

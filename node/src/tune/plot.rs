@@ -9,7 +9,9 @@
 
 use super::findings::{Answer, Findings};
 use super::text::{decibel, frequency, rounded, share};
-use crate::recording::plot::{Axis, Chart, Curve, LineStyle, Panel, MeasureMark, Problem, Spacing, Target, draw_chart, replace};
+use crate::recording::plot::{
+    Axis, Chart, Curve, LineStyle, MeasureMark, Panel, Problem, Spacing, Target, draw_chart, replace,
+};
 use lineshaft_tune::{Bode, Point, Record, retrace};
 use std::path::Path;
 

@@ -7,7 +7,7 @@ fn at(index: u16, sub: u8) -> Object {
 
 /// Returns the indices that are left out for a reason in at least one of subindices 0 to 3.
 fn all(profile: Option<u16>, wanted: LeftOutReason) -> Vec<u16> {
-    let is_it = |index: &u16| (0..=3).any(|sub| reason(at(*index, sub), profile_number) == Some(wanted));
+    let is_it = |index: &u16| (0..=3).any(|sub| reason(at(*index, sub), profile) == Some(wanted));
     (0x1000..=0xFFFF).filter(is_it).collect()
 }
 
@@ -17,7 +17,7 @@ fn objects_that_act_in_each_device_are_left_out() {
     let acting: [u16; 12] =
         [0x1003, 0x1010, 0x1011, 0x1023, 0x1024, 0x1025, 0x1026, 0x1F25, 0x1F50, 0x1F51, 0x1F82, 0x1F83];
     // The tests below cover the objects that a profile adds.
-    let common = |profile| all(profile_number, Acts).into_iter().filter(|index| *index < 0x2000).collect::<Vec<_>>();
+    let common = |profile| all(profile, Acts).into_iter().filter(|index| *index < 0x2000).collect::<Vec<_>>();
     for profile in [None, Some(401), Some(402), Some(406), Some(404)] {
         assert_eq!(common(profile), acting, "{profile:?}");
         assert_eq!(reason(at(0x1013, 0), profile), Some(Setpoint), "{profile:?}");

@@ -9,7 +9,7 @@ use super::allowed::label;
 use super::exchange::Exchange;
 use super::words::{drive_state, error, hex, nmt_state, register};
 use crate::eds::{DataType, Dictionary, Direction, Mapped, Value};
-use crate::{Frame, Id, SignOfLife, NmtState, NodeId};
+use crate::{Frame, Id, NmtState, NodeId, SignOfLife};
 use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 

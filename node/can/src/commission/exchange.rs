@@ -150,7 +150,12 @@ impl Exchange {
     }
 
     /// Handles the acknowledgement of a block. `sender` sends the next block, unless the transfer is complete.
-    fn block_acknowledgement(&mut self, [_, sequence, ..]: [u8; 8], sender: Block, known: Option<&Dictionary>) -> String {
+    fn block_acknowledgement(
+        &mut self,
+        [_, sequence, ..]: [u8; 8],
+        sender: Block,
+        known: Option<&Dictionary>,
+    ) -> String {
         self.block = (self.last != Some(sequence)).then_some(sender);
         self.last = None;
         format!("has {sequence} segments of a block of {}", self.label(known))

@@ -26,7 +26,8 @@ impl Session {
             self.send(&scan.next_question())?;
             asked += 1;
             progress(asked, FastScan::QUESTIONS);
-            let is_answered = self.wait_for_answer(patience, |frame| FastScan::is_answer(frame).then_some(()))?.is_some();
+            let is_answered =
+                self.wait_for_answer(patience, |frame| FastScan::is_answer(frame).then_some(()))?.is_some();
             if let Some(outcome) = scan.next(is_answered) {
                 break outcome;
             }
@@ -62,7 +63,11 @@ impl Session {
     }
 
     /// Listens until a frame is an answer, or the time has passed.
-    fn wait_for_answer<T>(&mut self, time: Duration, is_it: impl Fn(&Frame) -> Option<T>) -> Result<Option<T>, CommissionError> {
+    fn wait_for_answer<T>(
+        &mut self,
+        time: Duration,
+        is_it: impl Fn(&Frame) -> Option<T>,
+    ) -> Result<Option<T>, CommissionError> {
         let begin = self.elapsed();
         let mut answer = None;
         self.listen(|now, frame| {

@@ -18,7 +18,7 @@ mod scan;
 mod session;
 pub mod words;
 
-pub use allowed::{Refusal, decoded, encoded, label, check_readable, type_of, writable};
+pub use allowed::{Refusal, check_readable, decoded, encoded, label, type_of, writable};
 pub use configure::Configured;
 pub use decode::{AssignedPdo, Decoder};
 pub use device::{Device, Drive, ReportedState};

@@ -109,13 +109,24 @@ impl Session {
     ///
     /// # Errors
     /// The bus connection is lost.
-    pub fn scan(&mut self, scan: Scan, progress: &mut dyn FnMut(usize, usize)) -> Result<Vec<FoundNode>, CommissionError> {
+    pub fn scan(
+        &mut self,
+        scan: Scan,
+        progress: &mut dyn FnMut(usize, usize),
+    ) -> Result<Vec<FoundNode>, CommissionError> {
         let began = self.elapsed();
         let nodes = (scan.from.get()..=scan.to.get()).filter_map(NodeId::new);
         let mut all: Vec<Asked> = (0_u32..)
             .zip(nodes)
             .map(|(place, node)| Asked {
-                found: FoundNode { node, state: None, device_type: None, identity: [None; 4], name: None, answers: false },
+                found: FoundNode {
+                    node,
+                    state: None,
+                    device_type: None,
+                    identity: [None; 4],
+                    name: None,
+                    answers: false,
+                },
                 client: Client::new(node.sdo_request(), node.sdo_response(), self.timeout_ns()),
                 next: 0,
                 begins: began + scan.gap * place,

@@ -7,7 +7,7 @@
 use crate::lss::{Identity, LssError};
 use crate::sdo::{Abort, Client, Object, SdoError};
 use crate::transport::{Transport, TransportError};
-use crate::{Frame, SignOfLife, NmtCommand, NmtState, NodeId};
+use crate::{Frame, NmtCommand, NmtState, NodeId, SignOfLife};
 use std::collections::BTreeMap;
 use std::thread;
 use std::time::{Duration, Instant};

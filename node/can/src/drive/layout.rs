@@ -97,8 +97,10 @@ impl Field<ReportedValue> {
 }
 
 /// Objects that a drive sends on change if it can, although no cell needs them.
-pub(crate) const OPTIONAL: [Field<ReportedValue>; 2] =
-    [Field::told(ReportedValue::Inputs, objects::DIGITAL_INPUTS, 32), Field::told(ReportedValue::Fault, objects::ERROR_CODE, 16)];
+pub(crate) const OPTIONAL: [Field<ReportedValue>; 2] = [
+    Field::told(ReportedValue::Inputs, objects::DIGITAL_INPUTS, 32),
+    Field::told(ReportedValue::Fault, objects::ERROR_CODE, 16),
+];
 
 impl Field<CommandedValue> {
     const fn asked(word: CommandedValue, object: Object, bits: u32) -> Self {
@@ -448,7 +450,10 @@ mod tests {
     #[test]
     fn without_a_dictionary_only_what_is_needed_is_mapped() {
         let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), None).unwrap();
-        assert_eq!(told(&layout), [(1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode])]);
+        assert_eq!(
+            told(&layout),
+            [(1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode])]
+        );
         let [asked] = layout.asked.as_slice() else { panic!("{:?}", layout.asked) };
         assert_eq!((asked.number, asked.id.get(), asked.bytes()), (1, 0x203, 7));
         let objects: Vec<_> = asked.fields.iter().map(|field| field.object.index).collect();
@@ -676,8 +681,10 @@ mod tests {
                         let slots = |of: fn(&ReportedValue) -> Option<Slot>| {
                             pdo.fields.iter().filter_map(|field| of(&field.word)).collect::<Vec<_>>()
                         };
-                        let caught = slots(|word| if let ReportedValue::Captured(slot) = word { Some(*slot) } else { None });
-                        let counts = slots(|word| if let ReportedValue::Captures(slot) = word { Some(*slot) } else { None });
+                        let caught =
+                            slots(|word| if let ReportedValue::Captured(slot) = word { Some(*slot) } else { None });
+                        let counts =
+                            slots(|word| if let ReportedValue::Captures(slot) = word { Some(*slot) } else { None });
                         assert_eq!(caught, counts, "{:?}", told(&layout));
                     }
                 }
@@ -701,7 +708,10 @@ mod tests {
         let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
         let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known)).unwrap();
-        let cyclic = [(1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode]), (2, 0x283, 1, vec![ReportedValue::Inputs])];
+        let cyclic = [
+            (1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode]),
+            (2, 0x283, 1, vec![ReportedValue::Inputs]),
+        ];
         assert_eq!(told(&layout), [cyclic.as_slice(), &[(3, 0x383, 255, vec![ReportedValue::Fault])]].concat());
         let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.bytes())).collect();
         assert_eq!(asked, [(1, 7), (2, 4)]);
@@ -732,7 +742,8 @@ mod tests {
             (3, 0x383, 1, analog(4, 5)),
         ];
         assert_eq!(told(&layout), expected);
-        let objects = |pdo: &Pdo<CommandedValue>| pdo.fields.iter().map(|field| field.object.to_string()).collect::<Vec<_>>();
+        let objects =
+            |pdo: &Pdo<CommandedValue>| pdo.fields.iter().map(|field| field.object.to_string()).collect::<Vec<_>>();
         let asked: Vec<_> = layout.asked.iter().map(|pdo| (pdo.number, pdo.id.get(), objects(pdo))).collect();
         let numbers: Vec<_> = asked.iter().map(|(number, id, objects)| (*number, *id, objects.len())).collect();
         assert_eq!(numbers, [(1, 0x203, 8), (2, 0x303, 4), (3, 0x403, 4), (4, 0x503, 4)]);

@@ -274,7 +274,10 @@ mod tests {
         ];
         assert_eq!(numbers, expected);
         // A drive in csp instead of pp is not in its mode; homing has the same number in all.
-        assert_eq!([DriveMode::Pp.convert_number(8), DriveMode::Pp.convert_number(6), DriveMode::Pp.convert_number(0)], [1, 6, 0]);
+        assert_eq!(
+            [DriveMode::Pp.convert_number(8), DriveMode::Pp.convert_number(6), DriveMode::Pp.convert_number(0)],
+            [1, 6, 0]
+        );
         for (name, mode) in DriveMode::NAMES {
             assert_eq!(
                 (mode.name(), DriveMode::default_of(mode.interface()).unwrap().interface()),

@@ -5,7 +5,7 @@
 //! Source   CiA 306-1
 
 use super::ini::{Section, Sections};
-use super::notes::{LAST_NODE, Diagnostics};
+use super::notes::{Diagnostics, LAST_NODE};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 

@@ -100,7 +100,13 @@ fn parameter(section: &Section<'_>, item: Item<'_>, entry: &Entry, notes: &mut D
 
 /// Adds a note about a key without which an object is unusable. It is an error if the configuration gives the object a value, which would
 /// be lost. Otherwise the object is left out with a warning.
-pub(super) fn note_unusable_object(section: &Section<'_>, item: Item<'_>, is_configured: bool, why: &str, notes: &mut Diagnostics) {
+pub(super) fn note_unusable_object(
+    section: &Section<'_>,
+    item: Item<'_>,
+    is_configured: bool,
+    why: &str,
+    notes: &mut Diagnostics,
+) {
     if is_configured {
         notes.error(section, item, why);
     } else {

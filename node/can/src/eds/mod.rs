@@ -25,6 +25,6 @@ pub use device::{Commissioning, DeviceInfo, FileInfo};
 pub use dictionary::{ConfigureError, Dictionary, FindError};
 pub use object::{Access, Entry, FileValue, IndexDescription, ObjectType};
 pub use pdo::{CobId, Direction, Mapped, PdoError, PdoMapping};
-pub use problem::{EdsErrors, IgnoredKeyKind, IgnoredKey, Problem, Problems};
+pub use problem::{EdsErrors, IgnoredKey, IgnoredKeyKind, Problem, Problems};
 pub use read::parse;
 pub use value::{Value, ValueError};

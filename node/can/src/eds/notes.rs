@@ -4,7 +4,7 @@ use super::data_type::{DataType, Kind};
 use super::ini::{Item, Section};
 use super::number::{number, plus_node_id};
 use super::object::FileValue;
-use super::problem::{IgnoredKeyKind, IgnoredKey, Problems, cut};
+use super::problem::{IgnoredKey, IgnoredKeyKind, Problems, cut};
 use super::value::Value;
 
 /// End of the message about a key that is ignored.

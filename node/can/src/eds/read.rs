@@ -10,7 +10,7 @@ use super::device::{Commissioning, DeviceInfo, FileInfo};
 use super::dictionary::Dictionary;
 use super::entry;
 use super::ini::{self, Section, Sections};
-use super::notes::{LAST_NODE, Diagnostics};
+use super::notes::{Diagnostics, LAST_NODE};
 use super::object::{IndexDescription, ObjectType};
 use super::problem::{EdsErrors, quoted};
 use crate::sdo::Object;
@@ -200,7 +200,13 @@ fn lists(sections: &Sections<'_>, parts: &BTreeMap<u16, IndexSections<'_>>, note
     }
 }
 
-fn read_index(dictionary: &mut Dictionary, index: u16, parts: &IndexSections<'_>, sections: &Sections<'_>, notes: &mut Diagnostics) {
+fn read_index(
+    dictionary: &mut Dictionary,
+    index: u16,
+    parts: &IndexSections<'_>,
+    sections: &Sections<'_>,
+    notes: &mut Diagnostics,
+) {
     let head = match parts.head {
         Some(section) => {
             let Some(object_type) = object_type(section, parts, notes) else { return };

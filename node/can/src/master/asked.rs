@@ -181,7 +181,9 @@ fn perform(port: &mut Port, node: NodeId, object: Object, access: Access) -> Res
 }
 
 fn refuse_power(object: Object, status: &[u8]) -> Result<(), ObjectAccessError> {
-    let [low, high] = *status else { return Err(ObjectAccessError::NoState(object, SdoError::Wrong(STATUS, Abort::LENGTH))) };
+    let [low, high] = *status else {
+        return Err(ObjectAccessError::NoState(object, SdoError::Wrong(STATUS, Abort::LENGTH)));
+    };
     match DriveState::from_status(u16::from_le_bytes([low, high])) {
         state @ (DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction) => {
             Err(ObjectAccessError::Power(object, state))

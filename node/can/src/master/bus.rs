@@ -8,7 +8,7 @@
 //! Refuses  nothing: if the transport fails, all devices are offline and the failure is reported
 //! Source   CiA 301; contract sections 1 (delay 1) and 8
 
-use super::capture::{RecordedFrames, FrameRecorder};
+use super::capture::{FrameRecorder, RecordedFrames};
 use super::device::Device;
 use super::sync::SyncCounter;
 use super::tally::BusCounters;
@@ -17,7 +17,7 @@ use crate::config::{BusConfig, Master};
 use crate::drive::ModeRequest;
 use crate::sdo::{Client, Object, SdoError, Transfer};
 use crate::transport::{Transport, TransportError};
-use crate::{Frame, DeviceEvent, NmtCommand, NmtState, NodeId};
+use crate::{DeviceEvent, Frame, NmtCommand, NmtState, NodeId};
 use lineshaft_core::drive::{BusState, Emergency, Inputs, Outputs};
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
@@ -256,7 +256,9 @@ impl Bus {
         } else {
             self.devices.iter_mut().for_each(Device::remove_and_discard_epoch);
         }
-        self.tap.tally().set_controller_state(self.state(), self.transport.as_ref().and_then(|transport| transport.errors()));
+        self.tap
+            .tally()
+            .set_controller_state(self.state(), self.transport.as_ref().and_then(|transport| transport.errors()));
         self.tick(now_ns);
     }
 

@@ -16,7 +16,7 @@ use crate::config::{BusConfig, DeviceConfig, DriveConfig, HEARTBEATS_MISSED, Rol
 use crate::drive::layout::{Field, Pdo, ReportedValue};
 use crate::drive::{objects, probe};
 use crate::sdo::{Abort, Object, SdoError};
-use crate::{NmtCommand, NodeId, Monitoring};
+use crate::{Monitoring, NmtCommand, NodeId};
 use lineshaft_core::drive::{DriveState, control};
 use std::time::{Duration, Instant};
 

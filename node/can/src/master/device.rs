@@ -10,7 +10,7 @@ use super::terminals::Terminals;
 use crate::config::DeviceConfig;
 use crate::drive::image::Image;
 use crate::drive::layout::{CommandedValue, ReportedValue, Transmission};
-use crate::{Frame, Id, NodeId, Monitor};
+use crate::{Frame, Id, Monitor, NodeId};
 use lineshaft_core::drive::{BusState, Inputs, Outputs};
 
 /// PDO that the device sends.
@@ -151,7 +151,9 @@ impl Device {
         }
         let Self { asked, drive, terminals, is_ready, .. } = &*self;
         let value = move |word| match (word, drive, output) {
-            (CommandedValue::Outputs | CommandedValue::Digital(_) | CommandedValue::Analog(_), ..) => terminals.value(word, outputs),
+            (CommandedValue::Outputs | CommandedValue::Digital(_) | CommandedValue::Analog(_), ..) => {
+                terminals.value(word, outputs)
+            }
             (_, Some(drive), Some(output)) => drive.value(word, output),
             _ => 0,
         };

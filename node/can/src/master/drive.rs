@@ -8,8 +8,8 @@
 
 use crate::config::{DriveConfig, MissingDataBehaviour, VelocityFactor};
 use crate::drive::layout::{CommandedValue, Layout, ReportedValue};
-use crate::drive::probe::{self, CaptureCounter, SlotMeaning, Probes};
-use crate::drive::{Commander, PositionCounter, HomingEnd, HomingSetup, ModeExchange, ModeRequest};
+use crate::drive::probe::{self, CaptureCounter, Probes, SlotMeaning};
+use crate::drive::{Commander, HomingEnd, HomingSetup, ModeExchange, ModeRequest, PositionCounter};
 use crate::sdo::{SdoError, Transfer};
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING, Mode,
@@ -180,7 +180,10 @@ impl Drive {
                         caught.update(captured, value as u16);
                     }
                 }
-                ReportedValue::Digital(_) | ReportedValue::Analog(_) | ReportedValue::Encoder | ReportedValue::Nothing => {}
+                ReportedValue::Digital(_)
+                | ReportedValue::Analog(_)
+                | ReportedValue::Encoder
+                | ReportedValue::Nothing => {}
             }
         }
         let now = *words;
@@ -370,7 +373,10 @@ impl Drive {
             // The conversion saturates; NaN becomes 0.
             CommandedValue::Torque => i64::from(output.effort.round() as i16),
             CommandedValue::Mode => i64::from(self.commander.mode().convert_number(self.mode)),
-            CommandedValue::Outputs | CommandedValue::Digital(_) | CommandedValue::Analog(_) | CommandedValue::Nothing => 0,
+            CommandedValue::Outputs
+            | CommandedValue::Digital(_)
+            | CommandedValue::Analog(_)
+            | CommandedValue::Nothing => 0,
         }
     }
 }

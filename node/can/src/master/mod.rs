@@ -17,7 +17,7 @@ mod tally;
 mod terminals;
 mod time;
 
-pub use asked::{Access, ObjectAccessError, LONGEST, MOST_WAITING, SdoRequestQueue, RequestHandle};
+pub use asked::{Access, LONGEST, MOST_WAITING, ObjectAccessError, RequestHandle, SdoRequestQueue};
 pub use backend::CanBackend;
 pub use capture::RecordedFrames;
 pub use service::{CanService, bus};

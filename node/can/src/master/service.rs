@@ -5,14 +5,14 @@
 //! Refuses  to start if the transport cannot be opened, or if a device is present that differs from the cell
 //! Source   CiA 301, CiA 302-2; MACS-CAN-04, MACS-CAN-06
 
-use super::asked::{SdoRequestReceiver, SdoRequestQueue, line};
+use super::asked::{SdoRequestQueue, SdoRequestReceiver, line};
 use super::backend::CanBackend;
 use super::bus::{Bus, Losses, Report};
 use super::capture::RecordedFrames;
 use super::configure::{self, Configured, Refusal};
 use super::notes::{ForeignEmergencies, Notes};
 use super::port::Port;
-use super::tally::{BusLoadMeter, BusCounters};
+use super::tally::{BusCounters, BusLoadMeter};
 use crate::commission::words::nmt_state;
 use crate::config::{BusConfig, DeviceConfig, Role};
 use crate::load::Load;

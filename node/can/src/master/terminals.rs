@@ -210,8 +210,14 @@ mod tests {
         let module = module();
         let mut outputs = Outputs { digital: vec![0; 2], analog: vec![9.0, -2.5], ..Outputs::default() };
         let words = |outputs: &Outputs| {
-            [CommandedValue::Digital(0), CommandedValue::Digital(1), CommandedValue::Outputs, CommandedValue::Analog(0), CommandedValue::Analog(1)]
-                .map(|word| module.value(word, outputs))
+            [
+                CommandedValue::Digital(0),
+                CommandedValue::Digital(1),
+                CommandedValue::Outputs,
+                CommandedValue::Analog(0),
+                CommandedValue::Analog(1),
+            ]
+            .map(|word| module.value(word, outputs))
         };
         assert_eq!(words(&outputs), [0, 0, 0, 0, -16_384]);
         outputs.digital = vec![0b101, 0b10];

@@ -185,7 +185,8 @@ impl Client {
         if self.work.is_some() {
             return Err(data);
         }
-        self.work = Some(TransferState { object, data, announced_size: None, uses_crc: false, repeats: 0, since_ns: now_ns });
+        self.work =
+            Some(TransferState { object, data, announced_size: None, uses_crc: false, repeats: 0, since_ns: now_ns });
         (self.state, self.sends) = (state, true);
         Ok(())
     }

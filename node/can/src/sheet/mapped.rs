@@ -36,7 +36,8 @@ impl Comparison<'_> {
         }
         for field in OPTIONAL {
             let Field { word, object, bits } = field;
-            let Some(entry) = known.entry(object).filter(|entry| entry.is_mappable && !field.matches_entry(entry)) else {
+            let Some(entry) = known.entry(object).filter(|entry| entry.is_mappable && !field.matches_entry(entry))
+            else {
                 continue;
             };
             if device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|carried| carried.object == object) {
@@ -87,7 +88,11 @@ impl Comparison<'_> {
 /// Returns the key of the cell that requires a commanded value; `None` for unused bits.
 fn key_of_asked(word: CommandedValue) -> Option<&'static str> {
     match word {
-        CommandedValue::Control | CommandedValue::Position | CommandedValue::Velocity | CommandedValue::Torque | CommandedValue::Mode => Some("interface"),
+        CommandedValue::Control
+        | CommandedValue::Position
+        | CommandedValue::Velocity
+        | CommandedValue::Torque
+        | CommandedValue::Mode => Some("interface"),
         CommandedValue::Outputs | CommandedValue::Digital(_) | CommandedValue::Analog(_) => Some("io"),
         CommandedValue::Nothing => None,
     }
@@ -100,7 +105,9 @@ fn key_of_told(word: ReportedValue, transmission: Transmission, is_for_torque: b
         ReportedValue::Torque => Some(if is_for_torque { "interface" } else { "rated_effort" }),
         ReportedValue::Inputs if transmission == Transmission::EachSync => Some("io"),
         ReportedValue::Inputs | ReportedValue::Fault => Some("eds"),
-        ReportedValue::Captured(slot) | ReportedValue::Captures(slot) => Some(if slot < 2 { "probe_1" } else { "probe_2" }),
+        ReportedValue::Captured(slot) | ReportedValue::Captures(slot) => {
+            Some(if slot < 2 { "probe_1" } else { "probe_2" })
+        }
         ReportedValue::Digital(_) | ReportedValue::Analog(_) => Some("io"),
         ReportedValue::Encoder => Some("encoders"),
         ReportedValue::Nothing => None,

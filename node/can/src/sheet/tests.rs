@@ -2,7 +2,7 @@ use super::*;
 use crate::config::{AnalogTerminal, Role, Terminals, Write};
 use crate::drive::layout::Extras;
 use crate::drive::{DriveMode, Layout};
-use crate::{NodeId, Monitoring, eds};
+use crate::{Monitoring, NodeId, eds};
 use lineshaft_core::drive::Terminal;
 
 const OWN: &str = include_str!("../../../../launch-configs/can/cia402_sim.eds");
@@ -349,7 +349,8 @@ fn mode_that_goes_by_sdo_is_compared_with_the_file() {
 /// The lower half of 1000h is the profile: 192h is 402, 191h is 401 (CiA 301).
 #[test]
 fn device_of_another_profile_is_an_error() {
-    let found = |value| compare(&drive(DriveMode::Csp), Requirements::default(), &changed(&[("1000", "DefaultValue", value)]));
+    let found =
+        |value| compare(&drive(DriveMode::Csp), Requirements::default(), &changed(&[("1000", "DefaultValue", value)]));
     let of_drive = |device_type, profile| {
         format!(
             "node 3 (x0): 1000h:00 is {device_type} by the file, profile {profile}; entries of axes need profile 402 (drive)"
@@ -405,7 +406,8 @@ fn bit_rate_is_compared_with_that_of_the_configuration() {
         let sections = section("1000", 7, "ro", "0x00020192", false) + "[DeviceComissioning]\nBaudrate=500\n";
         let known = file(&(rates.to_owned() + &sections));
         let device = DeviceConfig { role: Role::Module, ..drive(DriveMode::Csp) };
-        let Findings { errors, warnings } = compare(&device, Requirements { bit_rate: Some(1_000_000), homes: false }, &known);
+        let Findings { errors, warnings } =
+            compare(&device, Requirements { bit_rate: Some(1_000_000), homes: false }, &known);
         let count = |sentences: Vec<String>| sentences.iter().filter(|said| said.contains("Baudrate is 500")).count();
         (count(errors), count(warnings))
     };

@@ -54,7 +54,7 @@ impl Interpolator {
 mod tests {
     use super::*;
     use crate::config::DeviceConfig;
-    use crate::{NodeId, Monitoring};
+    use crate::{Monitoring, NodeId};
 
     #[test]
     fn setpoint_is_reached_in_equal_steps_and_then_kept() {

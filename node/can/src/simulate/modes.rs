@@ -9,7 +9,7 @@
 
 use super::interpolation::{self, Interpolator};
 use super::objects as simulated;
-use super::profile::{HALT, SetpointCommand, Positioner, Ramp, nearest, velocity_on_ramp};
+use super::profile::{HALT, Positioner, Ramp, SetpointCommand, nearest, velocity_on_ramp};
 use super::table::ObjectTable;
 use crate::config::VelocityFactor;
 use crate::drive::{DriveMode, objects};
@@ -248,7 +248,7 @@ fn homing(now: &CycleInputs<'_>) -> HomingOrder {
 mod tests {
     use super::*;
     use crate::config::DeviceConfig;
-    use crate::{NodeId, Monitoring};
+    use crate::{Monitoring, NodeId};
     use lineshaft_core::drive::{MODE_CSP, MODE_CSV};
 
     /// 10 ms.

@@ -157,7 +157,7 @@ mod tests {
     use super::*;
     use crate::config::{DeviceConfig, Write};
     use crate::drive::objects;
-    use crate::{NodeId, Monitoring};
+    use crate::{Monitoring, NodeId};
 
     /// Returns the objects of a drive with an object of 10 bytes.
     fn table() -> ObjectTable {

@@ -375,7 +375,7 @@ pub(super) fn mapped(entry: u32) -> (Object, u8) {
 mod tests {
     use super::*;
     use crate::config::Write;
-    use crate::{NodeId, Monitoring};
+    use crate::{Monitoring, NodeId};
 
     impl ObjectTable {
         /// Returns the value of a number, and its number of bytes.

@@ -78,7 +78,7 @@ fn step(table: &mut ObjectTable, number: u8, edge: Option<(u8, i64)>, zero_pulse
 mod tests {
     use super::*;
     use crate::config::DeviceConfig;
-    use crate::{NodeId, Monitoring};
+    use crate::{Monitoring, NodeId};
 
     /// A drive with this probe function.
     struct Rig(ObjectTable, TouchProbes);

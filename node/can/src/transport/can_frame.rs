@@ -119,7 +119,10 @@ mod tests {
         assert_eq!(tells(RESTARTED, 0x10), state(Some(BusState::Active)), "the detail is of another class");
         assert_eq!(tells(0x2, 0), state(None));
         let errors = Some((130, 7));
-        assert_eq!(tells(CONTROLLER | COUNTERS, 0x01), ReceivedContent::Controller { state: None, has_lost: true, errors });
+        assert_eq!(
+            tells(CONTROLLER | COUNTERS, 0x01),
+            ReceivedContent::Controller { state: None, has_lost: true, errors }
+        );
     }
 
     proptest! {

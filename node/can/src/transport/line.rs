@@ -1,7 +1,7 @@
 //! slcan over a non-blocking byte stream: serial line, pseudo terminal or TCP.
 
 use super::piece::Piece;
-use super::slcan::{BEL, CLOSE, CR, Decoder, Line, OPEN, AdapterMessage};
+use super::slcan::{AdapterMessage, BEL, CLOSE, CR, Decoder, Line, OPEN};
 use super::waiting::SendQueue;
 use super::way::{Loss, TransportState};
 use super::{Transport, TransportError};

@@ -19,7 +19,7 @@ mod way;
 
 pub use address::{Address, AddressError};
 pub use line::{SlcanError, SlcanLine};
-pub use open::{BAUD_RATES, OpenFailure, OpenError, Options, open};
+pub use open::{BAUD_RATES, OpenError, OpenFailure, Options, open};
 pub use pty::{PtyError, slcan_pty};
 pub use socket_can::SocketCan;
 pub use udp::UdpBus;

@@ -39,7 +39,7 @@ pub struct Options {
 
 /// Error when opening a transport.
 #[derive(Debug, thiserror::Error)]
-#[error("{address} cannot be opened: {obstacle}")]
+#[error("{address} cannot be opened: {failure}")]
 pub struct OpenError {
     /// Address that could not be opened.
     pub address: Address,

@@ -189,7 +189,10 @@ mod tests {
         assert_eq!(Line::of(&data(0x123, &[0x11, 0xFF])).bytes(), b"t123211FF\r");
         assert_eq!(Line::of(&data(0, &[])).bytes(), b"t0000\r");
         assert_eq!(Line::of(&Frame::remote(Id::new(0x705).unwrap(), 1).unwrap()).bytes(), b"r7051\r");
-        assert_eq!(said(b"z\rt1232aBcD\r\r\x07"), [AdapterMessage::Frame(data(0x123, &[0xAB, 0xCD])), AdapterMessage::Refused]);
+        assert_eq!(
+            said(b"z\rt1232aBcD\r\r\x07"),
+            [AdapterMessage::Frame(data(0x123, &[0xAB, 0xCD])), AdapterMessage::Refused]
+        );
         assert_eq!(said(b"t100101ABCD\r"), [AdapterMessage::Frame(data(0x100, &[1]))], "with a time stamp");
     }
 

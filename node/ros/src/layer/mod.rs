@@ -22,9 +22,9 @@ mod tap;
 mod time_source;
 
 pub use self::action::{
-    ActionEvent, ActionOptions, ActionServer, CancelRequest, CancelPolicy, GoalHandle, GoalId, GoalRequest, Status,
+    ActionEvent, ActionOptions, ActionServer, CancelPolicy, CancelRequest, GoalHandle, GoalId, GoalRequest, Status,
 };
-pub use self::arguments::{ArgumentError, OverrideValue, Names, Overrides, RosArguments};
+pub use self::arguments::{ArgumentError, Names, OverrideValue, Overrides, RosArguments};
 pub use self::client::{ActionClient, ClientError, NodeNames, Progress, RequestNumber, ServiceClient};
 pub use self::clock::{Clock, HostClock, now};
 pub use self::endpoint::CreateError;
@@ -35,8 +35,8 @@ pub use self::loggers::{Level, Loggers};
 pub use self::name::{FullName, NameError, NodeName};
 pub use self::node::{Node, NodeHandle, NodeOptions, OnLoss, SideOptions};
 pub use self::publisher::{PublishError, Publisher};
-pub use self::rosout::{Rosout, Source, SENT_TO_ROSOUT};
-pub use self::service::{RequestPolicy, Refusal, Reply, ReplyError, Request, ServiceServer};
+pub use self::rosout::{Rosout, SENT_TO_ROSOUT, Source};
+pub use self::service::{Refusal, Reply, ReplyError, Request, RequestPolicy, ServiceServer};
 pub use self::subscription::Subscription;
 pub use self::tap::{Tap, TappedMessage, TappedTopic};
 pub use self::time_source::TimeSource;

@@ -27,7 +27,7 @@ use super::tap::{Tap, TappedPublisher};
 use super::time_source::TimeSource;
 use crate::link::protocol::WireType;
 use crate::link::qos::Qos;
-use crate::link::{MemoryLimit, Link, LinkError, Loss, Settings, Side};
+use crate::link::{Link, LinkError, Loss, MemoryLimit, Settings, Side};
 
 /// Callback for a loss of the ROS side.
 pub type OnLoss = Arc<dyn Fn(&Loss) + Send + Sync>;

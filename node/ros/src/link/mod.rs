@@ -18,5 +18,5 @@ mod supervisor;
 
 pub(crate) use self::registry::{Reader, WriteError, Writer};
 pub use self::start::Side;
-pub(crate) use self::supervisor::{MemoryLimit, Link, Opener, Settings};
+pub(crate) use self::supervisor::{Link, MemoryLimit, Opener, Settings};
 pub use self::supervisor::{LinkError, Loss};

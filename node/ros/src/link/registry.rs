@@ -241,7 +241,9 @@ impl Registry {
         let state = self.state();
         let Some(next) = &state.next else { return false };
         state.endpoints.iter().all(|(endpoint, known)| match &known.more {
-            EndpointDetails::Writer { readers, .. } => next.readers.get(endpoint).copied().unwrap_or(0) >= *readers.borrow(),
+            EndpointDetails::Writer { readers, .. } => {
+                next.readers.get(endpoint).copied().unwrap_or(0) >= *readers.borrow()
+            }
             EndpointDetails::Reader { .. } => true,
         })
     }
@@ -397,7 +399,8 @@ impl State {
         {
             next.readers.insert(endpoint, count);
         } else if self.is_in_charge(number)
-            && let Some(EndpointState { more: EndpointDetails::Writer { readers, .. }, .. }) = self.endpoints.get(&endpoint)
+            && let Some(EndpointState { more: EndpointDetails::Writer { readers, .. }, .. }) =
+                self.endpoints.get(&endpoint)
         {
             readers.send_replace(count);
         }
@@ -419,7 +422,9 @@ impl State {
                 _ => {}
             }
         }
-        if let Some(EndpointState { more: EndpointDetails::Reader { samples, waiting }, .. }) = self.endpoints.get(&endpoint) {
+        if let Some(EndpointState { more: EndpointDetails::Reader { samples, waiting }, .. }) =
+            self.endpoints.get(&endpoint)
+        {
             waiting.fetch_add(1, Ordering::Relaxed);
             // Fails if the reader is being dropped.
             let _ = samples.send(sample);

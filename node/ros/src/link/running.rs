@@ -201,7 +201,13 @@ fn write_orders(mut stream: UnixStream, orders: &Orders) {
     let _ = stream.shutdown(Shutdown::Write);
 }
 
-fn read_reports(mut stream: UnixStream, number: u32, registry: &Registry, heard: &Sender<ReaderMessage>, lines: &SideLines) {
+fn read_reports(
+    mut stream: UnixStream,
+    number: u32,
+    registry: &Registry,
+    heard: &Sender<ReaderMessage>,
+    lines: &SideLines,
+) {
     let mut buffer = Vec::new();
     loop {
         let word = match frame::read(&mut stream, &mut buffer) {

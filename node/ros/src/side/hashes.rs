@@ -165,7 +165,8 @@ impl Hashes {
     /// Announces the simulated participant to our library, which ignores a repetition.
     fn play(&self, library: SocketAddrV4) {
         let addresses = [self.socket.address()];
-        let player = SimulatedParticipant { who: self.player, addresses: &addresses, builtin: READER, lease_s: LEASE_S };
+        let player =
+            SimulatedParticipant { who: self.player, addresses: &addresses, builtin: READER, lease_s: LEASE_S };
         self.socket.send(&player.announced(1), library);
     }
 

@@ -68,7 +68,12 @@ impl Probe {
         // The same vendor ID; no other participant has this prefix.
         player.0[2..].iter_mut().for_each(|byte| *byte ^= 0x5a);
         let turn = Mutex::new(Turn { next: Instant::now(), sequence: 1, set_back: SetBack::new(), deaf: None });
-        Ok(Self { barrier: participant.barrier()?, simulated_participant: player, seen: watch::Sender::default(), turn })
+        Ok(Self {
+            barrier: participant.barrier()?,
+            simulated_participant: player,
+            seen: watch::Sender::default(),
+            turn,
+        })
     }
 
     /// Records that the library has discovered a participant.
@@ -109,7 +114,12 @@ impl Probe {
         let (socket, to) = (&shared.socket, shared.participant.discovery_address());
         let before = *self.seen.borrow();
         let addresses = [socket.address()];
-        let player = SimulatedParticipant { who: self.simulated_participant, addresses: &addresses, builtin: BARE, lease_s: LEASE_S };
+        let player = SimulatedParticipant {
+            who: self.simulated_participant,
+            addresses: &addresses,
+            builtin: BARE,
+            lease_s: LEASE_S,
+        };
         for _ in 0..TRIES {
             socket.send(&player.announced(sequence), to);
             let is_found = self.comes(|(found, _)| found > before.0).await;

@@ -26,10 +26,11 @@ async fn serve(mut server: ServiceServer<Trigger>, hub: Arc<Hub>) {
         let given = hub.submit(Action::Abort);
         let hub = Arc::clone(&hub);
         open.spawn(async move {
-            let response = match wait_and_summarize(&hub, given, axes, "stopped and locked; ~/reset_errors unlocks").await {
-                Ok(message) => TriggerResponse { success: true, message },
-                Err(message) => TriggerResponse { success: false, message },
-            };
+            let response =
+                match wait_and_summarize(&hub, given, axes, "stopped and locked; ~/reset_errors unlocks").await {
+                    Ok(message) => TriggerResponse { success: true, message },
+                    Err(message) => TriggerResponse { success: false, message },
+                };
             // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(response).await;
         });

@@ -1,6 +1,6 @@
 //! Common part of all actions of the machine: from the request to the end of its goal.
 
-use super::host::{SubmitError, Snapshot};
+use super::host::{Snapshot, SubmitError};
 use super::hub::{CommandEvents, Hub};
 use super::signals::AxisView;
 use super::table::ActionRow;
@@ -125,7 +125,12 @@ async fn serve<A: GoalAction>(mut server: ActionServer<A>, hub: Arc<Hub>) {
 }
 
 /// Executes an accepted goal until it ends.
-async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<CommandEvents, SubmitError>, view: A::View) {
+async fn run<A: GoalAction>(
+    hub: Arc<Hub>,
+    handle: GoalHandle<A>,
+    given: Result<CommandEvents, SubmitError>,
+    view: A::View,
+) {
     let ending = match given {
         Ok(answers) => follow(&hub, &handle, answers, &view).await,
         Err(busy) => ending_without_answer(&view, &hub.host.snapshot(), busy.code(), busy.to_string()),
@@ -139,7 +144,12 @@ async fn run<A: GoalAction>(hub: Arc<Hub>, handle: GoalHandle<A>, given: Result<
     }
 }
 
-async fn follow<A: GoalAction>(hub: &Arc<Hub>, handle: &GoalHandle<A>, mut answers: CommandEvents, view: &A::View) -> Ending {
+async fn follow<A: GoalAction>(
+    hub: &Arc<Hub>,
+    handle: &GoalHandle<A>,
+    mut answers: CommandEvents,
+    view: &A::View,
+) -> Ending {
     let mut ticks = feedback_ticks();
     let goal = answers.sequence;
     let (mut accepted, mut cancelled) = (false, false);

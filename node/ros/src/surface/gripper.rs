@@ -389,7 +389,10 @@ mod tests {
     #[test]
     fn goals_of_both_types_ask_for_a_position() {
         let goal = GripperCommandGoal { command: msg::GripperCommand { position: 0.02, max_effort: 5.0 } };
-        assert_eq!(GripperCommand::wish("finger", &goal), Ok(GripperTarget { position: 0.02, velocity: 0.0, effort: 5.0 }));
+        assert_eq!(
+            GripperCommand::wish("finger", &goal),
+            Ok(GripperTarget { position: 0.02, velocity: 0.0, effort: 5.0 })
+        );
         let of = |name: &[&str], position: &[f64], velocity: &[f64], effort: &[f64]| {
             let command = JointState {
                 name: name.iter().map(|name| (*name).to_owned()).collect(),
@@ -401,7 +404,10 @@ mod tests {
             ParallelGripperCommand::wish("finger", &ParallelGripperCommandGoal { command })
         };
         assert_eq!(of(&[], &[0.02], &[], &[]), Ok(GripperTarget { position: 0.02, velocity: 0.0, effort: 0.0 }));
-        assert_eq!(of(&["finger"], &[0.02], &[0.1], &[3.0]), Ok(GripperTarget { position: 0.02, velocity: 0.1, effort: 3.0 }));
+        assert_eq!(
+            of(&["finger"], &[0.02], &[0.1], &[3.0]),
+            Ok(GripperTarget { position: 0.02, velocity: 0.1, effort: 3.0 })
+        );
         let refused = |wish: Result<GripperTarget, String>, sentence: &str| assert_eq!(wish.unwrap_err(), sentence);
         refused(of(&["thumb"], &[0.02], &[], &[]), "command.name is [\"thumb\"]; `finger` or none is expected");
         refused(of(&[], &[], &[], &[]), "command.position has 0 numbers; one is expected");

@@ -1,11 +1,11 @@
 //! Hub: submits commands, and delivers every event to `~/events` and to the waiting requester.
 
 use super::history::History;
-use super::host::{SubmitError, Host, StampedEvent};
+use super::host::{Host, StampedEvent, SubmitError};
 use super::messages;
 use super::parameters::own::OwnParameters;
 use super::table;
-use crate::layer::{Clock, CreateError, Node, Publisher, Rosout, Severity, Source, SENT_TO_ROSOUT};
+use crate::layer::{Clock, CreateError, Node, Publisher, Rosout, SENT_TO_ROSOUT, Severity, Source};
 use crate::line_limit::MessageRateLimit;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::Action;
@@ -141,7 +141,10 @@ impl Hub {
         })
     }
 
-    fn submit_with(self: &Arc<Self>, submit: impl FnOnce() -> Result<u64, SubmitError>) -> Result<CommandEvents, SubmitError> {
+    fn submit_with(
+        self: &Arc<Self>,
+        submit: impl FnOnce() -> Result<u64, SubmitError>,
+    ) -> Result<CommandEvents, SubmitError> {
         let (sender, events) = unbounded_channel();
         let mut waiting = self.waiting();
         let sequence = submit()?;

@@ -24,7 +24,7 @@ pub(super) trait RefusalResponse<Q> {
 
 macro_rules! refusal_with_message {
     ($($request:ident, $response:ident;)*) => {$(
-        impl Refusing<$request> for $response {
+        impl RefusalResponse<$request> for $response {
             fn refusing(_: &$request, message: String) -> Self {
                 Self { success: false, message }
             }

@@ -1,6 +1,6 @@
 //! `~/sdo_read` and `~/sdo_write`: objects of CAN devices, answered when the device has answered, or when no answer can arrive any more.
 
-use super::host::{PendingAnswer, Host};
+use super::host::{Host, PendingAnswer};
 use super::hub::Hub;
 use super::refusing::RefusalResponse;
 use super::table;

@@ -3,7 +3,8 @@
 
 use super::refusing::RefusalResponse;
 use crate::layer::{
-    ActionOptions, ActionServer, RequestPolicy, CreateError, NodeHandle, Publisher, Qos, ServiceServer, Subscription, TimeSource,
+    ActionOptions, ActionServer, CreateError, NodeHandle, Publisher, Qos, RequestPolicy, ServiceServer, Subscription,
+    TimeSource,
 };
 use lineshaft_msgs::action::{HomeAxis, MoveAxis, Phase, ProbeAxis, RunFunction, Synchronize, Tune};
 use lineshaft_msgs::foreign::control_msgs::action::{FollowJointTrajectory, GripperCommand, ParallelGripperCommand};
@@ -205,16 +206,22 @@ pub(super) const ERRORS: TopicRow<Event> = TopicRow::published(
     Qos::HISTORY,
     "the last 32 errors and resets, with how the axis stood and the remedy, also for who comes later; see [errors.md](errors.md)",
 );
-pub(super) const PARAMETER_EVENTS: TopicRow<ParameterEvent> =
-    TopicRow::published("/parameter_events", Qos::PARAMETERS, "every change of a parameter, from any source; see below");
+pub(super) const PARAMETER_EVENTS: TopicRow<ParameterEvent> = TopicRow::published(
+    "/parameter_events",
+    Qos::PARAMETERS,
+    "every change of a parameter, from any source; see below",
+);
 pub(super) const ROSOUT: TopicRow<Log> = TopicRow::published("/rosout", Qos::ROSOUT, "errors, refusals, limits");
 pub(super) const ROBOT_DESCRIPTION: TopicRow<Text> = TopicRow::published(
     "robot_description",
     Qos::STATUS,
     "the URDF that the cell names with `ros: {robot_description: FILE}`; only then; see below",
 );
-pub(super) const CLOCK: TopicRow<Clock> =
-    TopicRow::subscribed("/clock", Qos::CLOCK, "the time of a simulation, only while `use_sim_time` is true; see below");
+pub(super) const CLOCK: TopicRow<Clock> = TopicRow::subscribed(
+    "/clock",
+    Qos::CLOCK,
+    "the time of a simulation, only while `use_sim_time` is true; see below",
+);
 pub(super) const TRANSITION_EVENT: TopicRow<TransitionEvent> =
     TopicRow::published("~/transition_event", Qos::STREAM, "every step of the life cycle; see [Lifecycle](#lifecycle)");
 pub(super) const DIAGNOSTICS: TopicRow<DiagnosticArray> = TopicRow::published(
@@ -280,7 +287,8 @@ pub(super) const TOUCH_PROBE: ServiceRow<TouchProbe> = ServiceRow::new(
 )
 .as_command();
 pub(super) const ABORT_TRIGGER: ServiceRow<AbortTrigger> =
-    ServiceRow::new("~/abort_trigger", Qos::SERVICE, "ends touch probes of an axis, those of one trigger or all").as_command();
+    ServiceRow::new("~/abort_trigger", Qos::SERVICE, "ends touch probes of an axis, those of one trigger or all")
+        .as_command();
 pub(super) const SET_OUTPUT: ServiceRow<SetOutput> = ServiceRow::new(
     "~/set_output",
     Qos::SERVICE,
@@ -342,7 +350,8 @@ pub(super) const VOCABULARY: ServiceRow<Vocabulary> = ServiceRow::new(
 )
 .as_command();
 pub(super) const GET_PARAMETERS: ServiceRow<GetParameters> = parameters("~/get_parameters", "values of parameters");
-pub(super) const GET_PARAMETER_TYPES: ServiceRow<GetParameterTypes> = parameters("~/get_parameter_types", "their types");
+pub(super) const GET_PARAMETER_TYPES: ServiceRow<GetParameterTypes> =
+    parameters("~/get_parameter_types", "their types");
 pub(super) const SET_PARAMETERS: ServiceRow<SetParameters> =
     parameters("~/set_parameters", "sets each by itself").as_command();
 pub(super) const SET_PARAMETERS_ATOMICALLY: ServiceRow<SetParametersAtomically> =
@@ -367,10 +376,12 @@ pub(super) const RESET_PARAMETERS: ServiceRow<ResetParameters> = ServiceRow::new
 pub(super) const EXPORT_PARAMETERS: ServiceRow<ExportParameters> =
     ServiceRow::new("~/export_parameters", Qos::SERVICE, "parameters in force as text");
 pub(super) const IMPORT_PARAMETERS: ServiceRow<ImportParameters> =
-    ServiceRow::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB").as_command();
+    ServiceRow::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB")
+        .as_command();
 pub(super) const MOVE_AXIS: ActionRow<MoveAxis> =
     ActionRow::new("~/move_axis", "positioning; mode VELOCITY stays open until it is cancelled, halted or replaced");
-pub(super) const PROBE_AXIS: ActionRow<ProbeAxis> = ActionRow::new("~/probe_axis", "touch probe to position; see below");
+pub(super) const PROBE_AXIS: ActionRow<ProbeAxis> =
+    ActionRow::new("~/probe_axis", "touch probe to position; see below");
 pub(super) const HOME_AXIS: ActionRow<HomeAxis> = ActionRow::new(
     "~/home_axis",
     "homing of one axis, by its method or another one; cancel stops it; see [homing.md](homing.md)",
@@ -419,8 +430,11 @@ pub(super) const LIST_CONTROLLERS: ServiceRow<ListControllers> = ServiceRow::new
 );
 pub(super) const LIST_CONTROLLER_TYPES: ServiceRow<ListControllerTypes> =
     ServiceRow::new("/controller_manager/list_controller_types", Qos::SERVICE, "the type of all controllers");
-pub(super) const LIST_HARDWARE_COMPONENTS: ServiceRow<ListHardwareComponents> =
-    ServiceRow::new("/controller_manager/list_hardware_components", Qos::SERVICE, "all axes with a drive as one component");
+pub(super) const LIST_HARDWARE_COMPONENTS: ServiceRow<ListHardwareComponents> = ServiceRow::new(
+    "/controller_manager/list_hardware_components",
+    Qos::SERVICE,
+    "all axes with a drive as one component",
+);
 pub(super) const LIST_HARDWARE_INTERFACES: ServiceRow<ListHardwareInterfaces> = ServiceRow::new(
     "/controller_manager/list_hardware_interfaces",
     Qos::SERVICE,

@@ -1,6 +1,6 @@
 //! Compares the table with the endpoints that a surface creates.
 
-use super::host::{SubmitError, GateState, Host, ParameterSelection, Snapshot, Statistics};
+use super::host::{GateState, Host, ParameterSelection, Snapshot, Statistics, SubmitError};
 use super::parameters::fake;
 use super::table::{Kind, PARAMETERS, ROWS, Row};
 use super::{GripperSettings, Group, JointNames, Surface, TrajectorySettings, states};

@@ -6,7 +6,7 @@
 //! Refuses  an invalid goal, a real drive without `real`, an axis that cannot be tuned
 
 use super::goal::feedback_ticks;
-use super::host::{TuneOrder, TuningResult, Tuning, TuningPhase, TuningFailure};
+use super::host::{TuneOrder, Tuning, TuningFailure, TuningPhase, TuningResult};
 use super::hub::Hub;
 use super::signals::AxisView;
 use super::table;
@@ -112,7 +112,12 @@ async fn run(hub: Arc<Hub>, handle: GoalHandle<Tune>, tuning: Tuning, tried: Tun
     if result.code == Code::NONE.0 { handle.succeed(result) } else { handle.abort(result) }
 }
 
-async fn follow(hub: &Arc<Hub>, handle: &GoalHandle<Tune>, tuning: Tuning, view: &AxisView) -> Result<TuningResult, TuningFailure> {
+async fn follow(
+    hub: &Arc<Hub>,
+    handle: &GoalHandle<Tune>,
+    tuning: Tuning,
+    view: &AxisView,
+) -> Result<TuningResult, TuningFailure> {
     let Tuning { watch, mut found } = tuning;
     let mut ticks = feedback_ticks();
     let mut is_cancelled = false;

@@ -10,7 +10,7 @@ use crate::cli::command_output::Output;
 use crate::cli::say;
 use crate::recording::clean::{clean, clean_lines};
 use lineshaft_can::commission::words::{self, drive_state, nmt_state};
-use lineshaft_can::commission::{Device, Drive, ReportedState, PdoConfiguration, label};
+use lineshaft_can::commission::{Device, Drive, PdoConfiguration, ReportedState, label};
 use lineshaft_can::eds::{Dictionary, Direction};
 use lineshaft_core::drive::DriveState;
 use serde_json::Value as Json;

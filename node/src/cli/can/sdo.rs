@@ -7,7 +7,7 @@ use crate::cli::say;
 use crate::progress::{MOMENT, Progress};
 use crate::recording::clean::clean;
 use lineshaft_can::commission::words::hex;
-use lineshaft_can::commission::{LONGEST, decoded, encoded, label, check_readable, type_of, writable};
+use lineshaft_can::commission::{LONGEST, check_readable, decoded, encoded, label, type_of, writable};
 use lineshaft_can::eds::{DataType, Value};
 use lineshaft_ros::layer::open_file;
 use std::io::Read;

@@ -228,7 +228,12 @@ pub(in crate::cli) struct SurfaceInputs {
 
 impl Prepared {
     /// Prepares a machine; also returns the data for the surface.
-    pub(in crate::cli) fn new(cell: &Cell, machine: Machine, hardware: Hardware, given: InitialData) -> (Self, SurfaceInputs) {
+    pub(in crate::cli) fn new(
+        cell: &Cell,
+        machine: Machine,
+        hardware: Hardware,
+        given: InitialData,
+    ) -> (Self, SurfaceInputs) {
         let Hardware { backends, services, objects, buses, real } = hardware;
         let (commander, lanes) = lanes::lanes(machine.config().axes.len());
         let (frames, frames_out, spent) = frames(&machine);

@@ -8,7 +8,7 @@
 //! Refuses  backends that do not start
 
 use crate::cell::Cell;
-use crate::cli::run::{InitialData, Hardware, Prepared, Recording, Running, stop_machine};
+use crate::cli::run::{Hardware, InitialData, Prepared, Recording, Running, stop_machine};
 use crate::cli::{Exit, TuneArgs};
 use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::run::bridge::Handle;

@@ -1,6 +1,6 @@
 //! Topics of a bag: names, message types and QoS.
 
-use super::super::{Topic, FrameDirection};
+use super::super::{FrameDirection, Topic};
 use super::Subject;
 use lineshaft_msgs::Message;
 use lineshaft_msgs::foreign::can_msgs::msg::Frame;

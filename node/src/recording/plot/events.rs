@@ -161,8 +161,11 @@ mod tests {
 
     #[test]
     fn of_objects_that_are_not_shown_only_trouble_is() {
-        let marks =
-            [mark(1.0, 0, "done"), mark(2.0, 1, "refused"), EventMark { source: "y".to_owned(), ..mark(3.0, 0, "done") }];
+        let marks = [
+            mark(1.0, 0, "done"),
+            mark(2.0, 1, "refused"),
+            EventMark { source: "y".to_owned(), ..mark(3.0, 0, "done") },
+        ];
         let events = Events::new(&marks, &["y"], 0.0, 5.0);
         assert_eq!(events.listed.iter().map(|one| one.time).collect::<Vec<_>>(), [2.0, 3.0]);
         assert_eq!(events.rest, "events not listed: 1 done");

@@ -27,7 +27,7 @@ mod tests;
 mod text;
 
 pub use axis::{Axis, Spacing};
-pub use chart::{Chart, Curve, Panel, MeasureMark, draw_chart};
+pub use chart::{Chart, Curve, MeasureMark, Panel, draw_chart};
 pub use pen::LineStyle;
 
 use super::series::{EventMark, Series};

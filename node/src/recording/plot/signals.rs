@@ -147,7 +147,9 @@ impl<'a> Signals<'a> {
         self.note(&shown);
         let is_lane = match series.kind {
             Kind::Bit | Kind::Enum(_) | Kind::Word | Kind::Code => true,
-            Kind::Int => matches!(quantity, SignalQuantity::Other(_)) && series.unit.is_empty() && changes <= MAX_LANE_CHANGES,
+            Kind::Int => {
+                matches!(quantity, SignalQuantity::Other(_)) && series.unit.is_empty() && changes <= MAX_LANE_CHANGES
+            }
             Kind::Real => false,
         };
         if is_lane {

@@ -4,7 +4,7 @@ mod figures;
 mod odd;
 
 use super::{Across, Chosen, Figure, Target, draw};
-use crate::recording::series::{Kind, EventMark, Series};
+use crate::recording::series::{EventMark, Kind, Series};
 
 fn series(name: &str, unit: &str, kind: Kind, points: Vec<(f64, f64)>) -> Series {
     let (name, unit, topic) = (name.to_owned(), unit.to_owned(), "/lineshaft/signals".to_owned());

@@ -99,7 +99,8 @@ impl BoardTracks {
                 None => track.finish(end),
             }
         }
-        let late = (self.late > 0).then_some(LateMessages { topic: self.topic, messages: self.late, are_left_out: false });
+        let late =
+            (self.late > 0).then_some(LateMessages { topic: self.topic, messages: self.late, are_left_out: false });
         Ok((self.tracks, late))
     }
 }

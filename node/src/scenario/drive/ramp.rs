@@ -1,6 +1,6 @@
 //! Ramps that drive a signal: exact fractions, with an end or as a wrapping counter.
 
-use super::{ALL_WHOLE, EXACT, Number, ValueFormat, Type, Value};
+use super::{ALL_WHOLE, EXACT, Number, Type, Value, ValueFormat};
 use lineshaft_core::unit::{Fraction, fraction_from_f64, fraction_to_f64};
 use num_traits::{CheckedDiv, CheckedSub, ToPrimitive};
 

@@ -128,7 +128,10 @@ fn values_that_no_device_or_no_file_takes_are_refused() {
 fn a_tool_keeps_from_objects_that_are_flagged_and_from_those_that_only_read() {
     let file = "[DeviceInfo]\n[1010]\nDataType=7\nAccessType=rw\nObjFlags=1\nParameterValue=1\n\
         [1018]\nDataType=7\nAccessType=ro\nParameterValue=1\n[2000]\nDataType=7\nAccessType=rw\nParameterValue=$NODEID+1\n";
-    assert_eq!(parse(file.as_bytes(), Some(5)).unwrap().configured_values(), Ok(vec![(at(0x2000, 0), vec![6, 0, 0, 0])]));
+    assert_eq!(
+        parse(file.as_bytes(), Some(5)).unwrap().configured_values(),
+        Ok(vec![(at(0x2000, 0), vec![6, 0, 0, 0])])
+    );
     let error = parse(file.as_bytes(), None).unwrap().configured_values().unwrap_err();
     assert_eq!(error, ConfigureError::NodeId(at(0x2000, 0)));
 }

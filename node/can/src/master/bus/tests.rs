@@ -550,7 +550,8 @@ fn random_frames_never_enable_a_drive() {
     as_drive(&mut pp).mode = DriveMode::Pp;
     rig.replace(0, &pp);
     let terminal = |place, address| Terminal { place, address };
-    let analog = |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
+    let analog =
+        |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
     let mut module = drive(1, 5, watching);
     module.role = Role::Module;
     module.terminals = Terminals {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::sdo::Object;
-use crate::{NmtCommand, Monitoring};
+use crate::{Monitoring, NmtCommand};
 use lineshaft_core::drive::{DriveInput, DriveOutput, Mode};
 
 const MASTER: NodeId = NodeId::new(127).expect("a node");
@@ -178,7 +178,11 @@ fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
         write(&mut device, objects::CONTROL_WORD, &0x0F_u16.to_le_bytes(), ms(0));
         write(&mut device, simulated::ABORT_CONNECTION, &option.to_le_bytes(), ms(0));
         device.take(&NmtCommand::Stop.frame(None), ms(0), &mut Vec::new());
-        assert_eq!((device.take_master_loss(), device.table.get(objects::CONTROL_WORD)), (has_fault, control), "{option}");
+        assert_eq!(
+            (device.take_master_loss(), device.table.get(objects::CONTROL_WORD)),
+            (has_fault, control),
+            "{option}"
+        );
     }
 }
 

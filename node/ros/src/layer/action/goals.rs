@@ -171,7 +171,8 @@ impl<R: Clone, W> Goals<R, W> {
         let decided = place.map(|place| self.deciding.remove(place));
         let is_canceled = decided.as_ref().is_some_and(|goal| goal.is_canceled);
         let (cancel, canceled) = watch::channel(is_canceled);
-        let shown = GoalStatusEntry { id, stamp, status: if is_canceled { Status::Canceling } else { Status::Accepted } };
+        let shown =
+            GoalStatusEntry { id, stamp, status: if is_canceled { Status::Canceling } else { Status::Accepted } };
         let origin = decided.map(|goal| goal.origin);
         self.kept.push(Goal { shown, origin, cancel, waiting: Vec::new(), ended: None });
         canceled
@@ -257,7 +258,9 @@ impl<R: Clone, W> Goals<R, W> {
         self.expire(now);
         match self.find_mut(id) {
             None => ResultAnswer::Unknown(who),
-            Some(Goal { ended: Some((_, result)), shown, .. }) => ResultAnswer::Ended(who, shown.status, result.clone()),
+            Some(Goal { ended: Some((_, result)), shown, .. }) => {
+                ResultAnswer::Ended(who, shown.status, result.clone())
+            }
             Some(goal) => {
                 if goal.waiting.len() >= MAX_RESULT_REQUESTS {
                     goal.waiting.remove(0);

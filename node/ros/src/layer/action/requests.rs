@@ -6,7 +6,7 @@ use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalResponse;
 use lineshaft_msgs::{Action, SendGoalResponse};
 use tokio::sync::watch;
 
-use super::goals::{End, GoalId, Selection, GoalStatusEntry, Stamp};
+use super::goals::{End, GoalId, GoalStatusEntry, Selection, Stamp};
 use super::server::{Shared, goal_info};
 use crate::layer::publisher::PublishError;
 use crate::layer::service::Reply;
@@ -243,7 +243,8 @@ mod tests {
 
     #[test]
     fn answer_lists_each_goal_once_that_the_request_has_canceled() {
-        let goal = |id: u8| GoalStatusEntry { id: GoalId([id; 16]), stamp: Stamp::default(), status: Status::Canceling };
+        let goal =
+            |id: u8| GoalStatusEntry { id: GoalId([id; 16]), stamp: Stamp::default(), status: Status::Canceling };
         let listed = with_begun(vec![goal(1), goal(2)], &[goal(2), goal(3)]);
         assert_eq!(listed, [goal(1), goal(2), goal(3)]);
     }

@@ -11,7 +11,7 @@ use lineshaft_msgs::{Action, FeedbackMessage, GetResult, GetResultResponse, Send
 use tokio::sync::mpsc::{self, Receiver, Sender};
 use tokio::task::JoinHandle;
 
-use super::goals::{ResultAnswer, End, GoalId, Goals, GoalStatusEntry, Stamp};
+use super::goals::{End, GoalId, GoalStatusEntry, Goals, ResultAnswer, Stamp};
 use super::requests::{CancelRequest, GoalRequest};
 use crate::layer::clock::Clock;
 use crate::layer::endpoint::Context;
@@ -209,7 +209,7 @@ impl<A: Action> Dispatch<A> {
                         }
                         if held.len() < WAITING && self.may_be_early(&request.message.goal_info) {
                             let begun = self.begin_cancel(&request);
-                            held.push_back(WaitingCancel { due: Instant::now() + CANCEL_GRACE_TIME, request, canceled_early });
+                            held.push_back(WaitingCancel { due: Instant::now() + CANCEL_GRACE_TIME, request, canceled_early: begun });
                         } else {
                             self.cancel(request, Vec::new());
                         }
@@ -218,7 +218,7 @@ impl<A: Action> Dispatch<A> {
                 },
                 () = until(due) => {
                     self.handle_waiting_goals(&mut services.goals);
-                    if let Some(WaitingCancel { request, canceled_early, .. }) = held.pop_front() {
+                    if let Some(WaitingCancel { request, canceled_early: begun, .. }) = held.pop_front() {
                         self.cancel(request, begun);
                     }
                 }

@@ -88,7 +88,11 @@ pub(super) fn parse(flag: &str, given: &str) -> Result<Override, String> {
     }
     let value = yaml::parse(value).and_then(|yaml| yaml.value()).map_err(|error| format!(": {}", error.sentence))?;
     let place = format!("{flag} {name}");
-    Ok(Override { nodes, name: name.to_owned(), given: OverrideValue { value, place, is_of_file: false, is_for_this_node_only: true } })
+    Ok(Override {
+        nodes,
+        name: name.to_owned(),
+        given: OverrideValue { value, place, is_of_file: false, is_for_this_node_only: true },
+    })
 }
 
 /// Reads a parameter file.
@@ -149,7 +153,12 @@ fn parameters(
             continue;
         }
         let place = format!("{path}:{}:{}", key.line, key.column);
-        let given = OverrideValue { value: value.value()?, place, is_of_file: true, is_for_this_node_only: !nodes.is_for_many() };
+        let given = OverrideValue {
+            value: value.value()?,
+            place,
+            is_of_file: true,
+            is_for_this_node_only: !nodes.is_for_many(),
+        };
         found.push(Override { nodes: nodes.clone(), name, given });
     }
     Ok(())
@@ -165,7 +174,10 @@ impl Overrides {
         for one in all.iter().filter(|one| one.nodes.fits(node)) {
             // A value that was once given for this node only must match a parameter.
             let was_strict = own.get(&one.name).is_some_and(|before| before.is_for_this_node_only);
-            let given = OverrideValue { is_for_this_node_only: one.given.is_for_this_node_only || was_strict, ..one.given.clone() };
+            let given = OverrideValue {
+                is_for_this_node_only: one.given.is_for_this_node_only || was_strict,
+                ..one.given.clone()
+            };
             own.insert(one.name.clone(), given);
         }
         Self(own)
@@ -198,8 +210,10 @@ impl Overrides {
     /// # Errors
     /// All values that were given for this node only, in one message.
     pub fn check_unused(&self) -> Result<Vec<String>, String> {
-        let sentence = |(name, given): (&String, &OverrideValue)| format!("{}: no parameter is called `{name}`", given.place);
-        let strict: Vec<String> = self.0.iter().filter(|(_, given)| given.is_for_this_node_only).map(sentence).collect();
+        let sentence =
+            |(name, given): (&String, &OverrideValue)| format!("{}: no parameter is called `{name}`", given.place);
+        let strict: Vec<String> =
+            self.0.iter().filter(|(_, given)| given.is_for_this_node_only).map(sentence).collect();
         match strict.is_empty() {
             true => Ok(self.0.iter().map(sentence).collect()),
             false => Err(format!("{}; `ros2 param list` and `lineshaft params CELL` name all", strict.join("; "))),

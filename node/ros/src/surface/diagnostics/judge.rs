@@ -259,7 +259,10 @@ impl Drive {
             pair("error", if code.is_none() { "none".to_owned() } else { error() }),
             pair("cause", cause),
             pair("remedy", remedy),
-            pair("last error", if last == 0 { "none".to_owned() } else { format!("{last}, {}", error_state_text(view, board)) }),
+            pair(
+                "last error",
+                if last == 0 { "none".to_owned() } else { format!("{last}, {}", error_state_text(view, board)) },
+            ),
             pair("command position", view.length_text(board, AxisSignal::CommandPosition)),
             pair("position", view.length_text(board, AxisSignal::ActualPosition)),
             pair("following error", view.length_text(board, AxisSignal::FollowingError)),

@@ -36,12 +36,23 @@ enum Recorder {
     Status(RecordResponse),
 }
 
-pub(super) fn start(node: &Node, hub: &Arc<Hub>, life: Arc<NodeLifecycle>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
+pub(super) fn start(
+    node: &Node,
+    hub: &Arc<Hub>,
+    life: Arc<NodeLifecycle>,
+    tasks: &mut JoinSet<()>,
+) -> Result<(), CreateError> {
     let publisher = table::DIAGNOSTICS.publisher(node)?;
     let (config, directory) = (hub.host.config(), hub.host.directory());
     let hardware = |axis: u16| hub.host.hardware(axis).map(str::to_owned);
     let hardware = (0..config.axes.len()).map(|axis| u16::try_from(axis).ok().and_then(hardware)).collect();
-    let judge = DiagnosticsEvaluator::new(AxisView::all(config, directory), hardware, directory, config.cycle_ns, Instant::now());
+    let judge = DiagnosticsEvaluator::new(
+        AxisView::all(config, directory),
+        hardware,
+        directory,
+        config.cycle_ns,
+        Instant::now(),
+    );
     tasks.spawn(publish(publisher, node.name().name().to_owned(), Arc::clone(hub), life, judge));
     Ok(())
 }

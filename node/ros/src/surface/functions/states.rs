@@ -66,7 +66,8 @@ impl PublishTimer {
             return false;
         }
         self.looks += 1;
-        let is_due = self.looks >= MAX_CHECKS || !functions.iter().map(change_values).eq(self.said.iter().map(change_values));
+        let is_due =
+            self.looks >= MAX_CHECKS || !functions.iter().map(change_values).eq(self.said.iter().map(change_values));
         if is_due {
             (self.looks, self.said) = (0, functions.to_vec());
         }

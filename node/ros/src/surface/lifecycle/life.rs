@@ -8,8 +8,8 @@
 //! an error     deactivates and cleans up as far as possible: unconfigured if all drives are off, otherwise finalized
 
 use super::states::{self, Outcome, State, Transition};
-use crate::layer::{Publisher, Severity, SENT_TO_ROSOUT};
-use crate::surface::host::{SubmitError, GateState};
+use crate::layer::{Publisher, SENT_TO_ROSOUT, Severity};
+use crate::surface::host::{GateState, SubmitError};
 use crate::surface::hub::Hub;
 use lineshaft_core::command::Action;
 use lineshaft_core::event::Kind;

@@ -19,7 +19,11 @@ use std::sync::Arc;
 use tokio::task::JoinSet;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<Arc<NodeLifecycle>, CreateError> {
-    let life = Arc::new(NodeLifecycle::new(Arc::clone(hub), node.name().to_string(), table::TRANSITION_EVENT.publisher(node)?));
+    let life = Arc::new(NodeLifecycle::new(
+        Arc::clone(hub),
+        node.name().to_string(),
+        table::TRANSITION_EVENT.publisher(node)?,
+    ));
     tasks.spawn(change(table::CHANGE_STATE.server(node)?, Arc::clone(&life)));
     tasks.spawn(serve_state(table::GET_STATE.server(node)?, Arc::clone(&life)));
     tasks.spawn(serve_states(table::GET_AVAILABLE_STATES.server(node)?));

@@ -143,7 +143,9 @@ impl DeclaredParameter {
         match (self.interpret(value), self.row.border_type()) {
             (InterpretedValue::Nothing, _) if self.may_be_unset() => Ok(ParameterInput::Unset),
             (InterpretedValue::Switch(is_on), BorderType::Switch) => Ok(ParameterInput::Text(is_on.to_string())),
-            (InterpretedValue::Integer(number), BorderType::Integer | BorderType::Real) => Ok(ParameterInput::Integer(number)),
+            (InterpretedValue::Integer(number), BorderType::Integer | BorderType::Real) => {
+                Ok(ParameterInput::Integer(number))
+            }
             (InterpretedValue::Real(number), BorderType::Real) => Ok(ParameterInput::Number(number)),
             (InterpretedValue::Name(name), BorderType::Name) => Ok(ParameterInput::Text(name.to_owned())),
             (said, expected) => {
@@ -345,7 +347,10 @@ mod tests {
             integer_value,
             ..ParameterValue::default()
         };
-        assert!(find("x.max_velocity").has_value(&integer(1), &image) && !find("x.max_velocity").has_value(&integer(2), &image));
+        assert!(
+            find("x.max_velocity").has_value(&integer(1), &image)
+                && !find("x.max_velocity").has_value(&integer(2), &image)
+        );
         assert!(!find("x.max_velocity").has_value(&ParameterValue::default(), &image));
         assert!(find("x.max_jerk").has_value(&ParameterValue::default(), &image));
         assert!(!find("x.max_jerk").has_value(&integer(0), &image));

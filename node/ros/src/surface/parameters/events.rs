@@ -72,7 +72,10 @@ fn own_parameters<'a>(own: impl Iterator<Item = (&'a String, &'a OwnParameter)>)
 }
 
 /// Returns the node's own parameters whose value has changed, and the new ones.
-fn own_difference(last: &BTreeMap<String, OwnParameter>, newest: &BTreeMap<String, OwnParameter>) -> (Vec<Parameter>, Vec<Parameter>) {
+fn own_difference(
+    last: &BTreeMap<String, OwnParameter>,
+    newest: &BTreeMap<String, OwnParameter>,
+) -> (Vec<Parameter>, Vec<Parameter>) {
     let is_new = |name: &str| !last.contains_key(name);
     let differs = |name: &str, own: &OwnParameter| last.get(name).is_some_and(|before| before.value != own.value);
     let changed = own_parameters(newest.iter().filter(|(name, own)| differs(name, own)));

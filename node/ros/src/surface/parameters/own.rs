@@ -1,7 +1,7 @@
 //! Parameters of the node itself, in addition to those of the machine: they have no object, and do not affect motion directly.
 
 use super::catalogue::power_of_ten;
-use crate::layer::{CreateError, OverrideValue, NodeHandle, Overrides};
+use crate::layer::{CreateError, NodeHandle, OverrideValue, Overrides};
 use lineshaft_core::unit::{excerpt, number_to_text};
 use lineshaft_msgs::foreign::rcl_interfaces::msg::{ParameterDescriptor, ParameterType, ParameterValue};
 use std::collections::BTreeMap;
@@ -78,7 +78,8 @@ impl Default for OwnParameters {
 impl OwnParameters {
     /// Creates an empty set; each declared parameter gets its override.
     pub(crate) fn new(overrides: Overrides) -> Self {
-        let state = State { declared: BTreeMap::new(), misleading_names: BTreeMap::new(), overrides, refused: Vec::new() };
+        let state =
+            State { declared: BTreeMap::new(), misleading_names: BTreeMap::new(), overrides, refused: Vec::new() };
         Self { state: Mutex::new(state), version: watch::Sender::new(0) }
     }
 

@@ -37,7 +37,11 @@ type Answer<S> = fn(&View<'_>, <S as Service>::Request) -> <S as Service>::Respo
 
 impl Services<'_> {
     /// Serves a service from the newest values.
-    fn serve<S: Service + 'static>(&mut self, served: &table::ServiceRow<S>, answer: Answer<S>) -> Result<(), CreateError>
+    fn serve<S: Service + 'static>(
+        &mut self,
+        served: &table::ServiceRow<S>,
+        answer: Answer<S>,
+    ) -> Result<(), CreateError>
     where
         S::Request: Send,
         S::Response: Send,

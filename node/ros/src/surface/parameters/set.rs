@@ -64,7 +64,8 @@ async fn set_each(
         return vec![SetParametersResult { successful: false, reason: sentence }];
     }
     let names: HashSet<&str> = parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-    let repeats = |place: &usize| catalogue.find(&parameters[*place].name).is_some_and(|known| known.is_view_of(&names));
+    let repeats =
+        |place: &usize| catalogue.find(&parameters[*place].name).is_some_and(|known| known.is_view_of(&names));
     // Views of other parameters in the request are checked once those are set.
     let (later, first): (Vec<usize>, Vec<usize>) = (0..parameters.len()).partition(repeats);
     let mut results = vec![SetParametersResult::default(); parameters.len()];
@@ -77,8 +78,9 @@ async fn set_each(
     for place in first.into_iter().chain(later) {
         let parameter = &parameters[place];
         let known = catalogue.find(&parameter.name);
-        let is_shown = known
-            .is_some_and(|known| known.is_view_of(&names) || known.is_not_settable(hub.host.config(), &parameter.value));
+        let is_shown = known.is_some_and(|known| {
+            known.is_view_of(&names) || known.is_not_settable(hub.host.config(), &parameter.value)
+        });
         if is_shown {
             // Whether it has that value is known only after the previous parameters are set.
             while let Some((place, given)) = under_way.pop_front() {
@@ -87,7 +89,9 @@ async fn set_each(
         }
         let given = match asked(hub, catalogue, parameter) {
             Ok(Asked::Nothing) => Given::Done,
-            Ok(_) if is_shown && known.is_some_and(|known| known.has_value(&parameter.value, &hub.host.parameters())) => {
+            Ok(_)
+                if is_shown && known.is_some_and(|known| known.has_value(&parameter.value, &hub.host.parameters())) =>
+            {
                 Given::Done
             }
             Ok(Asked::Own(value)) => {

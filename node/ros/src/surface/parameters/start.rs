@@ -46,7 +46,8 @@ pub fn start_commands(config: &MachineConfig, given: &mut Overrides) -> Result<V
             }
             continue;
         }
-        let is_shown = |known: &&DeclaredParameter| known.is_view_of(&names) || known.is_not_settable(config, &parameter.value);
+        let is_shown =
+            |known: &&DeclaredParameter| known.is_view_of(&names) || known.is_not_settable(config, &parameter.value);
         if let Some(declared) = declared.filter(is_shown) {
             shown.push((declared, parameter, given));
             continue;

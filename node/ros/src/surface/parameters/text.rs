@@ -102,7 +102,12 @@ mod tests {
 
     #[test]
     fn choices_have_the_numbers_of_the_interface() {
-        let all = [ParameterSelection::All, ParameterSelection::NotDefault, ParameterSelection::NotCell, ParameterSelection::NotSaved];
+        let all = [
+            ParameterSelection::All,
+            ParameterSelection::NotDefault,
+            ParameterSelection::NotCell,
+            ParameterSelection::NotSaved,
+        ];
         assert_eq!([0, 1, 2, 3].map(listing), all.map(Ok));
         assert!(listing(4).is_err_and(|sentence| sentence.starts_with("which is 4; 0 ALL")));
     }

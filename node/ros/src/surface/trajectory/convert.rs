@@ -228,7 +228,8 @@ fn tolerances(
         let moved = places.iter().position(|moved| *moved == place).and_then(|index| all.get_mut(index));
         let merged = moved.ok_or_else(|| GoalError::NotMoved { field, name: tolerance.name.clone() })?;
         let merge = |what: &str, usual: Option<f64>, value: f64| {
-            let wrong = || GoalError::Tolerance { field: format!("{field} ({what})"), name: tolerance.name.clone(), value };
+            let wrong =
+                || GoalError::Tolerance { field: format!("{field} ({what})"), name: tolerance.name.clone(), value };
             merged_value(usual, value).ok_or_else(wrong)
         };
         merged.position = merge("position", merged.position, tolerance.position)?;

@@ -30,7 +30,9 @@ pub(super) fn end(code: Code, sentence: &str, is_cancelled: bool, has_run: bool)
         }
         // Tolerances of the axis and of the group with other names.
         Code::FOLLOWING_ERROR if has_run => (FinalState::Aborted, Result::PATH_TOLERANCE_VIOLATED, sentence.to_owned()),
-        Code::TRAJECTORY_TOO_LONG if has_run => (FinalState::Aborted, Result::GOAL_TOLERANCE_VIOLATED, sentence.to_owned()),
+        Code::TRAJECTORY_TOO_LONG if has_run => {
+            (FinalState::Aborted, Result::GOAL_TOLERANCE_VIOLATED, sentence.to_owned())
+        }
         Code::TRAJECTORY_IN_THE_PAST => (FinalState::Aborted, Result::OLD_HEADER_TIMESTAMP, sentence.to_owned()),
         Code::REPLACED => {
             let text = format!("Current goal cancelled due to new incoming action. {sentence}");
@@ -53,8 +55,20 @@ mod tests {
             // A cancel request that arrives too late does not change a reached goal.
             (Code::NONE, true, FinalState::Succeeded, 0, "Goal successfully reached!"),
             (Code::CANCELLED, true, FinalState::Canceled, 0, ""),
-            (Code::TRAJECTORY_PATH_TOLERANCE, false, FinalState::Aborted, -4, "Aborted due to path tolerance violation: why"),
-            (Code::TRAJECTORY_PATH_TOLERANCE, true, FinalState::Aborted, -4, "Aborted due to path tolerance violation: why"),
+            (
+                Code::TRAJECTORY_PATH_TOLERANCE,
+                false,
+                FinalState::Aborted,
+                -4,
+                "Aborted due to path tolerance violation: why",
+            ),
+            (
+                Code::TRAJECTORY_PATH_TOLERANCE,
+                true,
+                FinalState::Aborted,
+                -4,
+                "Aborted due to path tolerance violation: why",
+            ),
             (
                 Code::TRAJECTORY_GOAL_TOLERANCE,
                 false,

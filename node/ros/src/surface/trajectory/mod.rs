@@ -52,8 +52,12 @@ pub(super) fn start(
         let action =
             table::FOLLOW_JOINT_TRAJECTORY.server_as(node, &joints.name_of(&table::FOLLOW_JOINT_TRAJECTORY.0))?;
         let topic = table::JOINT_TRAJECTORY.subscription_as(node, &joints.name_of(&table::JOINT_TRAJECTORY.0))?;
-        let taker =
-            TrajectoryReceiver { hub: Arc::clone(hub), controllers: Arc::clone(controllers), place, joints: Arc::clone(joints) };
+        let taker = TrajectoryReceiver {
+            hub: Arc::clone(hub),
+            controllers: Arc::clone(controllers),
+            place,
+            joints: Arc::clone(joints),
+        };
         tasks.spawn(action::serve(action, taker.clone()));
         tasks.spawn(topic::serve(topic, taker.clone()));
         let query = table::QUERY_STATE.server_as(node, &joints.name_of(&table::QUERY_STATE.0))?;
@@ -88,7 +92,11 @@ impl TrajectoryReceiver {
     ///
     /// # Errors
     /// The controller is inactive. Inner error: the machine accepts no further commands at present.
-    fn hand_over(&self, started: PreparedTrajectory, topic: Option<&str>) -> Result<Result<CommandEvents, SubmitError>, String> {
+    fn hand_over(
+        &self,
+        started: PreparedTrajectory,
+        topic: Option<&str>,
+    ) -> Result<Result<CommandEvents, SubmitError>, String> {
         let submit = || {
             let action = Action::Trajectory(started.begin(self.hub.now_ns()));
             match topic {

@@ -46,7 +46,9 @@ fn read_message(taker: &TrajectoryReceiver, message: JointTrajectory) -> Result<
 /// Submits the request of a message.
 fn submit_request(taker: &TrajectoryReceiver, topic: &str, asked: Asked, open: &mut JoinSet<()>) -> Result<(), String> {
     match asked {
-        Asked::Stop(axes) => taker.hub.submit_without_answer(Action::Halt(axes)).map(drop).map_err(|busy| busy.to_string()),
+        Asked::Stop(axes) => {
+            taker.hub.submit_without_answer(Action::Halt(axes)).map(drop).map_err(|busy| busy.to_string())
+        }
         Asked::Trajectory(started) => {
             let answers = taker.hand_over(started, Some(topic))?.map_err(|busy| busy.to_string())?;
             if taker.controllers.has_manager() {

@@ -2,7 +2,7 @@
 
 use lineshaft_can::NodeId;
 use lineshaft_can::commission::words::{drive_state, nmt_state};
-use lineshaft_can::commission::{Device, Drive, ReportedState, PdoConfiguration};
+use lineshaft_can::commission::{Device, Drive, PdoConfiguration, ReportedState};
 use lineshaft_can::eds::{Dictionary, Direction};
 use lineshaft_core::drive::DriveState;
 use serde_json::{Value as Json, json};

@@ -2,7 +2,7 @@
 
 use super::{figure, mark, sampled, series, states, svg, texts};
 use crate::recording::plot::{Figure, Target, draw, write};
-use crate::recording::series::{Kind, EventMark, Series};
+use crate::recording::series::{EventMark, Kind, Series};
 use std::fs;
 
 fn run() -> Vec<Series> {

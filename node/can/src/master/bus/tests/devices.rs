@@ -7,7 +7,8 @@ use super::*;
 #[test]
 fn a_module_is_inputs_and_outputs_of_the_machine() {
     let terminal = |place, address| Terminal { place, address };
-    let analog = |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
+    let analog =
+        |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
     let terminals = Terminals {
         digital_inputs: vec![terminal(0, 15)],
         digital_outputs: vec![terminal(1, 7)],

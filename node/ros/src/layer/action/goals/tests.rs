@@ -59,7 +59,10 @@ fn a_goal_goes_from_accepted_to_succeeded() {
     let (mut goals, now) = goals();
     assert!(goals.offer(id(1), sent(0), now));
     let canceled = goals.accept(id(1), at(5, 6));
-    assert_eq!(goals.shown().collect::<Vec<_>>(), [GoalStatusEntry { id: id(1), stamp: at(5, 6), status: Status::Accepted }]);
+    assert_eq!(
+        goals.shown().collect::<Vec<_>>(),
+        [GoalStatusEntry { id: id(1), stamp: at(5, 6), status: Status::Accepted }]
+    );
     assert!(goals.execute(id(1)));
     assert!(!goals.execute(id(1)), "it is being done already");
     assert_eq!(goals.request_result(id(1), 70, now), ResultAnswer::Waits);
@@ -93,7 +96,11 @@ fn results_are_forgotten_when_their_time_is_over() {
     let before = now + KEEP - Duration::from_nanos(1);
     assert_eq!(goals.request_result(id(1), 1, before), ResultAnswer::Ended(1, Status::Succeeded, "one"));
     assert_eq!(goals.request_result(id(1), 2, now + KEEP), ResultAnswer::Unknown(2));
-    assert_eq!(goals.request_result(id(2), 3, now + KEEP * 1000), ResultAnswer::Waits, "what has not ended is never forgotten");
+    assert_eq!(
+        goals.request_result(id(2), 3, now + KEEP * 1000),
+        ResultAnswer::Waits,
+        "what has not ended is never forgotten"
+    );
     assert_eq!(goals.shown().count(), 1);
 }
 

@@ -163,7 +163,11 @@ impl Bench {
         });
         let mut tasks = JoinSet::new();
         let hub = Hub::start(&node, host.clone(), heard, &mut tasks).expect("a hub");
-        let life = NodeLifecycle::new(hub, node.name().to_string(), table::TRANSITION_EVENT.publisher(&node).expect("a topic"));
+        let life = NodeLifecycle::new(
+            hub,
+            node.name().to_string(),
+            table::TRANSITION_EVENT.publisher(&node).expect("a topic"),
+        );
         Self { life, host, _tasks: tasks, _node: node }
     }
 

@@ -38,7 +38,11 @@ fn declare(own: &OwnParameters) {
     let list = descriptor("list", ParameterType::PARAMETER_DOUBLE_ARRAY);
     let r#type = ParameterType::PARAMETER_DOUBLE_ARRAY;
     let value = ParameterValue { r#type, double_array_value: vec![1.0], ..ParameterValue::default() };
-    own.declare(OwnParameter { descriptor: ParameterDescriptor { read_only: true, ..list }, value, ..OwnParameter::default() });
+    own.declare(OwnParameter {
+        descriptor: ParameterDescriptor { read_only: true, ..list },
+        value,
+        ..OwnParameter::default()
+    });
     let word = descriptor("word", ParameterType::PARAMETER_STRING);
     own.declare(OwnParameter { descriptor: word, value: string("scale"), words: &["scale", "refuse"] });
     own.declare_switch("use_sim_time", "The time of /clock.");
