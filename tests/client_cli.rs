@@ -3,6 +3,8 @@
 use crate::support::domain::Domain;
 use crate::support::program::Program;
 use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -235,6 +237,33 @@ fn homing_is_waited_for() {
     // Axes that have a method: turret and line have none.
     assert_eq!(demo.good(&["home", "--all"]), "x: homed\ny: homed\n");
     assert_eq!((&demo.axis("x")["homed"], &demo.axis("y")["homed"]), (&json!(true), &json!(true)));
+    // The command takes no method, so its message does not suggest to name one.
+    demo.good(&["enable", "turret"]);
+    assert_eq!(
+        demo.fails(1, &["home", "turret"]),
+        "error: turret: homing.method is 0: give the axis a method in its cell\n"
+    );
+}
+
+/// With `autostart: false` the node waits unconfigured.
+#[test]
+fn node_that_waits_is_activated_without_ros() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/demo.yaml");
+    let text = fs::read_to_string(demo).expect("the demo");
+    assert!(text.contains("autostart: true"), "{text}");
+    let cell = folder.path().join("cell.yaml");
+    fs::write(&cell, text.replace("autostart: true", "autostart: false")).expect("room for a file");
+    let domain = Domain::take();
+    let program = Program::start(&["run", cell.to_str().expect("a path of text")], &domain);
+    let demo = Demo { program, domain };
+    demo.program.until_log("autostart is false: the node waits, unconfigured; `lineshaft activate` starts it");
+    let refused = demo.fails(1, &["enable", "x"]);
+    assert!(refused.contains("configure and activate it first (`lineshaft activate`, or ~/change_state)"), "{refused}");
+    assert_eq!(demo.good(&["activate"]), "node /lineshaft is active\n");
+    // Nothing is to be done the second time.
+    assert_eq!(demo.good(&["activate"]), "node /lineshaft is active\n");
+    assert_eq!(demo.good(&["enable", "x"]), "1 axis enabled\n");
 }
 
 #[test]

@@ -176,7 +176,7 @@ fn closed_standard_error_keeps_the_exit_code() {
 fn every_command_of_the_help_is_tried() {
     // `run` prints a report only after a scenario in real time; `can` needs a bus, the next ones a node; `man` prints
     // nothing.
-    let other = ["run", "can", "state", "enable", "disable", "reset", "home", "halt", "move", "jog", "man"];
+    let other = ["run", "can", "state", "enable", "disable", "reset", "home", "halt", "move", "jog", "activate", "man"];
     let help = text(&Bench::new().run("--help", Stdio::piped()).stdout);
     let commands = help.split("Commands:\n").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("a list");
     // Lines of longer descriptions have a deeper indent.

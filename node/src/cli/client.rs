@@ -1,10 +1,10 @@
-//! `lineshaft state`, `enable`, `disable`, `halt`, `reset`, `move`, `home`, `jog`: commands to a running node.
+//! `lineshaft state`, `enable`, `disable`, `halt`, `reset`, `move`, `home`, `jog`, `activate`: commands to a running node.
 
 use super::logging::Logging;
 use super::times::within;
 use super::{Exit, complain};
 use crate::client::{
-    AxesService, Failure, Given, Jog, Motion, Options, StateForm, command_axes, home, jog, move_axis, state,
+    AxesService, Failure, Given, Jog, Motion, Options, StateForm, activate, command_axes, home, jog, move_axis, state,
 };
 use clap::{Args, Subcommand};
 use std::time::Duration;
@@ -50,6 +50,12 @@ axis in parentheses.
 
 Exit codes: 0 printed, 1 no answer, 2 bad usage.";
 
+const ACTIVATE_HELP: &str = "\
+A node whose cell has `autostart: false` waits, unconfigured, until it is activated; so does a node whose backends did not start. \
+The command configures the node if necessary, which starts its backends and its cycles, and activates it. It enables no axis.
+
+Exit codes: 0 the node is active, 1 a transition failed or no answer, 2 bad usage.";
+
 /// Commands to a node.
 #[derive(Debug, Subcommand)]
 pub(super) enum ClientCommand {
@@ -70,13 +76,16 @@ pub(super) enum ClientCommand {
     Jog(JogArgs),
     /// Home axes of a node that runs, without ROS
     #[command(after_help = HOME_HELP)]
-    Home(AxesArgs),
+    Home(HomeArgs),
     /// Stop axes of a node that runs, without ROS
     #[command(after_help = AXES_HELP)]
     Halt(HaltArgs),
     /// Reset errors of axes of a node that runs, without ROS
     #[command(after_help = AXES_HELP)]
     Reset(AxesArgs),
+    /// Activate a node that waits, without ROS
+    #[command(after_help = ACTIVATE_HELP)]
+    Activate(NodeArgs),
 }
 
 /// Which node.
@@ -113,7 +122,7 @@ pub(super) struct AxesArgs {
     /// Names of the axes
     #[arg(value_name = "AXIS", required_unless_present = "all")]
     axes: Vec<String>,
-    /// All axes of the cell; `home`: all that have a homing method
+    /// All axes of the cell
     #[arg(long, conflicts_with = "axes")]
     all: bool,
     #[command(flatten)]
@@ -122,6 +131,25 @@ pub(super) struct AxesArgs {
 
 impl AxesArgs {
     /// Returns the axis names; empty for all axes.
+    fn names(&self) -> &[String] {
+        if self.all { &[] } else { &self.axes }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct HomeArgs {
+    /// Names of the axes
+    #[arg(value_name = "AXIS", required_unless_present = "all")]
+    axes: Vec<String>,
+    /// All axes that have a homing method
+    #[arg(long, conflicts_with = "axes")]
+    all: bool,
+    #[command(flatten)]
+    node: NodeArgs,
+}
+
+impl HomeArgs {
+    /// Returns the axis names; empty for all axes that have a homing method.
     fn names(&self) -> &[String] {
         if self.all { &[] } else { &self.axes }
     }
@@ -191,7 +219,7 @@ pub(super) struct JogArgs {
     /// Velocity, such as '20 mm/s' or '-30 deg/s'
     #[arg(allow_hyphen_values = true)]
     velocity: String,
-    /// Stop after this time (20 ms to 86400 s); without it at Ctrl-C
+    /// Stop after this time (20 ms to 86400 s; a number without a unit is in s); without it at Ctrl-C
     #[arg(long = "for", value_name = "TIME", value_parser = jog_time)]
     time: Option<Duration>,
     #[command(flatten)]
@@ -246,6 +274,7 @@ async fn run(command: &ClientCommand) -> Result<(), Failure> {
         ClientCommand::Move(args) => move_axis(&args.node.options(), &args.motion()?).await,
         ClientCommand::Jog(args) => jog(&args.node.options(), &args.jog()?).await,
         ClientCommand::Home(args) => home(&args.node.options(), args.names()).await,
+        ClientCommand::Activate(node) => activate(&node.options()).await,
     }
 }
 
@@ -256,7 +285,7 @@ async fn axes_command(service: AxesService, args: &AxesArgs) -> Result<(), Failu
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::Parser;
+    use clap::{CommandFactory, Parser};
 
     #[derive(Debug, Parser)]
     struct Line {
@@ -296,8 +325,32 @@ mod tests {
     }
 
     #[test]
-    fn times_have_ranges() {
+    fn node_is_activated_by_its_name() {
+        let Ok(ClientCommand::Activate(node)) = parse(&["activate", "--node", "/cell/a"]) else {
+            panic!("it is a good command");
+        };
+        assert_eq!((node.node.as_deref(), node.timeout), (Some("/cell/a"), Duration::from_secs(5)));
+        assert!(parse(&["activate", "x"]).is_err());
+    }
+
+    #[test]
+    fn help_of_all_is_that_of_its_command() {
+        let line = Line::command();
+        let help = |command: &str| {
+            let command = line.find_subcommand(command)?;
+            let all = command.get_arguments().find(|argument| argument.get_id().as_str() == "all")?;
+            all.get_help().map(ToString::to_string)
+        };
+        for command in ["enable", "disable", "reset", "halt"] {
+            assert_eq!(help(command).as_deref(), Some("All axes of the cell"), "{command}");
+        }
+        assert_eq!(help("home").as_deref(), Some("All axes that have a homing method"));
+    }
+
+    #[test]
+    fn times_have_ranges_and_are_in_seconds_without_a_unit() {
         assert_eq!(timeout("5"), Ok(Duration::from_secs(5)));
+        assert_eq!(jog_time("2"), Ok(Duration::from_secs(2)));
         assert_eq!(timeout("50 ms"), Err("50 ms is not allowed; 100 ms to 600 s is".to_owned()));
         assert!(jog_time("1 mm").is_err() && jog_time("-1 s").is_err());
         assert_eq!(jog_time("2s"), Err("`2s` has no blank between number and unit; write `2 s`".to_owned()));

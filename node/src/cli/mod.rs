@@ -29,6 +29,7 @@ mod table;
 mod times;
 mod tune;
 mod usage;
+mod usage_hint;
 mod validate;
 
 pub use self::usage::{UsageError, parses};
@@ -110,7 +111,7 @@ enum Command {
                             The environment: ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE (SUBNET, LOCALHOST), \
                             ROS_LOCALHOST_ONLY, RUST_LOG.\n\
                             Ctrl-C halts and disables all axes and ends the node, as do SIGTERM, SIGHUP and SIGQUIT; a second one ends it at once.\n\
-                            From another terminal, without ROS: `lineshaft state`, enable, disable, move, jog, home, halt, reset."
+                            From another terminal, without ROS: `lineshaft state`, enable, disable, move, jog, home, halt, reset, activate."
     )]
     Run(RunArgs),
     /// Play a scenario on a simulated cell, as fast as it goes, without ROS; or all scenarios of a folder
@@ -450,8 +451,9 @@ impl Default for FlightArgs {
 /// Where saved parameters are kept.
 #[derive(Clone, Debug, Default, Args)]
 struct StoreArgs {
-    /// Start with the parameters saved in this file, and keep there what is saved; `none`: keep nothing. Left out: `sim`
-    /// keeps nothing, `run` uses ~/.ros/lineshaft/<node>/parameters.<cell>.yaml (ROS_HOME counts)
+    /// Start with the parameters saved in this file, and keep there what is saved; `none`: keep nothing. Left out: `sim`,
+    /// and `tune` of a simulated axis, keep nothing; `run`, and `tune` of a real axis, use
+    /// ~/.ros/lineshaft/<node>/parameters.<cell>.yaml (ROS_HOME counts)
     #[arg(long, value_name = "FILE|none")]
     store: Option<PathBuf>,
 }
@@ -674,14 +676,14 @@ fn command(arguments: Vec<String>) -> Exit {
         }
     };
     let logging = Logging::start(ros.stdout_logs);
-    let first = rest.get(1).cloned();
-    let line = match Line::try_parse_from(rest) {
+    let line = match Line::try_parse_from(&rest) {
         Ok(line) => line,
         Err(error) => {
+            let error = usage_hint::without_escape_tip(error);
             // --help and --version are no errors, and go to standard output.
             let printed = error.print();
             if error.use_stderr() {
-                if let Some(hint) = file_hint::file_hint(&error, first.as_deref()) {
+                if let Some(hint) = usage_hint::hint(&error, rest.get(1..).unwrap_or_default()) {
                     eprintln!("hint: {hint}");
                 }
                 return Exit::Usage;

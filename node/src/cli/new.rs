@@ -22,7 +22,6 @@ Exit codes: 0 good, 2 bad usage, or a file that exists or cannot be written.";
 #[derive(Debug, Args)]
 pub(super) struct NewArgs {
     /// What to start from, as `gear`; left out: demo. --list lists the kinds
-    #[arg(required_unless_present = "list")]
     kind: Option<String>,
     /// The new cell, NAME.yaml
     file: Option<PathBuf>,
@@ -83,16 +82,23 @@ fn write(args: &NewArgs) -> Result<String, String> {
 /// Returns the kind and the file of the arguments; a single argument is the file.
 fn wanted(args: &NewArgs) -> Result<(&'static StarterKind, &Path), String> {
     match (args.kind.as_deref(), args.file.as_deref()) {
-        (Some(name), Some(file)) => Ok((StarterKind::find(name).ok_or_else(|| unknown(name))?, file)),
+        (Some(name), Some(file)) => Ok((StarterKind::find(name).ok_or_else(|| unknown(name, file))?, file)),
         (Some(name), None) => match StarterKind::find(name) {
             Some(kind) => Err(format!("the file is missing: `lineshaft new {0} {0}.yaml`", kind.name)),
             None => Ok((&KINDS[0], Path::new(name))),
         },
-        (None, _) => Err("the file is missing: `lineshaft new machine.yaml`".to_owned()),
+        (None, _) => {
+            let commands = "`lineshaft new machine.yaml`, or with a kind `lineshaft new gear machine.yaml`";
+            Err(format!("the file is missing: {commands}; `lineshaft new --list` lists the kinds"))
+        }
     }
 }
 
-fn unknown(name: &str) -> String {
+/// Returns the message for an unknown kind before a file.
+fn unknown(name: &str, file: &Path) -> String {
+    if let Some(kind) = file.to_str().and_then(StarterKind::find) {
+        return format!("the kind is given before the file: `lineshaft new {} {}`", kind.name, quoted(Path::new(name)));
+    }
     let names: Vec<_> = KINDS.iter().map(|kind| kind.name).collect();
     let meant =
         nearest(name, names.iter().copied()).map_or(String::new(), |meant| format!("; {}", did_you_mean(meant)));
@@ -100,9 +106,9 @@ fn unknown(name: &str) -> String {
 }
 
 /// Quotes a path for a shell if necessary.
-fn quoted(path: &Path) -> String {
+pub(super) fn quoted(path: &Path) -> String {
     let text = path.display().to_string();
-    let is_plain = |sign: char| sign.is_alphanumeric() || "_-./+,:@%".contains(sign);
+    let is_plain = |sign: char| sign.is_alphanumeric() || "_-./+,:@%=".contains(sign);
     if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
 }
 
@@ -122,7 +128,22 @@ mod tests {
     #[test]
     fn an_unknown_kind_is_told_the_known_ones() {
         let known = "demo, can, gantry, cam, gear, register, arm6, function, winder";
+        let unknown = |name| unknown(name, Path::new("m.yaml"));
         assert_eq!(unknown("gaer"), format!("kind `gaer` is unknown, allowed: {known}; did you mean `gear`?"));
         assert_eq!(unknown("press"), format!("kind `press` is unknown, allowed: {known}"));
+    }
+
+    #[test]
+    fn missing_file_and_kind_after_the_file_are_reported_with_a_command() {
+        let refused = |kind: Option<&str>, file: Option<&str>| {
+            let (kind, file) = (kind.map(str::to_owned), file.map(PathBuf::from));
+            wanted(&NewArgs { kind, file, list: false, force: false }).err()
+        };
+        let missing = "the file is missing: `lineshaft new machine.yaml`, or with a kind `lineshaft new gear machine.yaml`; \
+                       `lineshaft new --list` lists the kinds";
+        assert_eq!(refused(None, None).as_deref(), Some(missing));
+        let order = "the kind is given before the file: `lineshaft new gear foo.yaml`";
+        assert_eq!(refused(Some("foo.yaml"), Some("gear")).as_deref(), Some(order));
+        assert_eq!(refused(Some("gear"), Some("foo.yaml")), None);
     }
 }

@@ -12,6 +12,7 @@ use super::check::{summary, warnings};
 use super::logging::Logging;
 use super::{Exit, RunArgs, complain, say, store};
 use crate::cell::{Cell, OnLoss};
+use crate::client::activate_command;
 use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::recording::Topic;
 use crate::run::bridge::Handle;
@@ -287,6 +288,10 @@ async fn serve(start: Start<'_>, prepared: Prepared, heard: SurfaceInputs, signa
         Networks::Only(addresses) => addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "),
     };
     tracing::info!("ROS 2 node {name}, domain {}, {networks}; Ctrl-C ends it", environment.domain);
+    if !cell.ros.autostart {
+        let command = activate_command(&name.to_string());
+        tracing::info!("autostart is false: the node waits, unconfigured; `{command}` starts it");
+    }
     if let Some(why) = Interface::of_host().ok().and_then(|existing| environment.unreachable(&existing)) {
         tracing::warn!("{why}");
     }

@@ -102,6 +102,19 @@ pub(super) fn participants_folder() -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::Line;
+    use clap::CommandFactory;
+
+    #[test]
+    fn help_names_the_default_of_each_command_with_a_store() {
+        let line = Line::command();
+        for command in ["run", "sim", "tune"] {
+            let mut arguments = line.find_subcommand(command).unwrap().get_arguments();
+            let store = arguments.find(|argument| argument.get_id().as_str() == "store").unwrap();
+            let help = store.get_help().unwrap().to_string();
+            assert!(["`run`", "`sim`", "`tune`"].iter().all(|name| help.contains(name)), "{command}: {help}");
+        }
+    }
 
     #[test]
     fn each_cell_of_a_node_has_a_file_of_its_own() {

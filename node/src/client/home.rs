@@ -5,6 +5,7 @@ use super::info::{AxisInfos, no_axis};
 use super::output::{Progress, print};
 use super::session::{Session, axis_states};
 use super::{Failure, Options};
+use lineshaft_core::code::Code;
 use lineshaft_msgs::action::{HomeAxis, HomeAxisFeedback, HomeAxisGoal};
 use lineshaft_msgs::foreign::action_msgs::msg::GoalStatus;
 use lineshaft_msgs::foreign::rcl_interfaces::srv::{GetParameters, GetParametersRequest};
@@ -35,6 +36,10 @@ pub(crate) async fn home(options: &Options, axes: &[String]) -> Result<(), Failu
     let mut failures = Vec::new();
     for (axis, end) in axes.iter().zip(ends) {
         match end {
+            // This command takes no method, which the message of the node suggests.
+            Ended::Over { result, .. } if result.code == Code::HOMING_NO_METHOD.0 => {
+                failures.push(format!("{axis}: homing.method is 0: give the axis a method in its cell"));
+            }
             Ended::Over { status: GoalStatus::STATUS_SUCCEEDED, .. } => {
                 print(&format!("{axis}: homed"));
             }

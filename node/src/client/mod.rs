@@ -5,6 +5,7 @@
 //! given name is matched, and it reports the answer of that node. `session` finds the node and calls its services,
 //! `goals` runs goals of its actions to their ends.
 
+mod activate;
 mod amount;
 mod axes;
 mod find;
@@ -21,6 +22,7 @@ mod stop;
 #[cfg(test)]
 mod test_node;
 
+pub(crate) use self::activate::{activate, activate_command};
 pub(crate) use self::amount::Given;
 pub(crate) use self::axes::{AxesService, command_axes};
 pub(crate) use self::home::home;

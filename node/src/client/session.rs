@@ -1,6 +1,7 @@
 //! Connection of a command to one Lineshaft node.
 
 use super::Failure;
+use super::activate::remedy;
 use super::find::{Found, domain_text, find};
 use lineshaft_msgs::foreign::lifecycle_msgs::srv::{GetState, GetStateRequest};
 use lineshaft_msgs::msg::AxisStates;
@@ -138,10 +139,7 @@ impl Session {
                 2.. if self.is_stop => return Ok(()),
                 0 if begun.elapsed() >= self.timeout => return Err(Failure::Failed(self.missing(what))),
                 several if begun.elapsed() >= self.timeout => {
-                    return Err(Failure::Usage(format!(
-                        "{several} nodes are called {}; nothing was sent; give each another name (-r __node:=NAME)",
-                        self.target
-                    )));
+                    return Err(Failure::Usage(several_nodes(several, &self.target)));
                 }
                 _ => sleep(POLL_INTERVAL).await,
             }
@@ -246,9 +244,10 @@ impl Session {
         };
         Failure::Failed(format!(
             "no message of {} within {} s; the node is {label}, and publishes them only where its machine runs and \
-             axis_states_rate of the cell is not 0",
+             axis_states_rate of the cell is not 0{}",
             self.below("axis_states"),
-            self.timeout.as_secs_f64()
+            self.timeout.as_secs_f64(),
+            remedy(&label, &self.target)
         ))
     }
 
@@ -259,6 +258,14 @@ impl Session {
     }
 }
 
+/// Returns the message that several nodes have the name of the command's node.
+fn several_nodes(count: usize, name: &str) -> String {
+    format!(
+        "{count} nodes are called {name}; nothing was sent; give each another name \
+         (`lineshaft run CELL --ros-args -r __node:=NAME`)"
+    )
+}
+
 /// Returns the error for the end of the command's own node.
 pub(super) fn own_end() -> Failure {
     Failure::Failed("the node of this command has ended".to_owned())
@@ -267,4 +274,17 @@ pub(super) fn own_end() -> Failure {
 /// Creates a subscription of the states of all axes.
 pub(super) fn axis_states(session: &Session) -> Result<Subscription<AxisStates>, Failure> {
     session.topic("axis_states", Qos::STREAM)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hint_for_several_nodes_of_one_name_is_a_command_that_is_accepted() {
+        let sentence = several_nodes(2, "/lineshaft");
+        let begin = "2 nodes are called /lineshaft; nothing was sent; give each another name (`";
+        let hint = sentence.strip_prefix(begin).and_then(|rest| rest.strip_suffix("`)")).expect("a command");
+        assert_eq!(crate::cli::parses(hint.split(' ').map(str::to_owned)), Ok(()), "{hint}");
+    }
 }

@@ -4,7 +4,7 @@
 use super::{section, verbs};
 
 /// A command, the interface of the node that it uses, and the equivalent verb of scenarios.
-const COMMANDS: [(&str, &str, &str); 8] = [
+const COMMANDS: [(&str, &str, &str); 9] = [
     ("state", "~/axis_states", ""),
     ("enable", "~/enable", "enable"),
     ("disable", "~/disable", "disable"),
@@ -13,6 +13,7 @@ const COMMANDS: [(&str, &str, &str); 8] = [
     ("home", "~/home_axis", "home_axis"),
     ("halt", "~/halt", "halt"),
     ("reset", "~/reset_errors", "reset_errors"),
+    ("activate", "~/change_state", "activate"),
 ];
 
 pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
@@ -27,6 +28,12 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
         sections.extend(verbs::sections(verb, width));
     }
     sections
+}
+
+/// Returns the verbs for the commands of that name. A user of another controller may call a halt a stop.
+pub(super) fn equivalents(is_called: impl Fn(&str) -> bool) -> impl Iterator<Item = &'static str> {
+    let verbs = COMMANDS.into_iter().map(|(command, _, verb)| (command, verb)).chain([("stop", "halt")]);
+    verbs.filter(move |(command, verb)| is_called(command) && !verb.is_empty()).map(|(_, verb)| verb)
 }
 
 pub(super) fn names() -> Vec<String> {

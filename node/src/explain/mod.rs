@@ -63,6 +63,21 @@ pub(crate) fn explain(name: &str, width: usize) -> Result<String, String> {
     if sections.is_empty() { Err(unknown(name)) } else { Ok(sections.join("\n")) }
 }
 
+/// Returns the verbs of scenarios that do the same as a command or a function block of PLCopen of that name; underscores
+/// and case are ignored.
+pub(crate) fn verbs_of(name: &str) -> Vec<&'static str> {
+    let bare = |text: &str| text.replace('_', "").to_lowercase();
+    let name = bare(name);
+    let is_called = |known: &str| bare(known) == name;
+    let mut verbs: Vec<&'static str> = Vec::new();
+    for verb in commands::equivalents(is_called).chain(plcopen::equivalents(is_called)) {
+        if !verbs.contains(&verb) {
+            verbs.push(verb);
+        }
+    }
+    verbs
+}
+
 fn unknown(name: &str) -> String {
     let small = name.to_lowercase();
     let mut near: Vec<String> = SUBJECTS.iter().filter_map(|subject| meant(&small, &(subject.names)())).collect();

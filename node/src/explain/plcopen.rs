@@ -252,6 +252,16 @@ fn text(name: &str, part: &Part, block: &Block, width: usize) -> String {
     section(&format!("{name}: a function block of PLCopen ({})", part.name), &facts, width)
 }
 
+/// Returns the verbs that do the same as the blocks of that name, with or without its prefix.
+pub(super) fn equivalents(is_called: impl Fn(&str) -> bool) -> impl Iterator<Item = &'static str> {
+    let is_called = move |known: &str| is_called(known) || known.strip_prefix(PREFIX).is_some_and(&is_called);
+    let blocks = PARTS.iter().flat_map(|part| part.blocks);
+    let found = blocks.filter(move |block| block.names.iter().any(|known| is_called(known)));
+    // Verbs are in backticks; a signal may be among them.
+    let quoted = found.flat_map(|block| block.verb.split('`').skip(1).step_by(2));
+    quoted.filter(|verb| crate::scenario::VERBS.contains(verb))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,6 +6,7 @@ use super::refusal::Refusal;
 use super::ruler::refuse_inexact;
 use super::verb::amount::amount;
 use crate::document::{Map, Place, Value};
+use crate::explain::verbs_of;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, MemoryValue, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
@@ -254,9 +255,9 @@ impl Reader<'_> {
             "wf" => add(self.wf(arguments), None),
             "inject" => add(self.inject(arguments), None),
             other => {
-                let hint = nearest(other, VERBS.into_iter()).map(did_you_mean);
-                let known = format!("known are {}", VERBS.join(", "));
-                verb.refuse(format!("there is no verb `{}`", excerpt(other)), Some(hint.unwrap_or(known)));
+                let known = || format!("known are {}", VERBS.join(", "));
+                let hint = meant_verb(other).unwrap_or_else(known);
+                verb.refuse(format!("there is no verb `{}`", excerpt(other)), Some(hint));
             }
         }
     }
@@ -454,6 +455,16 @@ impl Reader<'_> {
             value.refuse("inject is never refused; leave `refused` out of this step", None);
         }
         inject::read(value, self.names).map(Effect::Inject)
+    }
+}
+
+/// Returns a hint with the most similar verb, or with those that do the same as a command or a function block of PLCopen
+/// of that name.
+fn meant_verb(name: &str) -> Option<String> {
+    let same = verbs_of(name);
+    match nearest(name, VERBS.into_iter()) {
+        Some(near) if same.is_empty() || same.contains(&near) => Some(did_you_mean(near)),
+        _ => (!same.is_empty()).then(|| did_you_mean(&same.join("` or `"))),
     }
 }
 

@@ -95,7 +95,7 @@ pub(super) async fn watch_for_namesakes(mut infos: Reader, shared: Weak<Shared>,
             let slash = if namespace.ends_with('/') { "" } else { "/" };
             tracing::warn!(
                 "participant {participant} has a node {namespace}{slash}{name}, too: clients reach either of the two; give one of \
-                 them another name (-r __node:=NAME)"
+                 them another name (`lineshaft run CELL --ros-args -r __node:=NAME`)"
             );
         }
     }

@@ -54,7 +54,9 @@ pub enum SubmitError {
     #[error("{MOST_COMMANDS} commands wait for the machine already; try again")]
     Full,
     /// No cycles run, so that no command would be read.
-    #[error("the node is unconfigured and no cycle runs; configure and activate it first (~/change_state)")]
+    #[error(
+        "the node is unconfigured and no cycle runs; configure and activate it first (`lineshaft activate`, or ~/change_state)"
+    )]
     Unconfigured,
 }
 

@@ -427,9 +427,31 @@ fn bad(verb: &str) -> String {
 }
 
 #[test]
+fn method_of_homing_without_its_scheme_is_refused_with_the_scheme() {
+    assert_eq!(
+        bad("{home_axis: ^{axis: x, method: 35}}"),
+        "method is 35; 0 is allowed with scheme CONFIGURED; CIA402 and MACS take a number, write `scheme: cia402`"
+    );
+}
+
+#[test]
 fn what_is_wrong_with_a_verb_is_told() {
     assert_eq!(bad("{^mov_axis: {axis: x}}"), "there is no verb `mov_axis`, did you mean `move_axis`?");
     assert!(bad("{^jump: {}}").starts_with("there is no verb `jump`, known are enable, disable, "));
+    // Commands of the program, and function blocks of PLCopen.
+    for (name, verbs) in [
+        ("home", "`home_axis`"),
+        ("reset", "`reset_errors`"),
+        ("stop", "`halt` or `quick_stop`"),
+        ("jog", "`setpoints`"),
+        ("move", "`move_axis`"),
+        ("MC_MoveAbsolute", "`move_axis`"),
+        ("move_absolute", "`move_axis`"),
+        ("gear_in", "`synchronize`"),
+        ("touchprobe", "`touch_probe`"),
+    ] {
+        assert_eq!(bad(&format!("{{^{name}: {{}}}}")), format!("there is no verb `{name}`, did you mean {verbs}?"));
+    }
     assert_eq!(bad("{enable: {axes: ^[x, z]}}"), "no axis is called `z`; there are line, x, turret");
     assert_eq!(bad("{enable: {axes: ^x}}"), "axes is `x`; a list is expected");
     assert_eq!(bad("{halt: {^axis: [x]}}"), "unknown key `axis` in halt, did you mean `axes`?");

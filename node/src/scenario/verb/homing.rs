@@ -20,6 +20,13 @@ impl Reader<'_> {
             let axis = axis?;
             let request = HomeRequest { axis: axis.text()?.to_owned(), scheme: scheme?, method: method? };
             let result = self.names.config.resolve_home(&request).map(Action::HomeAxis);
+            // In most cases a method without a scheme is a number of CiA 402.
+            if let Err(error @ RequestError::BadChoice { field: "method", .. }) = &result
+                && self.refused.is_none()
+            {
+                value.refuse(error.to_string(), Some("write `scheme: cia402`".to_owned()));
+                return None;
+            }
             let at = if matches!(result, Err(RequestError::UnknownAxis { .. })) { &axis } else { value };
             self.to_command(at, result)
         })();

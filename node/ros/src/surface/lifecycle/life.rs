@@ -245,9 +245,12 @@ impl NodeLifecycle {
 fn remedy(end: State, node: &str) -> Option<String> {
     match end {
         states::UNCONFIGURED => Some(format!(
-            "; remove the cause, then `ros2 lifecycle set {node} configure` and `ros2 lifecycle set {node} activate`"
+            "; remove the cause, then `lineshaft activate --node {node}`, or `ros2 lifecycle set {node} configure` and \
+             `ros2 lifecycle set {node} activate`"
         )),
-        states::INACTIVE => Some(format!("; remove the cause, then `ros2 lifecycle set {node} activate`")),
+        states::INACTIVE => Some(format!(
+            "; remove the cause, then `lineshaft activate --node {node}`, or `ros2 lifecycle set {node} activate`"
+        )),
         states::FINALIZED => Some("; remove the cause, then end the program and start it again".to_owned()),
         _ => None,
     }

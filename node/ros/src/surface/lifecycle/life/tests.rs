@@ -208,9 +208,9 @@ async fn a_backend_that_does_not_start_leaves_the_node_unconfigured() {
 
 #[test]
 fn failed_transition_says_how_to_try_again() {
-    let configure =
-        "; remove the cause, then `ros2 lifecycle set /a/b configure` and `ros2 lifecycle set /a/b activate`";
-    let activate = "; remove the cause, then `ros2 lifecycle set /a/b activate`";
+    let configure = "; remove the cause, then `lineshaft activate --node /a/b`, or `ros2 lifecycle set /a/b configure` and \
+                     `ros2 lifecycle set /a/b activate`";
+    let activate = "; remove the cause, then `lineshaft activate --node /a/b`, or `ros2 lifecycle set /a/b activate`";
     let restart = "; remove the cause, then end the program and start it again";
     for (end, advice) in [(UNCONFIGURED, configure), (INACTIVE, activate), (FINALIZED, restart)] {
         assert_eq!(remedy(end, "/a/b").as_deref(), Some(advice));
