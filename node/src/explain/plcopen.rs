@@ -143,7 +143,13 @@ const MOTION: &[Block] = &[
         "",
     ),
     block(&["MC_CamIn"], "`~/synchronize`, mode CAM, `table`", "`synchronize`", ""),
-    block(&["MC_GearOut", "MC_CamOut"], "`~/gear_out`, or cancel of the goal", "`gear_out`, `cancel`", ""),
+    block(
+        &["MC_GearOut", "MC_CamOut"],
+        "`~/gear_out`, or cancel of the goal; the axis stops (default STOP). The behaviour of PLCopen is `disengage: keep_velocity`, \
+         for cancel in the goal",
+        "`gear_out`, `cancel`",
+        "",
+    ),
     block(&["MC_PhasingRelative"], "`~/phase`, side MASTER", "`phase`", ""),
     block(&["MC_PhasingAbsolute"], "no equivalent: a phase shift is relative", "", ""),
     block(&["MC_CombineAxes"], "section `masters` of the cell", "", ""),
