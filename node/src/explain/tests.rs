@@ -84,6 +84,19 @@ fn a_parameter_is_explained_with_its_range_and_requirement() {
 }
 
 #[test]
+fn keys_of_contacts_warn_that_they_are_no_safety_function() {
+    for name in ["safety", "safety.estop", "estop", "safety.interlock", "interlock"] {
+        let text = said(name);
+        assert!(text.contains("No safety function: wire the contact to STO as well."), "{name}: {text}");
+    }
+}
+
+#[test]
+fn key_modulo_says_that_positions_are_unwrapped() {
+    assert!(said("modulo").contains("Shown positions are unwrapped"), "{}", said("modulo"));
+}
+
+#[test]
 fn a_signal_is_explained_by_its_name_in_any_cell() {
     let lines = [
         "AXIS.actual.position: a signal of an axis",
@@ -193,6 +206,9 @@ fn a_function_block_of_plcopen_is_explained_with_request_verb_and_command() {
         assert!(said(name).contains(&format!("{name}: a function block of PLCopen")), "{name}");
     }
     has("MC_PhasingAbsolute", &["  here          no equivalent: a phase shift is relative"]);
+    for name in ["MC_GearOut", "MC_CamOut"] {
+        assert!(said(name).contains("The behaviour of PLCopen is disengage: keep_velocity"), "{}", said(name));
+    }
     let sentence = explain("MC_MoveAbsolut", 80).unwrap_err();
     assert!(sentence.starts_with("`MC_MoveAbsolut` is unknown; did you mean `MC_MoveAbsolute`"), "{sentence}");
 }
