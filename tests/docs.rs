@@ -332,7 +332,14 @@ fn yaml_on_a_page_is_accepted() {
     let (mut wrong, mut whole, mut parts) = (Vec::new(), 0, 0);
     // A list at the root has steps of a CI pipeline; their commands are checked as commands.
     let blocks = pages::read().iter().flat_map(Page::blocks).collect::<Vec<_>>();
+    let mut page = "";
     for block in blocks.iter().filter(|block| block.language == "yaml" && !block.text.starts_with("- ")) {
+        // A scenario never belongs to the cell of another page.
+        let own = block.place.split(':').next().unwrap_or_default();
+        if own != page {
+            page = own;
+            fs::copy(root().join("launch-configs/demo.yaml"), folder.join("cell.yaml")).unwrap();
+        }
         let keys = roots(&block.text);
         let (command, is_whole) = prepared(&without_dots(&block.text), &keys, folder);
         let output = lineshaft(folder, &words(command));
@@ -351,6 +358,21 @@ fn yaml_on_a_page_is_accepted() {
     println!("{whole} cells, scenarios and tables, {parts} parts of them");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(whole >= 3 && parts >= 14, "{whole} {parts}");
+}
+
+/// The page tells readers to save its example and to play it on the demo. The added expectations test that MC_GearOut
+/// keeps the velocity, and that MC_Halt then stops the axis.
+#[test]
+fn example_for_a_plc_plays_on_the_demo() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = pages::read().into_iter().find(|page| page.name == "docs/from-plc.md").expect("docs/from-plc.md");
+    let block = page.blocks().into_iter().find(|block| block.language == "yaml").expect("an example");
+    let expected = "expect:\n  - {signal: turret.state, at: 3.4 s, is: CONTINUOUS_MOTION}\n  \
+                    - {signal: turret.state, at: end, is: STANDSTILL}\n";
+    fs::write(folder.path().join("plc.yaml"), block.text + expected).unwrap();
+    fs::copy(root().join("launch-configs/demo.yaml"), folder.path().join("demo.yaml")).unwrap();
+    let output = lineshaft(folder.path(), &words("sim demo.yaml --scenario plc.yaml"));
+    assert!(output.status.success(), "{}", said(&output));
 }
 
 /// Returns the declared arguments of a launch file, and their other spellings.

@@ -15,16 +15,18 @@ Examples:
   lineshaft explain varsync.m1
   lineshaft explain move_axis
   lineshaft explain lineshaft_msgs/AxisStates
+  lineshaft explain MoveAxis.buffer_mode
   lineshaft explain MC_GearIn
   lineshaft explain 8611h
+  lineshaft explain 60FDh
 
 Exit codes: 0 good, 2 bad usage, or nothing of that name.";
 
 /// A name.
 #[derive(Debug, Args)]
 pub(super) struct ExplainArgs {
-    /// A code, a parameter, a key, a signal, a value, a function type or its field, a verb of scenarios, a command, a ROS topic, service,
-    /// action or type, or a function block of PLCopen
+    /// A code, an object of CANopen, a parameter, a key, a signal, a value, a function type or its field, a verb of scenarios, a command, a
+    /// ROS topic, service, action or type or its field, or a function block or a term of PLCopen
     what: String,
 }
 

@@ -1,6 +1,6 @@
 //! Explains codes of errors, refusals, ends of goals and events, by number or name.
 
-use super::section;
+use super::{objects, section};
 use crate::errors::part;
 use lineshaft_core::axis::stops_all;
 use lineshaft_core::code::{Class, Code, DRIVE_FAULT, Row};
@@ -21,12 +21,16 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     found.map(|(code, row)| text(code, row, width)).into_iter().collect()
 }
 
-/// Returns the code of a drive fault by its object 603Fh, in the format of manuals: `8611h` or `0x8611`.
+/// Returns the code of a drive fault by its object 603Fh, in the format of manuals: `8611h` or `0x8611`. An index of a
+/// known object of a profile is none: `60FDh` means the digital inputs.
 fn fault(name: &str) -> Option<Code> {
     let small = name.to_lowercase();
     let digits = small.strip_prefix("0x").or_else(|| small.strip_suffix('h'))?;
     let is_plain = (3..=4).contains(&digits.len()) && digits.chars().all(|digit| digit.is_ascii_hexdigit());
     let number = u16::from_str_radix(digits, 16).ok().filter(|number| is_plain && *number != 0)?;
+    if objects::is_of_profile(number) {
+        return None;
+    }
     error_text(number).map(|_| Code::drive_fault(number))
 }
 

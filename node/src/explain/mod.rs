@@ -1,7 +1,7 @@
 //! Explains names: returns the text that `lineshaft explain` prints.
 //!
 //! Reads    the tables that the program uses: codes, parameters, keys, signals, types of functions, ROS interfaces,
-//!          verbs, values; function blocks of PLCopen and commands
+//!          verbs, values; objects of CANopen, function blocks of PLCopen and commands
 //! Writes   text
 //! Refuses  a name that no table has, with the most similar names
 //!
@@ -10,9 +10,11 @@
 
 mod codes;
 mod commands;
+mod fields;
 mod functions;
 mod interfaces;
 mod keys;
+mod objects;
 mod parameters;
 mod plcopen;
 mod signals;
@@ -40,7 +42,8 @@ struct Subject {
 }
 
 /// Subjects in the order in which they are printed.
-const SUBJECTS: [Subject; 10] = [
+const SUBJECTS: [Subject; 12] = [
+    Subject { sections: objects::sections, names: objects::names },
     Subject { sections: codes::sections, names: codes::names },
     Subject { sections: parameters::sections, names: parameters::names },
     Subject { sections: keys::sections, names: keys::names },
@@ -49,6 +52,7 @@ const SUBJECTS: [Subject; 10] = [
     Subject { sections: commands::sections, names: commands::names },
     Subject { sections: verbs::sections, names: verbs::names },
     Subject { sections: interfaces::sections, names: interfaces::names },
+    Subject { sections: fields::sections, names: fields::names },
     Subject { sections: plcopen::sections, names: plcopen::names },
     Subject { sections: values::sections, names: values::names },
 ];
@@ -87,8 +91,8 @@ fn unknown(name: &str) -> String {
     near.truncate(MOST_MEANT);
     let near: Vec<_> = near.iter().map(|known| format!("`{known}`")).collect();
     let hint = if near.is_empty() {
-        "a code, a parameter, a key, a signal, a value, a type of functions or its field, a verb, a command, a ROS interface or a \
-         function block of PLCopen is expected"
+        "a code, an object of CANopen, a parameter, a key, a signal, a value, a type of functions or its field, a verb, a command, a ROS \
+         interface or its field, a function block or a term of PLCopen is expected"
             .to_owned()
     } else {
         format!("did you mean {}?", near.join(", "))

@@ -1,6 +1,8 @@
-//! Explains PLCopen function blocks by their equivalents. docs/from-plc.md has the same table; a test ensures this.
+//! Explains function blocks, inputs, outputs and terms of PLCopen and of PLCs by their equivalents. docs/from-plc.md has
+//! the same tables; a test ensures this.
 //!
-//! Source   PLCopen Technical Committee 2, function blocks for motion control: part 1 (version 2.0) and part 4, coordinated motion
+//! Source   PLCopen Technical Committee 2, function blocks for motion control: part 1 (version 2.0), part 4, coordinated
+//!          motion, and part 5, homing procedures
 
 use super::section;
 
@@ -32,11 +34,77 @@ struct Part {
 }
 
 /// All parts, in the order of the page.
-static PARTS: [Part; 4] = [
+static PARTS: [Part; 5] = [
     Part { name: "Part 1, administrative", blocks: ADMINISTRATIVE },
     Part { name: "Part 1, motion", blocks: MOTION },
     Part { name: "Part 4, administrative", blocks: GROUPS },
     Part { name: "Part 4, motion", blocks: COORDINATED },
+    Part { name: "Part 5, homing", blocks: HOMING },
+];
+
+/// Terms with the same equivalent: their names, and the equivalent.
+type Term = (&'static [&'static str], &'static str);
+
+/// A table of terms.
+struct Glossary {
+    /// Name of its marks on the page.
+    mark: &'static str,
+    /// Heading of its first column.
+    heading: &'static str,
+    /// Kind of its terms.
+    kind: &'static str,
+    terms: &'static [Term],
+}
+
+/// All tables of terms, in the order of the page.
+static GLOSSARIES: [Glossary; 2] = [
+    Glossary { mark: "terms", heading: "PLC", kind: "a term of PLCs", terms: TERMS },
+    Glossary { mark: "outputs", heading: "PLCopen", kind: "a state, an input or an output of PLCopen", terms: OUTPUTS },
+];
+
+const TERMS: &[Term] = &[
+    (&["AXIS_REF"], "name of the axis in the cell, such as `x`"),
+    (&["axis configuration"], "the cell, a YAML file; each setting is a **key**"),
+    (&["cycle time of the task"], "`cycle` of the cell"),
+    (&["scaling"], "`scale`: encoder increments per distance or angle"),
+    (&["modulo axis"], "`modulo`; positions are shown unwrapped, signal `x.modulo.position` is within the turn"),
+    (&["software limits"], "`min_position`, `max_position`"),
+    (&["monitoring of the following error", "lag"], "`max_following_error`, `following_error_time`"),
+    (&["target position window"], "`in_position_window`"),
+    (&["virtual axis", "master"], "axis with `drive: virtual`; the leader of a gear or cam is its `master`"),
+    (&["function block that is done at once"], "ROS **service**: one request, one answer"),
+    (&["function block with Busy and Done"], "ROS **action**: a **goal**, feedback, a result; it can be cancelled"),
+    (&["cyclic status data"], "ROS **topic**: messages at a fixed rate or on change"),
+    (
+        &["command in a test sequence"],
+        "**verb** of a scenario; verbs have the names and fields of services and actions",
+    ),
+    (&["online value"], "**signal**, such as `x.actual.position`; `lineshaft signals CELL` lists them"),
+];
+
+const OUTPUTS: &[Term] = &[
+    (&["axis states"], "the same: `STANDSTILL`, `DISCRETE_MOTION`, .., `ERROR_STOP` in `~/axis_states`"),
+    (&["BufferMode"], "`buffer_mode`: ABORTING, BUFFERED, BLENDING_LOW, _PREVIOUS, _NEXT, _HIGH"),
+    (&["Direction"], "`direction` of modulo axes"),
+    (&["Velocity", "Acceleration", "Deceleration", "Jerk"], "fields of the goal; 0 means the default of the axis"),
+    (&["Execute"], "the goal or the request is sent"),
+    (&["Busy"], "the goal is accepted and has no result yet"),
+    (
+        &["Active"],
+        "the goal moves the axis. One that waits (`buffer_mode`) starts when the goal before it ends; a coupling reports its start in \
+         the feedback `phase` of `~/synchronize`",
+    ),
+    (&["Done"], "the goal ends SUCCEEDED"),
+    (&["InVelocity"], "`in_velocity` in `~/axis_states`, signal `x.in_velocity`"),
+    (
+        &["InGear", "InSync"],
+        "`in_sync` in `~/axis_states`, signal `x.in_sync`; feedback `phase` SYNCHRONIZED of `~/synchronize`",
+    ),
+    (
+        &["CommandAborted", "Error", "ErrorID"],
+        "the goal ends ABORTED; `code` and `message` of the result give the reason. An invalid goal is rejected; the reason is on \
+         `/rosout`",
+    ),
 ];
 
 const ADMINISTRATIVE: &[Block] = &[
@@ -143,7 +211,13 @@ const MOTION: &[Block] = &[
         "",
     ),
     block(&["MC_CamIn"], "`~/synchronize`, mode CAM, `table`", "`synchronize`", ""),
-    block(&["MC_GearOut", "MC_CamOut"], "`~/gear_out`, or cancel of the goal", "`gear_out`, `cancel`", ""),
+    block(
+        &["MC_GearOut", "MC_CamOut"],
+        "`~/gear_out`, or cancel of the goal; the axis stops (default STOP). The behaviour of PLCopen is `disengage: keep_velocity`, \
+         for cancel in the goal",
+        "`gear_out`, `cancel`",
+        "",
+    ),
     block(&["MC_PhasingRelative"], "`~/phase`, side MASTER", "`phase`", ""),
     block(&["MC_PhasingAbsolute"], "no equivalent: a phase shift is relative", "", ""),
     block(&["MC_CombineAxes"], "section `masters` of the cell", "", ""),
@@ -226,6 +300,50 @@ const COORDINATED: &[Block] = &[
     block(&["MC_SyncAxisToGroup", "MC_SyncGroupToAxis"], "no equivalent: a leader is an axis or an encoder", "", ""),
 ];
 
+const HOMING: &[Block] = &[
+    block(
+        &["MC_StepAbsoluteSwitch"],
+        "`homing.method` 19 to 30 of the axis, with the index pulse 3 to 14; `~/home_axis` runs all steps",
+        "`home_axis`",
+        "`lineshaft home`",
+    ),
+    block(
+        &["MC_StepLimitSwitch"],
+        "`homing.method` 17, 18 of the axis, with the index pulse 1, 2; `~/home_axis` runs all steps",
+        "`home_axis`",
+        "`lineshaft home`",
+    ),
+    block(
+        &["MC_StepReferencePulse"],
+        "`homing.method` 33, 34 of the axis, after a switch 1 to 14; `~/home_axis` runs all steps",
+        "`home_axis`",
+        "`lineshaft home`",
+    ),
+    block(&["MC_StepBlock"], "no equivalent: no method searches for a mechanical stop", "", ""),
+    block(&["MC_StepDistanceCoded"], "no equivalent: distance-coded index pulses are not evaluated", "", ""),
+    block(
+        &["MC_HomeDirect"],
+        "`homing.method` 35 of the axis and `~/home_axis`: the reference is the actual position; `~/set_position` changes a position \
+         without homing",
+        "`home_axis`, `set_position`",
+        "`lineshaft home`",
+    ),
+    block(&["MC_HomeAbsolute"], "no equivalent: the zero of an absolute encoder is fixed, without homing", "", ""),
+    block(
+        &["MC_FinishHoming"],
+        "no equivalent: `~/home_axis` contains all steps; a motion after it is `~/move_axis`",
+        "`move_axis`",
+        "",
+    ),
+    block(
+        &["MC_StepReferenceFlyingSwitch", "MC_StepReferenceFlyingRefPulse"],
+        "no equivalent: `~/touch_probe` latches a position in motion, `~/set_position_relative` corrects the position",
+        "`touch_probe`, `set_position`",
+        "",
+    ),
+    block(&["MC_AbortPassiveHoming"], "no equivalent: `~/abort_trigger` ends a touch probe", "`abort_trigger`", ""),
+];
+
 pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     let is_called = |known: &str| {
         let bare = known.strip_prefix(PREFIX).unwrap_or(known);
@@ -238,12 +356,19 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
             sections.extend(found.map(|known| text(known, part, block, width)));
         }
     }
+    for glossary in &GLOSSARIES {
+        for (names, here) in glossary.terms {
+            let found = names.iter().filter(|known| known.eq_ignore_ascii_case(name));
+            sections.extend(found.map(|known| term_text(known, glossary.kind, here, width)));
+        }
+    }
     sections
 }
 
 pub(super) fn names() -> Vec<String> {
     let blocks = PARTS.iter().flat_map(|part| part.blocks);
-    blocks.flat_map(|block| block.names).map(|name| (*name).to_owned()).collect()
+    let terms = GLOSSARIES.iter().flat_map(|glossary| glossary.terms).flat_map(|(names, _)| *names);
+    blocks.flat_map(|block| block.names).chain(terms).map(|name| (*name).to_owned()).collect()
 }
 
 fn text(name: &str, part: &Part, block: &Block, width: usize) -> String {
@@ -262,6 +387,12 @@ pub(super) fn equivalents(is_called: impl Fn(&str) -> bool) -> impl Iterator<Ite
     quoted.filter(|verb| crate::scenario::VERBS.contains(verb))
 }
 
+fn term_text(name: &str, kind: &str, here: &str, width: usize) -> String {
+    // Bold text of the page.
+    let here = here.replace("**", "");
+    section(&format!("{name}: {kind}"), &[("here", here.as_str()), ("documented", "docs/from-plc.md")], width)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -270,7 +401,22 @@ mod tests {
     use lineshaft_ros::surface::table::ROWS;
     use std::collections::HashSet;
 
-    /// Returns the tables of the page.
+    /// Returns a table of terms.
+    fn glossary(glossary: &Glossary) -> String {
+        let mut text = format!("| {} | Lineshaft |\n| --- | --- |\n", glossary.heading);
+        for (names, here) in glossary.terms {
+            text += &format!("| {} | {here} |\n", names.join(", "));
+        }
+        text
+    }
+
+    /// Returns the page with regenerated tables.
+    fn renewed(page: &str) -> String {
+        let page = replaced(page, "blocks", &markdown()).unwrap();
+        GLOSSARIES.iter().fold(page, |page, table| replaced(&page, table.mark, &glossary(table)).unwrap())
+    }
+
+    /// Returns the tables of function blocks.
     fn markdown() -> String {
         let mut text = String::new();
         for part in &PARTS {
@@ -288,7 +434,7 @@ mod tests {
 
     #[test]
     fn the_page_in_docs_has_the_same_table() {
-        crate::page::check("from-plc.md", "plcopen", |page| replaced(page, "blocks", &markdown()).unwrap());
+        crate::page::check("from-plc.md", "plcopen", renewed);
     }
 
     /// Returns the parts in backticks.
@@ -313,5 +459,22 @@ mod tests {
             }
         }
         assert!(names.len() > 60, "{}", names.len());
+    }
+
+    #[test]
+    fn each_term_names_what_exists_and_is_there_once() {
+        let mut known = HashSet::new();
+        for (names, here) in GLOSSARIES.iter().flat_map(|table| table.terms) {
+            for name in *names {
+                assert!(known.insert(*name), "{name}");
+                let text = super::super::explain(name, 10_000).unwrap();
+                let here = here.replace(['`', '*'], "");
+                assert!(text.contains(&format!("  here          {here}\n")), "{name}: {text}");
+            }
+            for word in quoted(here) {
+                assert!(!word.starts_with("~/") || ROWS.iter().any(|row| row.name == word), "{names:?}: {word}");
+                assert!(!word.starts_with("x.") || super::super::explain(word, 80).is_ok(), "{names:?}: {word}");
+            }
+        }
     }
 }

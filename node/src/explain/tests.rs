@@ -66,6 +66,24 @@ fn a_code_is_explained_by_number_and_by_name() {
 }
 
 #[test]
+fn object_of_a_drive_is_explained_by_index_and_by_name() {
+    let lines = ["60FDh: an object of CiA 402", "  name          Digital inputs", "  documented    docs/can.md"];
+    for name in ["60FDh", "0x60FD", "60FD", "60fdh:00", "Digital inputs", "digital inputs"] {
+        has(name, &lines);
+        assert!(!said(name).contains("DRIVE_FAULT"), "{}", said(name));
+    }
+    has("6060h", &["6060h: an object of CiA 402", "  name          Modes of operation"]);
+    has("603Fh", &["603Fh: an object of CiA 402", "  name          Error code"]);
+    has("6200h", &["6200h: an object of CiA 401"]);
+    has("1A02h", &["1A02h: an object of CiA 301", "  name          TPDO mapping parameter"]);
+    // Both an object and an error code.
+    has("1018h", &["1018h: an object of CiA 301", "code 69656 DRIVE_FAULT: an error of an axis"]);
+    has("6320h", &["6320h: an object of a device profile", "  CiA 402       parameter error"]);
+    // As a code it is still that of a fault.
+    has("0x160FD", &["code 90365 DRIVE_FAULT: an error of an axis", "  object        603Fh is 60FDh"]);
+}
+
+#[test]
 fn a_parameter_is_explained_with_its_range_and_requirement() {
     let lines = [
         "syncready: a parameter",
@@ -81,6 +99,19 @@ fn a_parameter_is_explained_with_its_range_and_requirement() {
     has("x.homing.velocity", &["homing.velocity: a parameter"]);
     has("MD18", &["MD18: a word of Siemens WF 725", "  here          MD18 of Siemens WF 725 is modulo"]);
     has("x.md1", &["MD1: a word of Siemens WF 725", "wf.md1: a parameter"]);
+}
+
+#[test]
+fn keys_of_contacts_warn_that_they_are_no_safety_function() {
+    for name in ["safety", "safety.estop", "estop", "safety.interlock", "interlock"] {
+        let text = said(name);
+        assert!(text.contains("No safety function: wire the contact to STO as well."), "{name}: {text}");
+    }
+}
+
+#[test]
+fn key_modulo_says_that_positions_are_unwrapped() {
+    assert!(said("modulo").contains("Shown positions are unwrapped"), "{}", said("modulo"));
 }
 
 #[test]
@@ -165,6 +196,69 @@ fn a_ros_interface_is_explained_with_what_uses_its_type() {
 }
 
 #[test]
+fn field_of_a_ros_interface_is_explained_with_its_type() {
+    let lines = [
+        "buffer_mode: a field of ROS interfaces",
+        "  what          How it joins the running motion: ABORTING.. BLENDING_HIGH.",
+        "  type          uint8",
+        "  in            MoveAxis (goal)",
+        "  documented    docs/interfaces.md; lineshaft interfaces MoveAxis lists all fields and constants",
+    ];
+    for name in [
+        "buffer_mode",
+        "MoveAxis.buffer_mode",
+        "moveaxis.buffer_mode",
+        "MoveAxis.Goal.buffer_mode",
+        "lineshaft_msgs/MoveAxis.buffer_mode",
+        "lineshaft_msgs/action/MoveAxis.buffer_mode",
+        "move_axis.buffer_mode",
+        "~/move_axis.buffer_mode",
+    ] {
+        has(name, &lines);
+    }
+    for (of, field) in [
+        ("Synchronize", "engage"),
+        ("MoveAxis", "direction"),
+        ("Synchronize", "master_increments"),
+        ("AxisState", "error_code"),
+        ("gear_out", "disengage"),
+    ] {
+        let line = format!("{field}: a field of ROS interfaces");
+        has(field, &[line.as_str()]);
+        has(&format!("{of}.{field}"), &[line.as_str()]);
+    }
+    // A field of another type, or of an axis, is none.
+    assert!(explain("MoveAxis.engage", 80).is_err() && explain("x.buffer_mode", 80).is_err());
+    let sentence = explain("MoveAxis.bufer_mode", 80).unwrap_err();
+    assert!(sentence.contains("`MoveAxis.buffer_mode`"), "{sentence}");
+}
+
+#[test]
+fn every_field_of_a_ros_interface_can_be_explained() {
+    let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ").replace('`', "");
+    for interface in INTERFACES {
+        for field in interface.sections.iter().flat_map(|part| part.fields) {
+            let text = said(&format!("{}.{}", interface.name, field.name));
+            assert!(text.contains(&format!("{}: a field of ROS interfaces\n", field.name)), "{text}");
+            assert!(text.contains(&plain(field.doc)) && text.contains(field.kind), "{text}");
+        }
+    }
+}
+
+#[test]
+fn terms_and_outputs_of_plcopen_are_explained() {
+    has("AXIS_REF", &["AXIS_REF: a term of PLCs", "  here          name of the axis in the cell, such as x"]);
+    has("BufferMode", &["BufferMode: a state, an input or an output of PLCopen"]);
+    has("InVelocity", &["  here          in_velocity in ~/axis_states, signal x.in_velocity"]);
+    for name in ["InGear", "InSync", "Active", "Busy"] {
+        has(name, &[format!("{name}: a state, an input or an output of PLCopen").as_str()]);
+    }
+    for name in ["MC_HomeDirect", "MC_StepLimitSwitch", "MC_StepAbsoluteSwitch", "MC_FinishHoming"] {
+        has(name, &[format!("{name}: a function block of PLCopen (Part 5, homing)").as_str()]);
+    }
+}
+
+#[test]
 fn a_function_block_of_plcopen_is_explained_with_request_verb_and_command() {
     for name in ["MC_MoveAbsolute", "mc_moveabsolute", "MoveAbsolute"] {
         has(
@@ -193,6 +287,9 @@ fn a_function_block_of_plcopen_is_explained_with_request_verb_and_command() {
         assert!(said(name).contains(&format!("{name}: a function block of PLCopen")), "{name}");
     }
     has("MC_PhasingAbsolute", &["  here          no equivalent: a phase shift is relative"]);
+    for name in ["MC_GearOut", "MC_CamOut"] {
+        assert!(said(name).contains("The behaviour of PLCopen is disengage: keep_velocity"), "{}", said(name));
+    }
     let sentence = explain("MC_MoveAbsolut", 80).unwrap_err();
     assert!(sentence.starts_with("`MC_MoveAbsolut` is unknown; did you mean `MC_MoveAbsolute`"), "{sentence}");
 }
@@ -240,8 +337,8 @@ fn an_unknown_name_gets_the_names_that_are_most_like_it() {
     assert!(sentence("varsinc").contains("`varsync`") && sentence("move_axes").contains("`move_axis`"));
     assert_eq!(
         sentence("zzzzzzzz"),
-        "`zzzzzzzz` is unknown; a code, a parameter, a key, a signal, a value, a type of functions or its field, a verb, a command, a ROS \
-         interface or a function block of PLCopen is expected"
+        "`zzzzzzzz` is unknown; a code, an object of CANopen, a parameter, a key, a signal, a value, a type of functions or its field, a \
+         verb, a command, a ROS interface or its field, a function block or a term of PLCopen is expected"
     );
     let long = "m".repeat(100_000);
     assert!(sentence(&long).len() < 300 && sentence("").starts_with("`` is unknown"));
@@ -331,7 +428,9 @@ fn every_signal_of_the_examples_can_be_explained() {
 #[test]
 fn the_pages_that_are_named_exist() {
     for page in [
+        "can.md",
         "errors.md",
+        "keys.md",
         "parameters.md",
         "functions.md",
         "interfaces.md",

@@ -17,7 +17,12 @@ Keys of cells, of scenarios, and of descriptions of tables (`lineshaft table mak
 exists since 0.1.0.
 
 - `axes.*.drive.node` is key `node` in key `drive` of each axis. `*` is a name of your own, `[]` an entry of a list.
-- A quantity is a number and a unit with a blank between, such as `10 mm`. A number without a unit is SI.
+- A quantity is a number and a unit with a blank between, such as `10 mm`. A number without a unit has three meanings:
+  - In a cell, and in `do` of a scenario, it is SI (m, rad, s): `position: 2` is 2 m. Key `units` of a verb
+    chooses another unit. The tables of parameters name the unit of each.
+  - As a time of a scenario (`at`, `for`, `after`, `every`), a whole number is cycles: `at: 2` is cycle 2.
+  - As a value of a signal (`is`, `min`, `max`, `within`, `values`), it is in the unit of the signal, which is
+    increments for a position: `is: 120` is 120 inc. As a value of a parameter, it is as in a cell.
 - *required* in column default: each mapping that can have the key must have it. Other words say what applies without it.
 
 For completion and checks in an editor, write the JSON Schema into a file and name it in the first line of a cell or

@@ -96,7 +96,7 @@ pub struct Key {
     pub range: &'static str,
     /// Value if the key is absent; empty if there is none.
     pub default: &'static str,
-    /// Purpose, in one sentence.
+    /// Purpose, in one sentence; further ones warn of misunderstandings.
     pub meaning: &'static str,
     /// Example of an entry; empty for the entries of lists and of mappings of names.
     pub example: &'static str,

@@ -327,6 +327,17 @@ fn every_key_says_what_it_is_for() {
     }
 }
 
+/// The three meanings of a number without a unit are in the reference and in the first tutorial.
+#[test]
+fn meanings_of_a_number_without_a_unit_are_documented() {
+    let tutorial = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/tutorial-1-simulation.md");
+    for page in [markdown(), std::fs::read_to_string(tutorial).expect("a page")] {
+        for rule in ["`do`", "`at: 2` is cycle 2", "`is: 120` is 120 inc"] {
+            assert!(page.contains(rule), "{rule} is missing in\n{page}");
+        }
+    }
+}
+
 #[test]
 fn examples_of_the_reference_are_yaml() {
     for key in keys().filter(|key| !key.example.is_empty()) {

@@ -48,7 +48,12 @@ pub(super) const AXES: &[Key] = &[
     key(
         "axes.*.modulo",
         &[Quantity("angle or increments")],
-        [POSITIVE, "none", "Angle after which a rotary axis counts from 0 again.", "modulo: 360 deg"],
+        [
+            POSITIVE,
+            "none",
+            "One turn of a rotary axis: goals are within it. Shown positions are unwrapped; signal modulo.position is within the turn.",
+            "modulo: 360 deg",
+        ],
     ),
     key(
         "axes.*.drive",

@@ -8,16 +8,35 @@ pub(super) const GENERAL: &[Key] = &[
     key("lineshaft", &[Choice(&["1"])], ["", "required", "Version of the file format.", "lineshaft: 1"]).required(),
     key("cycle", TIME, ["125 us to 20 ms", "required", "Cycle time: everything happens in this step.", "cycle: 1 ms"])
         .required(),
-    key("safety", MAP, ["", "none", "Inputs that must read 1, else all axes stop.", "safety: {estop: estop_ok}"]),
+    key(
+        "safety",
+        MAP,
+        [
+            "",
+            "none",
+            "Inputs that must read 1, else all axes stop. No safety function: wire the contact to STO as well.",
+            "safety: {estop: estop_ok}",
+        ],
+    ),
     key(
         "safety.estop",
         TEXT,
-        ["a di of `io`", "none", "Emergency stop contact: on 0 all axes stop and lose power.", "estop: estop_ok"],
+        [
+            "a di of `io`",
+            "none",
+            "Emergency stop contact: on 0 all axes stop and lose power. No safety function: wire the contact to STO as well.",
+            "estop: estop_ok",
+        ],
     ),
     key(
         "safety.interlock",
         TEXT,
-        ["a di of `io`", "none", "Interlock contact: on 0 all axes stop and hold.", "interlock: door_closed"],
+        [
+            "a di of `io`",
+            "none",
+            "Interlock contact: on 0 all axes stop and hold. No safety function: wire the contact to STO as well.",
+            "interlock: door_closed",
+        ],
     ),
     key(
         "machine",
