@@ -13,7 +13,10 @@ const AXES_HELP: &str = "\
 The command talks to the node by its ROS 2 services; ROS need not be installed. The node and the command need the same ROS_DOMAIN_ID \
 and ROS_AUTOMATIC_DISCOVERY_RANGE.
 
-Exit codes: 0 done, 1 the node refused it or did not answer, 2 bad usage.";
+The command waits for the end. If the node does not accept it within --timeout, the command ends with exit code 1, and the axes may still \
+move. If a name is unknown, halt and disable stop the other axes.
+
+Exit codes: 0 done, 1 the node refused it, lacks an axis or did not answer, 2 bad usage.";
 
 const MOVE_HELP: &str = "\
 POSITION and the rates have a unit: 10 mm, -90 deg, 200 mm/s, 1000 inc; 0 needs none. All of them are in increments (inc), or none. \
@@ -72,7 +75,7 @@ pub(super) enum ClientCommand {
     #[command(after_help = HOME_HELP)]
     Home(AxesArgs),
     /// Stop axes of a node that runs, without ROS
-    #[command(after_help = AXES_HELP)]
+    #[command(after_help = AXES_HELP, alias = "stop")]
     Halt(HaltArgs),
     /// Reset errors of axes of a node that runs, without ROS
     #[command(after_help = AXES_HELP)]
@@ -293,6 +296,11 @@ mod tests {
         assert!(
             matches!(parse(&["halt"]), Ok(ClientCommand::Halt(HaltArgs { axes, all: false, .. })) if axes.is_empty())
         );
+    }
+
+    #[test]
+    fn stop_is_another_name_of_halt() {
+        assert!(matches!(parse(&["stop", "x"]), Ok(ClientCommand::Halt(HaltArgs { axes, .. })) if axes == ["x"]));
     }
 
     #[test]
