@@ -128,6 +128,24 @@ fn axis_is_enabled_and_moved_to_its_exact_position_without_ros() {
     assert_eq!(demo.good(&["reset", "--all"]), "4 axes reset\n");
     assert_eq!(demo.good(&["disable", "x"]), "1 axis disabled\n");
     assert_eq!(demo.axis("x")["state"], "DISABLED");
+    assert_eq!(demo.good(&["disable", "line"]), "line: virtual, always enabled\n");
+}
+
+/// A wrong name must not keep a motion going.
+#[test]
+fn halt_stops_the_known_axes_and_reports_the_unknown_one() {
+    let demo = Demo::start();
+    demo.good(&["enable", "x"]);
+    // It takes 16 s.
+    let mut motion = demo.begin(&["move", "x", "800 mm", "--velocity", "50 mm/s"]);
+    demo.until("x", "DISCRETE_MOTION");
+    let (code, out, error) = demo.client(&["halt", "x", "xx"]);
+    assert_eq!((code, out.as_str()), (1, "1 axis halted\n"));
+    assert_eq!(error, "error: no axis is called `xx`; there are line, x, y, turret\n");
+    assert_eq!(motion.wait_exit(PATIENCE).code(), Some(1), "{}", motion.log());
+    assert_eq!(demo.axis("x")["state"], "STANDSTILL");
+    let nothing = "error: no axis is called `xx`; there are line, x, y, turret; nothing was stopped\n";
+    assert_eq!(demo.fails(1, &["stop", "xx"]), nothing);
 }
 
 #[test]
@@ -287,6 +305,7 @@ fn only_node_of_another_name_is_read_and_none_is_chosen_for_a_motion() {
     demo.program.wait_for_log("ROS 2 node /a/lineshaft");
     let value: Value = serde_json::from_str(&demo.good(&["state", "--json"])).expect("JSON");
     assert_eq!(value["node"], "/a/lineshaft");
+    assert!(demo.good(&["state"]).starts_with("node /a/lineshaft\naxis  "));
     let (code, _, error) = client(&demo.domain, &["enable", "--all", "--timeout", "10 s"]);
     assert_eq!(code, 1);
     assert!(error.contains("; other Lineshaft nodes are /a/lineshaft: choose one by --node; "), "{error}");

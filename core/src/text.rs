@@ -48,11 +48,12 @@ pub fn sentence(event: &Event, config: &MachineConfig) -> String {
 }
 
 /// Returns a message for the log: with the code of its event and the remedy,
-/// `x: .. (10205). Check the supply of the drive.`
+/// `x: .. (10205). Check the supply of the drive.` A remedy with which the message already ends is not repeated.
 pub fn with_remedy(sentence: &str, code: Code) -> String {
+    let ends_with = |remedy: &str| sentence.to_lowercase().ends_with(&remedy.trim_end_matches('.').to_lowercase());
     match code.row() {
         _ if code.is_none() => sentence.to_owned(),
-        Some(row) if !row.remedy.is_empty() => format!("{sentence} ({}). {}", code.0, row.remedy),
+        Some(row) if !ends_with(row.remedy) => format!("{sentence} ({}). {}", code.0, row.remedy),
         _ => format!("{sentence} ({})", code.0),
     }
 }
@@ -185,6 +186,8 @@ mod tests {
     fn line_of_the_log_has_code_and_remedy_and_is_one_line() {
         assert_eq!(with_remedy("machine: accepted", Code::NONE), "machine: accepted");
         assert_eq!(with_remedy("x: odd", Code(777)), "x: odd (777)");
+        let off = "x: the axis is not enabled; enable it first";
+        assert_eq!(with_remedy(off, Code::NOT_ENABLED), format!("{off} (10007)"));
         let drive = with_remedy("x: the drive reports 0x8611", Code::drive_fault(0x8611));
         assert!(drive.starts_with("x: the drive reports 0x8611 (99857). Look the code up in the manual"), "{drive}");
         for row in Code::rows().filter(|row| !row.code.is_none()) {

@@ -171,11 +171,11 @@ codes! {
     SOFTWARE_LIMIT_POSITIVE = 10202, SoftwareLimit, "",
         "A motion without a target, or a coupled one, came to max_position and was stopped there. As an event `limit` alone: a jog or \
             stream, which jog_at_limit stop ends without an error."
-        => "In ERROR_STOP, reset_errors first. Then move or jog away from the limit.";
+        => "Move or jog away from the limit; in ERROR_STOP after reset_errors.";
     SOFTWARE_LIMIT_NEGATIVE = 10203, SoftwareLimit, "",
         "A motion without a target, or a coupled one, came to min_position and was stopped there. As an event `limit` alone: a jog or \
             stream, which jog_at_limit stop ends without an error."
-        => "In ERROR_STOP, reset_errors first. Then move or jog away from the limit.";
+        => "Move or jog away from the limit; in ERROR_STOP after reset_errors.";
     DRIVE_DISABLED = 10204, Drive, "the drive left operation enabled by itself",
         "The drive left operation enabled by itself: its own enable input, its safe torque off." => "Remove the cause, then reset_errors.";
     ENABLE_TIMEOUT = 10205, Drive, "the drive was not enabled in time",

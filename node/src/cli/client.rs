@@ -13,7 +13,10 @@ const AXES_HELP: &str = "\
 The command talks to the node by its ROS 2 services; ROS need not be installed. The node and the command need the same ROS_DOMAIN_ID \
 and ROS_AUTOMATIC_DISCOVERY_RANGE.
 
-Exit codes: 0 done, 1 the node refused it or did not answer, 2 bad usage.";
+The command waits for the end. If the node does not accept it within --timeout, the command ends with exit code 1, and the axes may still \
+move. If a name is unknown, halt and disable stop the other axes.
+
+Exit codes: 0 done, 1 the node refused it, lacks an axis or did not answer, 2 bad usage.";
 
 const MOVE_HELP: &str = "\
 POSITION and the rates have a unit: 10 mm, -90 deg, 200 mm/s, 1000 inc; 0 needs none. All of them are in increments (inc), or none. \
@@ -78,7 +81,7 @@ pub(super) enum ClientCommand {
     #[command(after_help = HOME_HELP)]
     Home(HomeArgs),
     /// Stop axes of a node that runs, without ROS
-    #[command(after_help = AXES_HELP)]
+    #[command(after_help = AXES_HELP, alias = "stop")]
     Halt(HaltArgs),
     /// Reset errors of axes of a node that runs, without ROS
     #[command(after_help = AXES_HELP)]
@@ -345,6 +348,11 @@ mod tests {
             assert_eq!(help(command).as_deref(), Some("All axes of the cell"), "{command}");
         }
         assert_eq!(help("home").as_deref(), Some("All axes that have a homing method"));
+    }
+
+    #[test]
+    fn stop_is_another_name_of_halt() {
+        assert!(matches!(parse(&["stop", "x"]), Ok(ClientCommand::Halt(HaltArgs { axes, .. })) if axes == ["x"]));
     }
 
     #[test]

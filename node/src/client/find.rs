@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 use tokio::time::sleep;
 
 /// Name of the node of the built-in demo, and of cells that give no other name.
-const DEFAULT: &str = "/lineshaft";
+pub(super) const DEFAULT: &str = "/lineshaft";
 /// Time after which all nodes are discovered.
 const COMPLETE: Duration = Duration::from_secs(2);
 /// Time from which the names of nodes are read. A reader that is created before its participant has discovered the

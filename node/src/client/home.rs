@@ -2,7 +2,7 @@
 
 use super::goals::{Ended, Goals};
 use super::info::{AxisInfos, no_axis};
-use super::output::{Progress, print};
+use super::output::{Progress, print, with_commands};
 use super::session::{Session, axis_states};
 use super::{Failure, Options};
 use lineshaft_core::code::Code;
@@ -43,8 +43,8 @@ pub(crate) async fn home(options: &Options, axes: &[String]) -> Result<(), Failu
             Ended::Over { status: GoalStatus::STATUS_SUCCEEDED, .. } => {
                 print(&format!("{axis}: homed"));
             }
-            Ended::Over { result, .. } => failures.push(result.message),
-            Ended::Rejected(reason) => failures.push(format!("{axis}: {reason}")),
+            Ended::Over { result, .. } => failures.push(with_commands(&result.message, Some(axis))),
+            Ended::Rejected(reason) => failures.push(format!("{axis}: {}", with_commands(&reason, Some(axis)))),
         }
     }
     if failures.is_empty() { Ok(()) } else { Err(Failure::Failed(failures.join("; "))) }

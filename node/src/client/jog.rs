@@ -11,7 +11,7 @@
 use super::amount::Given;
 use super::info::{AxisInfos, no_axis};
 use super::node_log::NodeLog;
-use super::output::{Progress, position_text, print, short, si_unit};
+use super::output::{Progress, position_text, print, short, si_unit, with_commands};
 use super::session::{Session, axis_states, own_end};
 use super::state::error_line;
 use super::stop::Stop;
@@ -37,6 +37,8 @@ const LATE_PERIODS: u32 = 3;
 const FROZEN: Duration = Duration::from_millis(500);
 /// `AxisState.reference` of an axis that follows a stream.
 const BY_STREAM: u8 = 9;
+/// Maximum time until the node reports why it has stopped the axis.
+const REASON: Duration = Duration::from_millis(300);
 /// Maximum time for the stop at the end.
 const STOPPING: Duration = Duration::from_secs(60);
 
@@ -175,6 +177,7 @@ impl Stream<'_> {
                     let follows = state.state == AxisState::CONTINUOUS_MOTION && state.reference == BY_STREAM;
                     self.show(state);
                     if self.has_moved && !follows {
+                        let reason = self.reason(reason, None).await;
                         return Err(self.ended_by_other(reason));
                     }
                     self.has_moved |= follows;
@@ -184,16 +187,19 @@ impl Stream<'_> {
                     let event = event.ok_or_else(own_end)?;
                     let ends = event.kind == "error" || event.kind == "state" && !event.text.ends_with("CONTINUOUS_MOTION");
                     if self.has_moved && event.source == self.axis && ends {
-                        return Err(self.ended_by_other(Some(event.text)));
+                        let known = if event.kind == "error" { Some(event.text.clone()) } else { reason };
+                        let reason = self.reason(known, Some(event.text)).await;
+                        return Err(self.ended_by_other(reason));
                     }
                 }
                 line = self.log.next() => {
                     if let Some(refusal) = line.strip_prefix("setpoints: ")
                         && names(refusal, self.axis)
                     {
-                        return Err(Failure::Failed(refusal.to_owned()));
+                        return Err(Failure::Failed(with_commands(refusal, Some(self.axis))));
                     }
                     if line.strip_prefix(self.axis).is_some_and(|rest| rest.starts_with(':')) {
+                        let line = with_commands(&line, Some(self.axis));
                         eprintln!("{}", clean(&line));
                         reason = Some(line);
                     }
@@ -211,9 +217,28 @@ impl Stream<'_> {
         ))
     }
 
+    /// Returns the reason for the end of the jog: the known one, otherwise the one that the node reports soon, otherwise the new state of
+    /// the axis, which is reported first.
+    async fn reason(&mut self, known: Option<String>, state: Option<String>) -> Option<String> {
+        if known.is_some() {
+            return known;
+        }
+        let axis = self.axis;
+        let reported = async {
+            while let Some(event) = self.events.next().await {
+                if event.source == axis && matches!(event.kind.as_str(), "error" | "limit" | "warning") {
+                    return Some(event.text);
+                }
+            }
+            None
+        };
+        timeout(REASON, reported).await.ok().flatten().or(state)
+    }
+
     /// Returns the error for an axis that was stopped or moved otherwise.
     fn ended_by_other(&self, reason: Option<String>) -> Failure {
-        let reason = reason.map_or_else(String::new, |reason| format!(" ({})", clean(&reason)));
+        let of = |reason: String| format!(" ({})", clean(&with_commands(&reason, Some(self.axis))));
+        let reason = reason.map_or_else(String::new, of);
         Failure::Failed(format!("{}: the axis does not follow the jog any more{reason}; the jog has ended", self.axis))
     }
 
@@ -275,6 +300,60 @@ mod tests {
     use super::super::test_node::{LONG, TestNode};
     use super::*;
     use lineshaft_msgs::cdr;
+    use tokio::time::sleep;
+
+    fn stream(session: &Session, setpoints: Publisher<Setpoints>, stop: Stop) -> Stream<'_> {
+        Stream {
+            session,
+            states: axis_states(session).unwrap(),
+            events: session.topic::<Event>("events", Qos::EVENTS).unwrap(),
+            log: NodeLog::open(session).unwrap(),
+            setpoints,
+            ticks: interval(PERIOD),
+            stop,
+            axis: "x",
+            shown: Shown { kind: ScaleKind::Linear, unit: None, progress: Progress::new() },
+            has_moved: false,
+        }
+    }
+
+    /// The state of the axis is reported before the reason.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn jog_that_the_node_ends_reports_its_reason() {
+        let served = TestNode::start("jog_reason");
+        let events = served.node.publisher::<Event>("~/events", Qos::EVENTS).unwrap();
+        let session = served.session().await;
+        let setpoints = session.publisher::<Setpoints>("setpoints", Qos::STREAM).unwrap();
+        let (_signals, stop) = Stop::made();
+        let mut stream = Stream { has_moved: true, ..stream(&session, setpoints, stop) };
+        let matched = async {
+            while events.subscriptions() == 0 {
+                sleep(Duration::from_millis(2)).await;
+            }
+        };
+        timeout(LONG, matched).await.expect("the jog reads the events");
+        let event = |kind: &str, text: &str| Event {
+            kind: kind.to_owned(),
+            source: "x".to_owned(),
+            text: text.to_owned(),
+            ..Event::default()
+        };
+        // The jog may match the topic later than the node.
+        let node = async {
+            for _ in 0..1000 {
+                events.publish(&event("state", "x: now DISCRETE_MOTION")).unwrap();
+                events.publish(&event("warning", "x: streamed setpoints stopped coming")).unwrap();
+                sleep(Duration::from_millis(20)).await;
+            }
+        };
+        let end = tokio::select! {
+            end = stream.run(0.5, None) => end.unwrap_err().to_string(),
+            () = node => panic!("the jog goes on"),
+        };
+        let want =
+            "x: the axis does not follow the jog any more (x: streamed setpoints stopped coming); the jog has ended";
+        assert_eq!(end, want);
+    }
 
     /// The signal and the first velocity are due at the same time.
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -286,18 +365,7 @@ mod tests {
         session.matched("setpoints", || setpoints.subscriptions().min(1)).await.unwrap();
         let (signals, stop) = Stop::made();
         signals.send(()).unwrap();
-        let mut stream = Stream {
-            session: &session,
-            states: axis_states(&session).unwrap(),
-            events: session.topic::<Event>("events", Qos::EVENTS).unwrap(),
-            log: NodeLog::open(&session).unwrap(),
-            setpoints,
-            ticks: interval(PERIOD),
-            stop,
-            axis: "x",
-            shown: Shown { kind: ScaleKind::Linear, unit: None, progress: Progress::new() },
-            has_moved: false,
-        };
+        let mut stream = stream(&session, setpoints, stop);
         stream.run(0.5, None).await.unwrap();
         stream.setpoints.publish(&message("x", 0.25)).unwrap();
         // Messages of a publisher keep their order: this one is the first.

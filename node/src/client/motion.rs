@@ -3,9 +3,10 @@
 use super::amount::{AxisKind, Given, GoalUnits};
 use super::goals::{Ended, Goals};
 use super::info::AxisInfos;
-use super::output::{Progress, position_text, print};
+use super::output::{Progress, position_text, print, with_commands};
 use super::session::Session;
 use super::{Failure, Options};
+use lineshaft_core::code::Code;
 use lineshaft_msgs::action::{MoveAxis, MoveAxisFeedback, MoveAxisGoal, MoveAxisResult};
 use lineshaft_msgs::foreign::action_msgs::msg::GoalStatus;
 
@@ -44,12 +45,17 @@ pub(crate) async fn move_axis(options: &Options, motion: &Motion) -> Result<(), 
             print(&format!("{axis}: {}, {position_increments} inc", at(position)));
             Ok(())
         }
-        Some(Ended::Over { result: MoveAxisResult { message, position, .. }, .. }) => {
-            Err(Failure::Failed(format!("{message}; command position {}", at(position))))
-        }
-        Some(Ended::Rejected(reason)) => Err(Failure::Failed(reason)),
+        Some(Ended::Over { result, .. }) => Err(Failure::Failed(unfinished(axis, &result, &at(result.position)))),
+        Some(Ended::Rejected(reason)) => Err(Failure::Failed(with_commands(&reason, Some(axis)))),
         None => Err(Failure::Failed(format!("{axis}: the goal has no end"))),
     }
+}
+
+/// Returns the message for a motion that has not reached its position.
+fn unfinished(axis: &str, result: &MoveAxisResult, position: &str) -> String {
+    let message = with_commands(&result.message, Some(axis));
+    // A machine without cycles has no position.
+    if result.code == Code::NOT_ACTIVE.0 { message } else { format!("{message}; command position {position}") }
 }
 
 fn units(motion: &Motion) -> Result<GoalUnits, Failure> {
@@ -118,6 +124,22 @@ mod tests {
 
         let goal = of(&motion("1048576 inc"), ScaleKind::Linear).unwrap();
         assert_eq!((goal.units, goal.position), (2, 1_048_576.0));
+    }
+
+    #[test]
+    fn unfinished_motion_has_a_position_if_the_machine_runs() {
+        let result = |code: Code, message: &str| MoveAxisResult {
+            code: code.0,
+            message: message.to_owned(),
+            ..MoveAxisResult::default()
+        };
+        let in_error = result(Code::IN_ERROR, "x: the axis stands in ERROR_STOP; reset_errors first");
+        assert_eq!(
+            unfinished("x", &in_error, "0.05 m"),
+            "x: the axis stands in ERROR_STOP; `lineshaft reset x` first; command position 0.05 m"
+        );
+        let unconfigured = result(Code::NOT_ACTIVE, "the node is unconfigured and no cycle runs");
+        assert_eq!(unfinished("x", &unconfigured, "0 m"), "the node is unconfigured and no cycle runs");
     }
 
     #[test]

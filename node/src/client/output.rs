@@ -41,6 +41,13 @@ impl Drop for Progress {
     }
 }
 
+/// Replaces the service that resets errors in a message of the node by the command that does it.
+pub(super) fn with_commands(message: &str, axis: Option<&str>) -> String {
+    let reset = axis.map_or_else(|| "`lineshaft reset`".to_owned(), |axis| format!("`lineshaft reset {axis}`"));
+    let message = message.replace("reset_errors of all", "`lineshaft reset --all`");
+    message.replace("~/reset_errors", &reset).replace("reset_errors", &reset)
+}
+
 /// Returns the SI unit of the derivative of this order (0 position, 1 velocity) of an axis; empty if its kind is
 /// unknown.
 pub(super) fn si_unit(kind: Option<ScaleKind>, order: u8) -> String {
@@ -88,6 +95,16 @@ mod tests {
         assert_eq!(position_text(0.05, None, None), "0.05");
         // A unit of another kind contradicts the kind of the axis and is not shown.
         assert_eq!(position_text(0.05, linear, Some(Unit::DEGREE)), "0.05 m");
+    }
+
+    #[test]
+    fn message_of_the_node_names_the_command_that_resets_errors() {
+        let refused = "x: the axis stands in ERROR_STOP; reset_errors first";
+        let named = "x: the axis stands in ERROR_STOP; `lineshaft reset x` first";
+        assert_eq!(with_commands(refused, Some("x")), named);
+        assert_eq!(with_commands("locked; ~/reset_errors unlocks", None), "locked; `lineshaft reset` unlocks");
+        assert_eq!(with_commands("then reset_errors of all.", Some("x")), "then `lineshaft reset --all`.");
+        assert_eq!(with_commands("x: target 900 mm", Some("x")), "x: target 900 mm");
     }
 
     #[test]

@@ -154,29 +154,6 @@ impl Session {
         )
     }
 
-    /// Sends a request and waits for its reply, for at most `patience`.
-    ///
-    /// # Errors
-    /// Returns an error if there is no server or no reply, or if the node has ended.
-    pub(super) async fn call<S: Service>(
-        &self,
-        client: &mut ServiceClient<S>,
-        request: &S::Request,
-        patience: Duration,
-    ) -> Result<S::Response, Failure> {
-        let name = client.name().to_string();
-        self.matched(&name, || client.servers()).await?;
-        let number = client.send(request).map_err(Failure::failed)?;
-        tokio::select! {
-            reply = client.reply(number) => reply.map_err(Failure::failed),
-            failure = self.gone() => Err(failure),
-            () = sleep(patience) => Err(Failure::Failed(format!(
-                "{name}: no answer within {} s, so it is not known whether it was done; see `lineshaft state`",
-                patience.as_secs_f64()
-            ))),
-        }
-    }
-
     /// Calls a service that changes nothing; the request is repeated if there is no answer, because the first one to a
     /// new client may be lost.
     ///
@@ -190,10 +167,39 @@ impl Session {
         let begun = Instant::now();
         loop {
             let left = self.timeout.saturating_sub(begun.elapsed());
-            match self.call(client, request, left.min(ASK_AGAIN)).await {
-                Err(_) if begun.elapsed() < self.timeout => {}
-                answered => return answered,
+            let reply = self.reply_within(client, request, left.min(ASK_AGAIN)).await;
+            let is_late = begun.elapsed() >= self.timeout;
+            match reply {
+                Ok(Some(response)) => return Ok(response),
+                Ok(None) if is_late => {
+                    let (name, time) = (client.name(), self.timeout.as_secs_f64());
+                    return Err(Failure::Failed(format!(
+                        "{name}: no answer within {time} s; the node was found, but does not answer"
+                    )));
+                }
+                Err(failure) if is_late => return Err(failure),
+                Ok(None) | Err(_) => {}
             }
+        }
+    }
+
+    /// Sends a request and waits for its reply; returns `None` if there is none within `patience`.
+    ///
+    /// # Errors
+    /// Returns an error if there is no server, or if the node has ended.
+    async fn reply_within<S: Service>(
+        &self,
+        client: &mut ServiceClient<S>,
+        request: &S::Request,
+        patience: Duration,
+    ) -> Result<Option<S::Response>, Failure> {
+        let name = client.name().to_string();
+        self.matched(&name, || client.servers()).await?;
+        let number = client.send(request).map_err(Failure::failed)?;
+        tokio::select! {
+            reply = client.reply(number) => reply.map(Some).map_err(Failure::failed),
+            failure = self.gone() => Err(failure),
+            () = sleep(patience) => Ok(None),
         }
     }
 

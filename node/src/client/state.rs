@@ -1,7 +1,8 @@
 //! `lineshaft state`: prints the axes as `~/axis_states` reports them.
 
+use super::find::DEFAULT;
 use super::info::{AxisInfo, AxisInfos};
-use super::output::{in_unit, is_screen, position_text, print, short, si_unit};
+use super::output::{in_unit, is_screen, position_text, print, short, si_unit, with_commands};
 use super::session::{Session, axis_states, own_end};
 use super::stop::Stop;
 use super::{Failure, Options};
@@ -81,6 +82,10 @@ fn text(node: &str, states: &AxisStates, infos: &[AxisInfo], form: StateForm) ->
             let text = format!("{:#}", json_of(node, states, infos));
             text.lines().map(escape_json).collect::<Vec<_>>().join("\n")
         }
+        // The reader may expect the default node.
+        StateForm { is_json: false, .. } if node != DEFAULT => {
+            format!("node {}\n{}", clean(node), table(states, infos))
+        }
         StateForm { is_json: false, .. } => table(states, infos),
     }
 }
@@ -137,10 +142,12 @@ pub(super) fn error_line(axis: &AxisState) -> Option<String> {
     if axis.error_code == 0 {
         return None;
     }
-    let mut line = format!("{}: error {}", clean(&axis.name), axis.error_code);
+    let name = clean(&axis.name);
+    let mut line = format!("{name}: error {}", axis.error_code);
     if let Some(row) = Code(axis.error_code).row() {
+        let remedy = with_commands(&format!("{} {}", row.cause, row.remedy), Some(&*name));
         // Writing to a string cannot fail.
-        let _ = write!(line, " {}: {} {}", row.name, row.cause, row.remedy);
+        let _ = write!(line, " {}: {remedy}", row.name);
     }
     Some(line)
 }
@@ -202,6 +209,25 @@ mod tests {
         assert_eq!(lines[1], "x       DISCRETE_MOTION  yes      yes    0.05 m (50 mm)  0.2 m/s   0");
         assert_eq!(lines[2], "turret  ERROR_STOP       no       no     0 rad           0 rad/s   10202");
         assert!(lines[3].starts_with("turret: error 10202 "), "{}", lines[3]);
+    }
+
+    #[test]
+    fn table_of_another_node_begins_with_its_name() {
+        let (states, infos) = states();
+        let form = StateForm { is_watch: false, is_json: false };
+        assert!(text("/lineshaft", &states, &infos, form).starts_with("axis  "));
+        assert!(text("/second", &states, &infos, form).starts_with("node /second\naxis  "));
+    }
+
+    #[test]
+    fn remedies_name_the_command_that_resets_errors() {
+        for row in Code::rows().filter(|row| !row.code.is_none()) {
+            let axis = AxisState { name: "x".to_owned(), error_code: row.code.0, ..AxisState::default() };
+            let line = error_line(&axis).unwrap();
+            assert!(!line.contains("reset_errors"), "{line}");
+        }
+        let drive = AxisState { name: "x".to_owned(), error_code: 10204, ..AxisState::default() };
+        assert!(error_line(&drive).unwrap().ends_with(" Remove the cause, then `lineshaft reset x`."));
     }
 
     #[test]

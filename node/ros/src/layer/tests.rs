@@ -101,6 +101,39 @@ async fn requests_are_open_at_the_same_time_and_bad_ones_are_not_handed_out() {
     assert!(timeout(LONG, server.next()).await.unwrap().is_none(), "a server ends with its node");
 }
 
+/// A request of one name with 8 characters could be read with the header of rmw_cyclonedds as well.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn request_with_a_name_of_any_length_is_answered() {
+    let (serving, asking) = (node("lengths"), node("lengths_client"));
+    let mut server = serving.service::<AxesCommand>("~/halt", Qos::SERVICE).unwrap();
+    let mut client = Client::<AxesCommand>::new(&asking, "/lengths/halt").await;
+    for length in 1..=32 {
+        let name = "x".repeat(length);
+        client.send(&axes(&name));
+        let Request { message, reply } = timeout(LONG, server.next()).await.expect("the request").unwrap();
+        assert_eq!(message, axes(&name));
+        reply.send(AxesCommandResponse { success: true, message: name.clone() }).await.unwrap();
+        assert_eq!(client.receive().await.message, name);
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn request_that_cannot_be_read_is_answered_if_the_service_gives_reasons() {
+    let (serving, asking) = (node("answered"), node("answered_client"));
+    let server = serving.service::<AxesCommand>("~/halt", Qos::SERVICE).unwrap();
+    let refusal = |_: &AxesCommandRequest, message: String| AxesCommandResponse { success: false, message };
+    let mut server = server.with_care(Care::Stops(refusal));
+    let mut client = Client::<AxesCommand>::new(&asking, "/answered/halt").await;
+    client.requests.write([encode(&axes("bad")), vec![0; 8]].concat()).unwrap();
+    client.send(&axes("good"));
+    let Request { message, reply } = timeout(LONG, server.next()).await.expect("the request").unwrap();
+    assert_eq!(message, axes("good"));
+    let AxesCommandResponse { success, message } = client.receive().await;
+    assert!(!success && message.starts_with("the request was refused: ") && message.contains("left over"), "{message}");
+    reply.send(AxesCommandResponse { success: true, message: "done".to_owned() }).await.unwrap();
+    assert_eq!(client.receive().await.message, "done");
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_client_that_reads_no_replies_holds_up_nobody() {
     let (serving, asking, other) = (node("patience"), node("patience_client"), node("deaf"));

@@ -5,8 +5,9 @@ use super::hub::{CommandEvents, Hub};
 use super::table::{self, ServiceRow};
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_core::command::Action;
+use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Event, Kind};
-use lineshaft_core::object::AxisSet;
+use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::text;
 use lineshaft_msgs::srv::{AxesCommand, AxesCommandResponse};
 use std::sync::Arc;
@@ -19,24 +20,41 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// Command for a set of axes.
 type Command = fn(AxisSet) -> Action;
 
-/// Service, command, and past participle for the answer.
-const SERVICES: [(ServiceRow<AxesCommand>, Command, &str); 5] = [
-    (table::ENABLE, Action::Enable, "enabled"),
-    (table::DISABLE, Action::Disable, "disabled"),
-    (table::HALT, Action::Halt, "halted"),
-    (table::QUICK_STOP, Action::QuickStop, "stopped"),
-    (table::RESET_ERRORS, Action::ResetErrors, "reset"),
+/// Texts of an answer.
+#[derive(Clone, Copy)]
+struct AnswerTexts {
+    /// Past participle of the command.
+    done: &'static str,
+    /// State of a virtual axis, if the command does not change it.
+    unchanged: Option<&'static str>,
+}
+
+impl AnswerTexts {
+    const fn of(done: &'static str) -> Self {
+        Self { done, unchanged: None }
+    }
+}
+
+const DISABLED: AnswerTexts = AnswerTexts { done: "disabled", unchanged: Some("virtual, always enabled") };
+
+/// Service, command, and texts of the answer.
+const SERVICES: [(ServiceRow<AxesCommand>, Command, AnswerTexts); 5] = [
+    (table::ENABLE, Action::Enable, AnswerTexts::of("enabled")),
+    (table::DISABLE, Action::Disable, DISABLED),
+    (table::HALT, Action::Halt, AnswerTexts::of("halted")),
+    (table::QUICK_STOP, Action::QuickStop, AnswerTexts::of("stopped")),
+    (table::RESET_ERRORS, Action::ResetErrors, AnswerTexts::of("reset")),
 ];
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
-    for (served, action, done) in SERVICES {
+    for (served, action, texts) in SERVICES {
         let server = served.server(node)?;
-        tasks.spawn(serve(server, Arc::clone(hub), action, done));
+        tasks.spawn(serve(server, Arc::clone(hub), action, texts));
     }
     Ok(())
 }
 
-async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Command, done: &'static str) {
+async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Command, texts: AnswerTexts) {
     // Waiting requests end with the service.
     let mut open = JoinSet::new();
     let service = server.name().to_string();
@@ -54,13 +72,26 @@ async fn serve(mut server: ServiceServer<AxesCommand>, hub: Arc<Hub>, action: Co
         let given = hub.submit(action(axes));
         let hub = Arc::clone(&hub);
         open.spawn(async move {
-            let response = match wait_and_summarize(&hub, given, axes.len(), done).await {
-                Ok(message) => AxesCommandResponse { success: true, message },
+            let response = match wait_and_summarize(&hub, given, axes.len(), texts.done).await {
+                Ok(_) => AxesCommandResponse { success: true, message: answer(hub.host.config(), axes, texts) },
                 Err(message) => AxesCommandResponse { success: false, message },
             };
             // A client that has left is not an error of the machine; the layer logs it.
             let _ = reply.send(response).await;
         });
+    }
+}
+
+/// Returns the answer to a command that all axes have executed.
+fn answer(config: &MachineConfig, axes: AxisSet, AnswerTexts { done, unchanged }: AnswerTexts) -> String {
+    let Some(unchanged) = unchanged else { return summary(axes.len(), done) };
+    let is_virtual = |axis: &u16| config.axes.get(usize::from(*axis)).is_some_and(|axis| axis.drive.is_none());
+    let virtual_names: Vec<_> = axes.iter().filter(is_virtual).map(|axis| config.name(Object::Axis(axis))).collect();
+    let names = virtual_names.join(", ");
+    match axes.len() - virtual_names.len() {
+        count if virtual_names.is_empty() => summary(count, done),
+        0 => format!("{names}: {unchanged}"),
+        count => format!("{}; {names}: {unchanged}", summary(count, done)),
     }
 }
 
@@ -101,4 +132,28 @@ async fn wait_for_ends(hub: &Hub, given: Result<CommandEvents, SubmitError>, axe
         }
     }
     if failures.is_empty() { Ok(()) } else { Err(failures.join("; ")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_core::config::AxisConfig;
+    use lineshaft_core::drive::Capabilities;
+    use lineshaft_core::parameter::AxisParameters;
+    use lineshaft_core::unit::Scale;
+
+    #[test]
+    fn virtual_axis_is_not_counted_as_disabled() {
+        let axis = |name: &str, drive| {
+            AxisConfig::new(name.to_owned(), Scale::increments(), drive, AxisParameters::new(1e5, 1e6))
+        };
+        let drive = Some(Capabilities::all(0));
+        let axes = vec![axis("line", None), axis("x", drive), axis("y", drive), axis("second", None)];
+        let config = MachineConfig { axes, ..MachineConfig::default() };
+        let text = |axes: &[u16], texts| answer(&config, axes.iter().copied().collect(), texts);
+        assert_eq!(text(&[0], DISABLED), "line: virtual, always enabled");
+        assert_eq!(text(&[1], DISABLED), "1 axis disabled");
+        assert_eq!(text(&[0, 1, 2, 3], DISABLED), "2 axes disabled; line, second: virtual, always enabled");
+        assert_eq!(text(&[0, 1], AnswerTexts::of("halted")), "2 axes halted");
+    }
 }

@@ -10,10 +10,11 @@
 //! |         | of the request's sample                              |                                               |
 //!
 //! Law      a request with a `related_sample_identity` is plain. Otherwise a request from Cyclone DDS has the 16 bytes. Any other request
-//!          (clients that follow DDS-RPC) is plain, and is answered by writer and number of the sample. In the two cases without
-//!          `related_sample_identity`, the message must not fit the other form as well, so that a request of one RMW is never interpreted
-//!          as one of the other
-//! Refuses  messages that the strict CDR reader refuses, including more than 3 extra bytes; messages that fit both forms
+//!          (clients that follow DDS-RPC) is plain, and is answered by writer and number of the sample. A request from Cyclone DDS must not
+//!          fit the plain form as well, because a client on Cyclone DDS need not use rmw_cyclonedds. A request from another DDS library is
+//!          read as plain even if it fits the other form, as a list of one name with 8 characters does: its last 4 bytes are zeros, which
+//!          are an empty list after the first 16 bytes
+//! Refuses  messages that the strict CDR reader refuses, including more than 3 extra bytes; messages from Cyclone DDS that fit both forms
 
 use lineshaft_msgs::cdr::{self, DecodeError};
 use serde::de::DeserializeOwned;
@@ -69,18 +70,28 @@ impl Caller {
 
 /// Returns the client of a request and its message.
 pub(super) fn read<Q: DeserializeOwned>(sample: &Sample) -> Result<(Caller, Q), Refusal> {
+    let length = sample.bytes.len();
+    let caller = client(sample).ok_or(Refusal::NoHeader { length })?;
+    let plain = || cdr::decode::<Q>(&sample.bytes, sample.endian());
+    if caller.header.is_none() {
+        return Ok((caller, plain()?));
+    }
+    let message = cdr::decode(&sample.bytes[HEADER..], sample.endian())?;
+    if plain().is_ok() { Err(Refusal::Ambiguous { length }) } else { Ok((caller, message)) }
+}
+
+/// Returns the client of a request, which waits for a reply even if its message cannot be read; `None` if the request is too short to
+/// identify its client.
+pub(super) fn client(sample: &Sample) -> Option<Caller> {
     if let Some(related) = sample.related {
-        return Ok((marked(sample.id, related), cdr::decode(&sample.bytes, sample.endian())?));
+        return Some(marked(sample.id, related));
     }
     let beside = Caller { place: Place::SameParticipant(sample.id.writer), answers: sample.id, header: None };
-    let plain = || cdr::decode::<Q>(&sample.bytes, sample.endian());
-    let ambiguous = Err(Refusal::Ambiguous { length: sample.bytes.len() });
-    if sample.id.writer.is_cyclone() {
-        let (header, message) = headed(sample)?;
-        return if plain().is_ok() { ambiguous } else { Ok((Caller { header: Some(header), ..beside }, message)) };
+    if !sample.id.writer.is_cyclone() {
+        return Some(beside);
     }
-    let message = plain()?;
-    if headed::<Q>(sample).is_ok() { ambiguous } else { Ok((beside, message)) }
+    let header = cdr::decode(sample.bytes.get(..HEADER)?, sample.endian()).ok()?;
+    Some(Caller { header: Some(header), ..beside })
 }
 
 /// Returns the client that a `related_sample_identity` describes.
@@ -89,12 +100,6 @@ fn marked(request: SampleId, related: Related) -> Caller {
     let place =
         if related.guid.is_reader() { Place::Reader(related.guid) } else { Place::SameParticipant(request.writer) };
     Caller { place, answers, header: None }
-}
-
-fn headed<Q: DeserializeOwned>(sample: &Sample) -> Result<(Header, Q), Refusal> {
-    let length = sample.bytes.len();
-    let (header, message) = sample.bytes.split_at_checked(HEADER).ok_or(Refusal::NoHeader { length })?;
-    Ok((cdr::decode(header, sample.endian())?, cdr::decode(message, sample.endian())?))
 }
 
 #[cfg(test)]

@@ -62,7 +62,8 @@ pub enum ReplyError {
 
 /// Server of one service; dropping it removes the service from the node.
 ///
-/// Requests that do not have exactly the form of the service are refused and logged.
+/// Requests that do not have exactly the form of the service are refused and logged. They are answered if the service has a response with a
+/// reason and the request identifies its client, which would wait otherwise.
 pub struct ServiceServer<S: Service> {
     requests: Reader,
     /// Requests that were read but not yet returned. The queue of the library alone is not fair: it returns the requests of one client
@@ -131,6 +132,11 @@ impl Origin {
             (Some(written), Some(other)) => written <= other,
             _ => true,
         }
+    }
+
+    fn of_sample(sample: &Sample) -> Self {
+        let Sample { id, written, came_ns, is_stale, .. } = *sample;
+        Self { sender: id.writer.prefix(), written, came_ns, is_stale }
     }
 
     /// Creates a request of participant `sender` for tests.
@@ -241,9 +247,7 @@ impl<S: Service> ServiceServer<S> {
         match taken {
             Ok(sample) => match caller::read::<S::Request>(&sample) {
                 Ok((caller, message)) => {
-                    let Sample { id, written, came_ns, is_stale, .. } = sample;
-                    let origin = Origin { sender: id.writer.prefix(), written, came_ns, is_stale };
-                    self.line.push_back(QueuedRequest { caller, message, origin });
+                    self.line.push_back(QueuedRequest { caller, message, origin: Origin::of_sample(&sample) });
                 }
                 Err(refusal) => self.refuse(&sample, &refusal),
             },
@@ -258,6 +262,11 @@ impl<S: Service> ServiceServer<S> {
         self.refusals.log((), |more| {
             tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
         });
+        let (Care::Stops(answer) | Care::Commands(answer)) = self.care else { return };
+        if let Some(caller) = caller::client(sample) {
+            let reply = Reply::new(self.replies.clone(), caller, Origin::of_sample(sample));
+            reply.send_soon(answer(&S::Request::default(), format!("the request was refused: {refusal}")));
+        }
     }
 }
 

@@ -1,6 +1,14 @@
 use lineshaft_msgs::cdr::encode;
+use lineshaft_msgs::foreign::controller_manager_msgs::srv::SwitchControllerRequest;
+use lineshaft_msgs::foreign::rcl_interfaces::srv::{
+    DescribeParametersRequest, GetLoggerLevelsRequest, GetParameterTypesRequest, GetParametersRequest,
+    ListParametersRequest,
+};
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
-use lineshaft_msgs::srv::{AxesCommandRequest, SetPositionRequest};
+use lineshaft_msgs::srv::{
+    AxesCommandRequest, ExportParametersRequest, ResetParametersRequest, SetMemoryRequest, SetOutputRequest,
+    SetPositionRequest,
+};
 use lineshaft_msgs::{GetResultRequest, foreign::unique_identifier_msgs::msg::UUID};
 
 use super::*;
@@ -124,14 +132,60 @@ fn a_request_in_the_form_of_the_other_rmw_is_refused() {
 }
 
 #[test]
-fn what_fits_both_forms_is_refused_unless_it_is_marked() {
+fn request_from_cyclone_dds_that_fits_both_forms_is_refused_unless_it_is_marked() {
     // Without header: two empty names. With header: the rest is an empty list, which would mean all axes.
     let mut both = encode(&axes(&["", ""]));
     both.extend([0; 3]);
     assert_eq!(both.len(), 20);
-    for vendor in [CYCLONE, OTHER] {
-        let sample = sample(vendor, both.clone());
-        assert_eq!(refusal::<AxesCommandRequest>(&sample), Refusal::Ambiguous { length: 20 });
+    let cyclone = sample(CYCLONE, both.clone());
+    assert_eq!(refusal::<AxesCommandRequest>(&cyclone), Refusal::Ambiguous { length: 20 });
+    // The refusal is answered in the form of rmw_cyclonedds.
+    assert_eq!(client(&cyclone).unwrap().reply(&7u8), [&both[..HEADER], &[7]].concat());
+    for other in [sample(OTHER, both.clone()), fast(both)] {
+        assert_eq!(read::<AxesCommandRequest>(&other).unwrap().1, axes(&["", ""]));
     }
-    assert_eq!(read::<AxesCommandRequest>(&fast(both)).unwrap().1, axes(&["", ""]));
+}
+
+#[test]
+fn client_of_a_request_that_cannot_be_read_is_known() {
+    let bad = [encode(&axes(&["x"])), vec![0; 8]].concat();
+    let (fast, other) = (fast(bad.clone()), sample(OTHER, bad));
+    assert!(read::<AxesCommandRequest>(&fast).is_err() && read::<AxesCommandRequest>(&other).is_err());
+    assert_eq!(client(&fast).unwrap().place, Place::Reader(guid(FAST, 4)));
+    assert_eq!(client(&other).unwrap().answers, other.id);
+    assert_eq!(client(&sample(CYCLONE, vec![0; HEADER - 1])), None);
+}
+
+/// Checks that a request is read from each kind of client, which pads it to a multiple of 4 bytes.
+fn each_client_is_understood<Q: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(request: &Q) {
+    let padded = |mut bytes: Vec<u8>| {
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        bytes
+    };
+    let plain = padded(encode(request));
+    for sample in [sample(OTHER, plain.clone()), fast(plain), sample(CYCLONE, padded(with_header(request)))] {
+        assert_eq!(read::<Q>(&sample).as_ref().map(|(_, message)| message), Ok(request), "{:?}", sample.id);
+    }
+}
+
+/// All services with a list of names. A single name of 8 characters ends in zeros, which are an empty list after the header of
+/// rmw_cyclonedds.
+#[test]
+fn lists_of_names_of_any_length_are_read_from_each_client() {
+    for (length, count) in (1..=32).flat_map(|length| [(length, 1), (length, 2), (length, 3)]) {
+        let names = || vec!["x".repeat(length); count];
+        each_client_is_understood(&AxesCommandRequest { axes: names() });
+        each_client_is_understood(&ResetParametersRequest { axes: names(), layer: 0 });
+        each_client_is_understood(&ExportParametersRequest { axes: names(), which: 0 });
+        each_client_is_understood(&SetOutputRequest { outputs: names(), values: vec![1.0; count] });
+        each_client_is_understood(&SetMemoryRequest { cells: names(), values: vec![0.0; count] });
+        each_client_is_understood(&GetParametersRequest { names: names() });
+        each_client_is_understood(&GetParameterTypesRequest { names: names() });
+        each_client_is_understood(&DescribeParametersRequest { names: names() });
+        each_client_is_understood(&ListParametersRequest { prefixes: names(), depth: 0 });
+        each_client_is_understood(&GetLoggerLevelsRequest { names: names() });
+        let (activate_controllers, deactivate_controllers) = (names(), Vec::new());
+        let both = SwitchControllerRequest { activate_controllers, deactivate_controllers, ..Default::default() };
+        each_client_is_understood(&both);
+    }
 }
