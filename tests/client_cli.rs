@@ -275,7 +275,7 @@ fn node_that_waits_is_activated_without_ros() {
     let domain = Domain::take();
     let program = Program::start(&["run", cell.to_str().expect("a path of text")], &domain);
     let demo = Demo { program, domain };
-    demo.program.until_log("autostart is false: the node waits, unconfigured; `lineshaft activate` starts it");
+    demo.program.wait_for_log("autostart is false: the node waits, unconfigured; `lineshaft activate` starts it");
     let refused = demo.fails(1, &["enable", "x"]);
     assert!(refused.contains("configure and activate it first (`lineshaft activate`, or ~/change_state)"), "{refused}");
     assert_eq!(demo.good(&["activate"]), "node /lineshaft is active\n");

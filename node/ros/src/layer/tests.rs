@@ -122,7 +122,7 @@ async fn request_that_cannot_be_read_is_answered_if_the_service_gives_reasons() 
     let (serving, asking) = (node("answered"), node("answered_client"));
     let server = serving.service::<AxesCommand>("~/halt", Qos::SERVICE).unwrap();
     let refusal = |_: &AxesCommandRequest, message: String| AxesCommandResponse { success: false, message };
-    let mut server = server.with_care(Care::Stops(refusal));
+    let mut server = server.with_policy(RequestPolicy::Stops(refusal));
     let mut client = Client::<AxesCommand>::new(&asking, "/answered/halt").await;
     client.requests.write([encode(&axes("bad")), vec![0; 8]].concat()).unwrap();
     client.send(&axes("good"));

@@ -262,7 +262,7 @@ impl<S: Service> ServiceServer<S> {
         self.refusals.log((), |more| {
             tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
         });
-        let (Care::Stops(answer) | Care::Commands(answer)) = self.care else { return };
+        let (RequestPolicy::Stops(answer) | RequestPolicy::Commands(answer)) = self.care else { return };
         if let Some(caller) = caller::client(sample) {
             let reply = Reply::new(self.replies.clone(), caller, Origin::of_sample(sample));
             reply.send_soon(answer(&S::Request::default(), format!("the request was refused: {refusal}")));
