@@ -354,7 +354,7 @@ fn levels_of_loggers_choose_the_lines_at_once() {
 }
 
 #[test]
-fn what_the_program_logs_stands_on_rosout_once() {
+fn log_lines_are_published_once_on_rosout() {
     let mut bench = Bench::start("/lineshaft", "");
     bench.cyclone.run("rosout --text ROS_2_node");
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("rosout-{}", std::process::id()));

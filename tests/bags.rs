@@ -77,7 +77,7 @@ fn validate_ends_with_0_1_or_2() {
 }
 
 #[test]
-fn help_says_what_a_run_is_and_how_each_command_ends() {
+fn help_explains_runs_and_exit_codes() {
     let folder = tempfile::tempdir().unwrap();
     for command in [&["validate"][..], &["replay"], &["plot"], &["bag", "info"]] {
         let (help, _) = lineshaft(folder.path(), &[command, &["--help"]].concat(), 0);
@@ -108,7 +108,7 @@ fn a_folder_of_several_runs_is_only_described() {
 }
 
 #[test]
-fn bag_info_tells_what_stands_in_a_cut_file() {
+fn bag_info_shows_the_contents_of_a_truncated_file() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     write(&folder.join("run.mcap"), 0, 0.0).unwrap();

@@ -86,7 +86,7 @@ fn laws_are_those_of_scipy() {
 
 /// Polynomials of both degrees between straight lines, dwells and each other, forward and back, cyclic and not.
 #[test]
-fn polynomials_beside_lines_are_those_of_scipy() {
+fn polynomials_next_to_lines_match_scipy() {
     let plans: Vec<_> = (0..20).map(chances_of_a_plan).collect();
     let questions = plans.iter().map(|(segments, is_cyclic, places)| {
         let segments: Vec<_> = segments.iter().map(|one| json!([one.to, one.travel, one.law.name()])).collect();

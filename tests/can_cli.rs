@@ -76,7 +76,7 @@ fn dcf(folder: &Path, values: &[(&str, &str)]) -> String {
 }
 
 #[test]
-fn a_scan_lists_who_is_there_and_ends_with_1_where_nobody_is() {
+fn scan_lists_devices_and_ends_with_1_on_an_empty_bus() {
     let drives = CanDrives::boot("1-3,64");
     on(&drives, &["sdo", "write", "3", "1017", "20", "--type", "u16"]).good();
     let began = Instant::now();
@@ -131,7 +131,7 @@ fn a_stopped_node_is_found_by_its_heartbeat() {
 }
 
 #[test]
-fn a_device_tells_what_it_is() {
+fn device_identity_is_shown() {
     let mut drives = CanDrives::boot("3");
     drives.tell("fault 3 0x7121");
     on(&drives, &["sdo", "write", "3", "1017", "50", "--type", "u16"]).good();
@@ -451,7 +451,7 @@ fn check_names_what_is_left_out_of_a_configuration() {
 
 /// Transport, bit rate, timeout and names come from the cell.
 #[test]
-fn a_cell_says_all_of_a_bus() {
+fn bus_options_are_taken_from_the_cell() {
     let mut drives = CanDrives::boot("3");
     let folder = tempfile::tempdir().unwrap();
     std::fs::copy(eds(), folder.path().join("drive.eds")).unwrap();
@@ -528,7 +528,7 @@ fn a_device_without_a_node_id_gets_one() {
 const NO_NODE: u8 = 255;
 
 #[test]
-fn what_is_wrong_with_the_words_is_said_before_a_bus_is_opened() {
+fn invalid_arguments_are_refused_before_a_bus_is_opened() {
     run(&["scna"]).refused(2, "a similar subcommand exists: 'scan'");
     run(&["scan"]).refused(2, "--bus <ADDRESS>");
     run(&["scan", "--bus", "can0"])

@@ -64,7 +64,7 @@ fn set_foreign_mapping(bus: &mut Bus, node: u8) {
 /// before a command, the moving one stops, and then each of them moves exactly to the target increment. The fault is
 /// shown with its code, and is cleared by a reset.
 #[test]
-fn drives_are_taken_over_from_whatever_they_are_in() {
+fn drives_are_enabled_from_any_state() {
     const NODES: [u8; 6] = [1, 2, 3, 4, 5, 6];
     const AXES: [&str; 6] = ["a", "b", "c", "d", "e", "f"];
     let mut drives = CanDrives::boot("1-6");
@@ -165,7 +165,7 @@ expect:
 /// Positions are exact at the end, also after 5 s of motion; with interface velocity the core ends within its window of
 /// 5 increments. Every cycle has a PDO for the drive.
 #[test]
-fn axes_end_where_they_are_asked_to() {
+fn axes_reach_their_targets() {
     let mut drives = CanDrives::boot("1-3");
     // At 500 mm/s a cycle that is 10 ms late is 5 mm.
     let fast = axis("x", 1, "", "").replace("max_following_error: 5 mm", "max_following_error: 50 mm");

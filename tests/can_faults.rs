@@ -104,7 +104,7 @@ const FAULTS: [Fault; 6] = [
 ///
 /// Proves: MACS-CAN-06
 #[test]
-fn a_drive_that_is_lost_stops_its_axis_alone_and_comes_back() {
+fn lost_drive_stops_only_its_axis_and_recovers() {
     let mut drives = CanDrives::boot("1-4");
     let guarded = ", heartbeat: none, guarding: {time: 50 ms, factor: 3}";
     let axes = [axis("x", 1, "", ""), axis("y", 2, "", ""), axis("z", 3, guarded, "")].concat();
@@ -185,7 +185,7 @@ steps:
 /// and they move once they are reset and enabled; their behaviour in between (6007h: fault, because the master is
 /// silent) does not matter.
 #[test]
-fn a_cable_that_is_cut_and_mended_brings_the_drives_back() {
+fn drives_recover_after_an_interrupted_connection() {
     let mut drives = CanDrives::boot("1-2");
     let address = drives.address().to_string();
     let mut cable = Proxy::to(address.trim_start_matches("slcan-tcp:"));
@@ -233,7 +233,7 @@ expect:
 
 /// Refusals at the start; nothing moves, and the exit code reports it.
 #[test]
-fn a_bus_that_is_not_as_the_cell_says_is_refused() {
+fn bus_that_differs_from_the_cell_is_refused() {
     let mut drives = CanDrives::boot("1");
     let address = drives.address().to_string();
     let plain = axis("x", 1, "", "");
@@ -284,7 +284,7 @@ const START_FAILED: i32 = 1;
 /// others is configured when it appears, is off until it is enabled, and then moves. Meanwhile the log reports the
 /// problem once.
 #[test]
-fn a_drive_that_comes_later_is_configured_then() {
+fn late_drive_is_configured_when_it_boots() {
     let mut drives = CanDrives::boot("1-3");
     for command in ["dead 2 1", "sdo_mute 3 1"] {
         drives.tell(command);

@@ -115,7 +115,7 @@ expect:
 
 /// Two drives, 100 cycles per second: SYNC and an RPDO for each, a TPDO of each, and heartbeats.
 #[test]
-fn a_bus_tells_what_it_carries() {
+fn diagnostics_show_bus_load() {
     let drives = CanDrives::boot("1-2");
     let cell =
         CanCell::new(&drives.address().to_string(), "10 ms", &[axis("x", 1, "", ""), axis("y", 2, "", "")].concat());

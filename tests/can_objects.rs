@@ -45,7 +45,7 @@ impl Node {
 
 /// By name and by index, of drives of the cell and of any other node, while an axis moves.
 #[test]
-fn objects_are_read_and_written_beside_the_cycles() {
+fn objects_are_read_and_written_while_cycles_run() {
     let mut drives = CanDrives::boot("1-3");
     let mut node = Node::start(&drives.address().to_string(), &[]);
     node.run.wait_for_log(2, READY);

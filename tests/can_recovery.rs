@@ -36,7 +36,7 @@ const SERVERS: [[&str; 3]; 4] = [
 ///
 /// Proves: MACS-CAN-06
 #[test]
-fn a_server_that_misbehaves_is_told_once_and_its_drive_configured_once_it_behaves() {
+fn faulty_sdo_server_is_reported_once_and_its_drive_configured_after_recovery() {
     let mut drives = CanDrives::boot("1-2");
     let configured = axis("x", 1, "", "").replace("cia402_sim.eds", "x.eds");
     let cell = CanCell::new(&drives.address().to_string(), "10 ms", &[configured, axis("y", 2, "", "")].concat());

@@ -70,7 +70,7 @@ expect:
 /// A module loses its power: its inputs are 0 as with a cut wire, while the axis continues. This is reported once, the
 /// module is configured again when it is back, and its outputs are then those of the cycle.
 #[test]
-fn a_module_that_goes_and_comes_back_has_its_outputs_again() {
+fn outputs_are_restored_after_a_module_returns() {
     let mut devices = CanDrives::boot_with(BusConnection::SlcanTcp, "1", &["--modules", "10"]);
     let sections = "io:
   start: {type: di, backend: bus0, node: 10, address: 0}

@@ -113,7 +113,7 @@ fn two_programs_do_not_share_an_adapter() {
 
 /// The channel of an adapter is open already, on a bus under load: it is closed first, and opened with the bit rate.
 #[test]
-fn an_adapter_that_somebody_has_left_open_is_taken_over() {
+fn adapter_with_open_channel_is_reused() {
     let drives = CanDrives::boot_on(BusConnection::SlcanPty, "1");
     let mut first = Bus::open(&drives, 1);
     assert_eq!(first.write(Object { index: 0x1017, sub: 0 }, &1_u16.to_le_bytes(), false), Ok(()));

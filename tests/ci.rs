@@ -161,7 +161,7 @@ fn sim_all_gives_the_same_for_any_number_of_jobs() {
 }
 
 #[test]
-fn scenario_names_its_cell_and_the_command_line_goes_first() {
+fn cell_of_the_command_line_has_priority_over_the_scenario() {
     let bench = two();
     bench.write("other.yaml", CELL);
     bench.write("empty.scenario.yaml", &scenario("cell: ''\n", "0 mm"));
@@ -295,7 +295,7 @@ fn sim_json_has_verdicts_counts_and_problems() {
 }
 
 #[test]
-fn check_json_says_what_a_cell_is_made_of() {
+fn check_json_lists_the_parts_of_a_cell() {
     let bench = two();
     let object = bench.object(&["check", "a/ok.yaml", "--scenario", "a/ok.scenario.yaml"], 0);
     let cell = json!({

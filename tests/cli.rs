@@ -67,7 +67,7 @@ fn first_move_passes_and_writes_the_same_bytes_twice() {
 }
 
 #[test]
-fn every_scenario_that_comes_along_passes() {
+fn every_delivered_scenario_passes() {
     let cell = root("launch-configs/demo.yaml");
     let mut count = 0;
     for entry in std::fs::read_dir(root("launch-configs/scenarios")).unwrap() {
@@ -83,7 +83,7 @@ fn every_scenario_that_comes_along_passes() {
 }
 
 #[test]
-fn a_failed_expectation_ends_with_1_and_says_where() {
+fn failed_expectation_ends_with_1_and_reports_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = "scenario: never there\ncycles: 10\nexpect:\n  - {signal: x.command.position, at: end, is: 5 mm}\n";
     std::fs::write(folder.path().join("s.yaml"), scenario).unwrap();
@@ -247,7 +247,7 @@ fn types_of_functions_are_listed_and_explained() {
 
 /// Proves: AMK-SAK-O1, AMK-SAK-O2, AMK-SAK-O3
 #[test]
-fn the_factor_of_a_compensation_is_told() {
+fn compensation_factor_is_reported() {
     let sak = |more: &[&str]| lineshaft(&root(""), &[&["functions", "sak"], more].concat());
     let told = |more: &[&str]| text(&sak(more).stdout);
     assert_eq!(told(&["--cycle", "2 ms", "--gain", "1000"]), "4032\n");
@@ -431,7 +431,7 @@ fn file_instead_of_a_command_gives_a_hint() {
 
 /// The reader of the log may end first, like `tee` on Ctrl-C: the axes are halted anyway.
 #[test]
-fn a_log_that_nobody_reads_any_more_does_not_end_the_node() {
+fn closed_log_does_not_end_the_node() {
     use rustix::process::{Pid, Signal, kill_process};
     use std::io::{BufRead, BufReader};
     use std::process::Stdio;

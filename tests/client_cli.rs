@@ -285,7 +285,7 @@ fn node_that_waits_is_activated_without_ros() {
 }
 
 #[test]
-fn without_a_node_the_command_says_where_it_looked() {
+fn command_without_a_node_reports_domain_and_name() {
     let domain = Domain::take();
     let (code, out, error) = client(&domain, &["state", "--timeout", "500 ms"]);
     assert_eq!((code, out.as_str()), (1, ""));

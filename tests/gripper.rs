@@ -22,7 +22,7 @@ groups:
 ";
 
 #[test]
-fn a_gripper_goes_where_both_types_of_goals_ask_it_to() {
+fn gripper_reaches_goals_of_both_types() {
     let folder = tempfile::tempdir().expect("a folder");
     let cell = folder.path().join("cell.yaml");
     fs::write(&cell, CELL).expect("room for a file");

@@ -99,7 +99,7 @@ impl Node {
 }
 
 #[test]
-fn where_the_axis_stands_becomes_zero_and_the_result_tells_the_shift() {
+fn present_position_becomes_zero_and_the_result_has_the_shift() {
     let mut node = Node::enabled();
     node.moves("x", 12_345);
     assert_eq!(node.axis("x")["homed"], false);
@@ -202,7 +202,7 @@ fn home_answers_while_the_axes_still_home() {
 }
 
 #[test]
-fn without_a_method_anywhere_home_says_so() {
+fn home_without_a_method_is_refused() {
     let without = CELL.replace("homing: {method: 35}, ", "").replace("homing: {method: 37}, ", "");
     let axes = without.find("  s: ").expect("the last axes");
     let mut node = Node::start(&without[..axes], &[]);
@@ -282,7 +282,7 @@ fn switches_show_in_the_state_of_their_axis() {
 ///
 /// Proves: MACS-HOME-05
 #[test]
-fn a_lost_index_aborts_homing_and_stands_in_the_history_of_errors() {
+fn lost_index_aborts_homing_and_is_in_the_error_history() {
     let scenario = "{scenario: s, for: 600 s, steps: [\n\
                     {when: {signal: t.enabled, is: 1}, do: {inject: {index_lost: {axis: t}}}}]}";
     let folder = tempfile::tempdir().expect("a folder");

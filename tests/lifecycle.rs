@@ -122,7 +122,7 @@ fn graph() -> Value {
 }
 
 #[test]
-fn five_services_and_a_topic_tell_the_whole_life_of_a_node() {
+fn lifecycle_services_and_topic_report_all_states() {
     let mut node = Node::watched(&[]);
     assert_eq!(node.state(), "unconfigured");
     let states = node.cyclone.run("lifecycle /lineshaft states");
@@ -283,7 +283,7 @@ fn there_is_one_transition_at_a_time() {
 }
 
 #[test]
-fn an_unconfigured_node_runs_no_cycle_takes_no_command_and_goes_on_where_it_was() {
+fn unconfigured_node_runs_no_cycle_and_continues_at_its_position() {
     let mut node = Node::inactive();
     node.change("activate");
     node.cyclone.run("axes /lineshaft enable x");
@@ -363,7 +363,7 @@ fn a_run_that_was_configured_activated_and_cleaned_up_replays() {
 }
 
 #[test]
-fn diagnostics_come_once_a_second_and_tell_when_no_cycle_runs() {
+fn diagnostics_are_published_once_a_second_even_without_cycles() {
     let mut node = Node::start(false, &[]);
     let seen = node.cyclone.run("diagnostics /lineshaft --until machine=3");
     assert_eq!(

@@ -120,7 +120,7 @@ fn bad_limits_change_nothing() {
 /// After a change of the cell:
 /// `lineshaft limits launch-configs/arm6/arm6.yaml --group arm > launch-configs/arm6/joint_limits.yaml`.
 #[test]
-fn files_of_the_arm_say_what_its_cell_says() {
+fn files_of_the_arm_agree_with_its_cell() {
     let bench = Bench::new();
     let limits = bench.good("limits arm6.yaml --group arm");
     assert_eq!(read("launch-configs/arm6/joint_limits.yaml"), limits, "write it again from the cell");

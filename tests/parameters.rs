@@ -76,7 +76,7 @@ fn every_parameter_is_listed_described_and_read() {
 /// Each settable parameter accepts its own value and another one; a value outside of its range, of another type, or no
 /// number is refused with a message at both interfaces and changes nothing.
 #[test]
-fn every_parameter_is_held_at_its_doors() {
+fn every_parameter_is_checked_at_its_interfaces() {
     let mut bench = Bench::start();
     for object in ["x", "turret", "line", "machine"] {
         let seen = bench.cyclone.run(&format!("parameter-doors /lineshaft --object {object}"));
@@ -345,7 +345,7 @@ fn long_replies_reach_clients_of_rmw_fastrtps() {
 /// A client that outlives two nodes still sends its requests to the second one, although the first one never
 /// acknowledged them.
 #[test]
-fn what_was_asked_of_a_node_is_not_done_by_the_one_that_takes_its_place() {
+fn request_to_dead_node_is_not_executed_by_its_successor() {
     let domain = Domain::take();
     let mut old = Peer::cyclone(&domain);
     let start = || Program::start(&["run", "--store", "none"], &domain);

@@ -94,7 +94,7 @@ fn a_program_is_checked_and_tried_at_the_prompt() {
 }
 
 #[test]
-fn what_is_wrong_with_a_program_is_told_where_the_cell_names_it() {
+fn program_errors_are_reported_at_their_place_in_the_cell() {
     let bench = Bench::new();
     assert_eq!(bench.run_to_end("check cell.yaml").0, 0);
     bench.write("copy.wasm", b"\0asm\x01\0\0\0");

@@ -38,7 +38,7 @@ fn joints(urdf: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_demo_describes_its_robot_to_whoever_comes_later() {
+fn late_subscribers_receive_the_robot_description() {
     let domain = Domain::take();
     let _program = Program::start(&["run"], &domain);
     let mut first = Peer::cyclone(&domain);
@@ -57,7 +57,7 @@ fn the_demo_describes_its_robot_to_whoever_comes_later() {
 }
 
 #[test]
-fn a_description_of_some_hundred_kilobytes_comes_whole() {
+fn large_description_is_received_completely() {
     let folder = tempfile::tempdir().unwrap();
     let cell = launch_configs("demo.yaml").replacen("# robot_description: demo.urdf", "robot_description: big.urdf", 1);
     std::fs::write(folder.path().join("cell.yaml"), cell).unwrap();

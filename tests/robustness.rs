@@ -74,7 +74,7 @@ fn start(args: &[&str], watchers: usize) -> (Program, Vec<Peer>, Domain) {
 
 /// Two clients of each RMW call all services and send goals at the same time, each for its own axis.
 #[test]
-fn of_hammered_services_and_goals_none_is_lost_doubled_or_mixed_up() {
+fn no_request_under_load_is_lost_or_duplicated() {
     let _alone = alone();
     let time = length(10, 60);
     let (program, _idle_watchers, _domain) = start(&["run"], 1);
@@ -130,7 +130,7 @@ fn two_hundred_requests_at_once_are_all_done() {
 /// A process may have two clients of one service, which rmw_cyclonedds distinguishes by an identifier: an answer to
 /// both of them is received twice.
 #[test]
-fn an_answer_goes_to_the_client_that_asked_and_to_no_other() {
+fn answers_reach_only_the_requesting_client() {
     let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     Peer::cyclone(&domain).run(&format!("twins {NODE} --axis x"));
@@ -206,7 +206,7 @@ fn works_again(sleeper: &mut Peer) {
 /// A subscriber is frozen for longer than its DDS lease, another one joins after more samples than a writer of the DDS
 /// library keeps by default, and others join and leave.
 #[test]
-fn nobody_loses_a_sample_because_of_another() {
+fn no_client_loses_samples_because_of_another() {
     let _alone = alone();
     let folder = tempfile::tempdir().expect("a folder");
     let (frozen, visits) = (length(15, 30), length(40, 200));
@@ -358,7 +358,7 @@ fn same_stream(one: &Value, other: &Value) {
 
 /// Sends samples that are no messages to everything that the node reads, and texts of 10 MB in each text field.
 #[test]
-fn nonsense_is_refused_and_does_nothing() {
+fn invalid_samples_are_refused() {
     let _alone = alone();
     let (program, _, domain) = start(&["run"], 0);
     let mut peer = Peer::cyclone(&domain);
@@ -386,7 +386,7 @@ fn nonsense_is_refused_and_does_nothing() {
 
 /// A full disk, a stopped terminal, or a slow journal: an earlier version delayed requests until the log was written.
 #[test]
-fn a_log_that_nobody_reads_holds_nobody_up() {
+fn blocked_log_does_not_delay_requests() {
     let _alone = alone();
     let folder = tempfile::tempdir().expect("a folder");
     let pipe = folder.path().join("stderr");

@@ -72,7 +72,7 @@ fn both_peers_see_joint_states_at_100_hz() {
 
 /// A subscription without history gets none: an old status or error would look like a new one.
 #[test]
-fn a_volatile_reader_of_a_latched_topic_gets_what_comes_after_it() {
+fn volatile_reader_of_a_latched_topic_gets_only_new_samples() {
     let mut demo = Demo::enabled();
     let status = "samples /lineshaft/move_axis/_action/status action_msgs::msg::dds_::GoalStatusArray_";
     let (mut latched, mut volatile) = (Peer::fastdds(&demo.domain), Peer::fastdds(&demo.domain));

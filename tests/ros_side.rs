@@ -73,7 +73,7 @@ fn axes_halt_when_the_ros_side_is_frozen_and_another_one_answers() {
 
 /// `on_loss: none`: the goal continues, and the client that has sent it gets its result from the next participant.
 #[test]
-fn goals_outlive_the_ros_side_where_the_cell_says_so() {
+fn goals_continue_without_the_ros_side_if_the_cell_allows_it() {
     let (domain, folder) = (Domain::take(), tempfile::tempdir().expect("a folder"));
     let program = Program::start(&["run", &cell(&folder, "on_loss: none")], &domain);
     let (mut peer, mut watcher) = (Peer::cyclone(&domain), Peer::cyclone(&domain));
@@ -93,7 +93,7 @@ fn goals_outlive_the_ros_side_where_the_cell_says_so() {
 /// Ctrl-Z and fg, strace, a debugger: ROS continues, and requests from the time of the freeze are not executed
 /// afterwards.
 #[test]
-fn a_frozen_program_does_not_do_what_it_was_asked_meanwhile() {
+fn requests_during_a_freeze_are_not_executed() {
     let domain = Domain::take();
     let program = Program::start(&["run"], &domain);
     let mut peer = Peer::cyclone(&domain);
@@ -142,7 +142,7 @@ fn a_program_that_was_frozen_for_long_has_not_lost_its_ros_side() {
 
 /// Both processes are killed, so no process announces the end of the participant: the next node announces it.
 #[test]
-fn what_a_dead_node_was_asked_is_not_done_by_the_next_one() {
+fn request_to_killed_node_is_not_executed_by_its_successor() {
     let (domain, home) = (Domain::take(), tempfile::tempdir().expect("a folder"));
     let start = || {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_lineshaft"));
@@ -251,9 +251,9 @@ fn a_ros_side_that_has_grown_hands_over_unnoticed() {
 /// The loopback interface shows nothing that either implementation rejects (tests/peers/rtps_check.py); if a reader of
 /// Fast DDS hangs, the visits fail.
 #[test]
-fn other_dds_implementations_bear_what_the_node_sends() {
+fn other_dds_implementations_accept_node_traffic() {
     if !namespace::is_inside(
-        "ros_side::other_dds_implementations_bear_what_the_node_sends",
+        "ros_side::other_dds_implementations_accept_node_traffic",
         &[setup::python, setup::fastdds_peer],
     ) {
         return;
@@ -306,7 +306,7 @@ fn logs_of_namesakes(told: &str) -> Option<[String; 2]> {
 
 /// Clients reach either of two nodes of one name: each node reports this once.
 #[test]
-fn two_nodes_of_one_name_are_told_once_each() {
+fn duplicate_node_name_is_reported_once_by_each_node() {
     let told = "has a node /lineshaft, too";
     // On a very busy machine a ROS side may be restarted.
     let logs = (0..3).find_map(|_| logs_of_namesakes(told)).expect("three runs, and in each a ROS side began anew");

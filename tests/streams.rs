@@ -85,7 +85,7 @@ impl Demo {
 }
 
 #[test]
-fn a_jog_moves_while_it_comes_and_its_silence_is_a_controlled_stop_with_a_warning() {
+fn jog_moves_while_streamed_and_its_timeout_is_a_controlled_stop() {
     let mut demo = Demo::start();
     let mut hand = Peer::cyclone(&demo.domain);
     let start = demo.position("x");
@@ -136,7 +136,7 @@ fn a_publisher_that_is_killed_stops_its_axis_and_no_other() {
 }
 
 #[test]
-fn what_is_refused_moves_nothing_and_says_why() {
+fn refused_messages_cause_no_motion_and_report_the_reason() {
     let mut demo = Demo::start();
     let mut hand = Peer::cyclone(&demo.domain);
     let start = demo.position("x");
@@ -170,7 +170,7 @@ fn what_is_refused_moves_nothing_and_says_why() {
 }
 
 #[test]
-fn a_stream_that_finds_no_free_axis_is_told_once() {
+fn stream_to_a_disabled_axis_is_reported_once() {
     let mut demo = Demo::start();
     let mut hand = Peer::cyclone(&demo.domain);
     hand.run("stream /lineshaft jog --axis turret=0.1 --seconds 0.4 --rate 100");

@@ -81,7 +81,7 @@ fn values(text: &str) -> Vec<i64> {
 }
 
 #[test]
-fn a_description_becomes_a_table_that_a_cell_takes() {
+fn table_made_from_a_description_is_valid_in_a_cell() {
     let bench = Bench::new();
     assert_eq!(bench.succeed("make knife.yaml -o knife.csv"), "knife.csv\n");
     let csv = bench.read("knife.csv");
@@ -105,7 +105,7 @@ fn a_description_becomes_a_table_that_a_cell_takes() {
 }
 
 #[test]
-fn bad_descriptions_and_files_are_told_with_line_and_column_and_write_nothing() {
+fn invalid_files_are_refused_with_line_and_column_and_nothing_is_written() {
     let bench = Bench::new();
     let knife = bench.read("knife.yaml");
     for (from, to, sentence) in [
@@ -152,7 +152,7 @@ fn bad_descriptions_and_files_are_told_with_line_and_column_and_write_nothing() 
 }
 
 #[test]
-fn check_tells_the_peaks_the_limits_and_the_fastest_speed() {
+fn check_shows_peaks_limits_and_fastest_speed() {
     let bench = Bench::new();
     let said = bench.succeed("check knife.yaml");
     let mut lines = said.lines();
@@ -280,7 +280,7 @@ fn jumps_leave_no_speed() {
 }
 
 #[test]
-fn points_are_checked_by_differences_which_is_said() {
+fn check_of_points_uses_and_mentions_differences() {
     let bench = Bench::new();
     // Slopes 1, 0, -1, 0 over 100 inc each: 0.01 inc/inc^2 at each corner.
     bench.write("corners.csv", "0\n100\n100\n0\n0\n");
@@ -416,7 +416,7 @@ fn both_kinds_of_file_are_drawn_the_same_each_time() {
 
 /// docs/cams.md shows the output and the drawing of the program.
 #[test]
-fn the_page_shows_what_check_says() {
+fn page_shows_the_output_of_check() {
     let bench = Bench::new();
     let page = std::fs::read_to_string(root("docs/cams.md")).expect("the page");
     let knife = bench.read("knife.yaml");

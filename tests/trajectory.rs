@@ -112,7 +112,7 @@ fn nanoseconds(stamp: &Value) -> i64 {
 }
 
 #[test]
-fn a_goal_is_reached_and_says_so_as_the_controller_does() {
+fn goal_succeeds_with_the_text_of_the_controller() {
     let mut bench = Bench::enabled();
     // Another order than that of the cell.
     let seen = bench.cyclone.run(
@@ -152,7 +152,7 @@ fn a_goal_is_reached_and_says_so_as_the_controller_does() {
 /// GRP-TRAJ-12: 50 messages a second while a reader exists; x moves 100 mm in 1 s on a cubic, and lags behind a
 /// straight line.
 #[test]
-fn controller_state_shows_what_is_asked_for_and_what_is_there() {
+fn controller_state_shows_reference_and_feedback() {
     let mut bench = Bench::enabled();
     let states = |seen: &Observations| -> Vec<Value> { seen.all().iter().map(|one| one["state"].clone()).collect() };
     let seen = states(&bench.cyclone.run("controller-state /lineshaft --seconds 2"));
@@ -183,7 +183,7 @@ fn controller_state_shows_what_is_asked_for_and_what_is_there() {
 /// 0.1 m in 6 s on a cubic with a known start: after 3 s 0.05 m at 1.5 * 0.1 / 6 m/s. A query for a past time returns
 /// what `reference` has shown for it.
 #[test]
-fn query_state_tells_where_the_joints_are_asked_to_be_at_a_time() {
+fn query_state_returns_the_reference_at_a_time() {
     let mut bench = Bench::enabled();
     let refused = bench.cyclone.fails("query-state /lineshaft 1000000000");
     assert!(refused.starts_with("time is 1 s, before the first cycle of the node at "), "{refused}");
@@ -257,7 +257,7 @@ fn query_state_answers_a_client_on_fast_dds_while_the_trajectory_runs() {
 
 /// A goal with a later start ends the previous goal at once, and its axes follow the previous trajectory until then.
 #[test]
-fn a_goal_with_a_later_start_leaves_the_joints_on_the_one_before() {
+fn joints_follow_the_previous_goal_until_a_later_start() {
     let mut bench = Bench::enabled();
     let first = bench.cyclone.run(&format!("{} --leave", all(6.0, 0.3, 0.0, 0.0)));
     bench.cyclone.until_axis("x", "moves", |x| x["command_velocity"].as_f64() > Some(0.01));
@@ -273,7 +273,7 @@ fn a_goal_with_a_later_start_leaves_the_joints_on_the_one_before() {
 /// From 0 to 0.1 m/s in 0.5 s, 1 s at that velocity, and to rest in 0.5 s: 25 + 100 + 25 mm, with 1048576 inc for 10
 /// mm.
 #[test]
-fn points_of_velocities_alone_are_integrated_where_the_node_is_told_so() {
+fn velocity_only_points_are_integrated_if_the_parameter_allows_it() {
     let mut bench = Bench::enabled();
     let goal = "follow /lineshaft --joint x --joint y --joint turret --point 0.5::0.1,0,0 --point 1.5::0.1,0,0 --point 2::0,0,0";
     bench.cyclone.fails(goal);
@@ -456,7 +456,7 @@ fn a_move_of_one_joint_ends_the_trajectory_of_all() {
 }
 
 #[test]
-fn a_goal_that_has_begun_before_goes_on_from_now() {
+fn goal_with_a_past_start_continues_from_now() {
     let mut bench = Bench::enabled();
     let goal = all(3.0, 0.05, 0.0, 0.0);
     let seen = bench.cyclone.run(&format!("{goal} --start -1"));
@@ -556,7 +556,7 @@ fn an_endless_joint_takes_the_nearest_turn_and_a_wrong_start_is_refused() {
 }
 
 #[test]
-fn partial_goals_are_taken_once_the_parameter_allows_them() {
+fn partial_goals_are_accepted_if_the_parameter_allows_them() {
     let mut bench = Bench::enabled();
     let goal = "follow /lineshaft --joint y --point 1:0.04:0";
     bench.cyclone.fails(goal);
@@ -727,7 +727,7 @@ fn each_group_has_its_own_action_and_topic() {
 }
 
 #[test]
-fn a_goal_of_100_000_knots_is_taken_and_a_longer_one_is_refused() {
+fn goal_of_100_000_knots_is_accepted_and_a_longer_one_refused() {
     let mut bench = Bench::enabled();
     // All points but the first are at the same position; 3 joints in 33,333 points. 3 * 2 numbers of 8 bytes a point: 2
     // MB.

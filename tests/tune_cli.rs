@@ -67,7 +67,7 @@ fn gains_are_found_drawn_and_written() {
 }
 
 #[test]
-fn what_is_wrong_is_said_before_anything_moves() {
+fn errors_are_reported_before_any_motion() {
     let bench = Bench::new(CELL);
     for (line, code, part) in [
         (&["y"][..], 2, "no axis is called `y`; there are x"),

@@ -52,7 +52,7 @@ impl Node {
 
 /// A goal finds gains and sets them on request; its feedback reports the phases in their order, and the run replays.
 #[test]
-fn a_goal_finds_gains_and_sets_them_where_it_is_asked_to() {
+fn goal_finds_gains_and_sets_them_on_request() {
     let mut node = Node::start();
     let before = node.values();
     let line = "tune /lineshaft --axis x --units axis_unit --travel 2 --velocity 8 --effort 0.25 --duration 3";
@@ -148,7 +148,7 @@ fn goals_are_rejected_cancelled_and_ended_by_a_halt() {
 /// A drive of an independent implementation on a bus: it is tuned only with permission, its gains are found, and Ctrl-C
 /// stops it.
 #[test]
-fn a_real_drive_is_tuned_with_leave_alone() {
+fn real_drive_is_tuned_only_with_permission() {
     let mut drives = CanDrives::boot("1");
     let keys = ", min_position: -1 m, max_position: 1 m";
     let cell = CanCell::new(&drives.address().to_string(), "4 ms", &axis("v", 1, ", interface: velocity", keys));

@@ -215,7 +215,7 @@ mod tests {
 
     /// The page has a reaction for every code that is an error of an axis, and for no other one.
     #[test]
-    fn the_page_tells_the_reaction_of_errors_alone() {
+    fn page_shows_reactions_only_of_errors() {
         let page = markdown();
         let reaction = |number: u32| {
             let start = format!("| {number} | ");

@@ -62,7 +62,7 @@ fn a_flight_recorder_of_0_s_is_off() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_told_before_anything_starts() {
+fn unwritable_folder_is_reported_before_the_start() {
     let bench = Bench::new();
     let file = bench.write("file", "");
     for folder in [file, "/proc/flight".to_owned()] {
@@ -74,7 +74,7 @@ fn a_folder_that_cannot_be_written_is_told_before_anything_starts() {
 }
 
 #[test]
-fn never_more_bags_stay_than_were_asked_for_and_the_newest_stay() {
+fn only_the_requested_number_of_newest_bags_is_kept() {
     let bench = Bench::new();
     run(&bench, &faults(5), &["--flight-recorder", "1", "--flight-keep", "2"]);
     let bags = bench.list("flight");

@@ -13,7 +13,7 @@ fn record(bench: &Bench) -> String {
 }
 
 #[test]
-fn every_path_leads_to_a_value_of_the_demo() {
+fn every_path_exists_in_the_demo() {
     let bench = Bench::new();
     let bag = record(&bench);
     for layout in [FOXGLOVE, PLOTJUGGLER] {
@@ -34,7 +34,7 @@ fn a_state_is_shown_by_its_name() {
 
 /// Tests the check itself: an axis, a field or a topic that does not exist, and a panel that is not shown.
 #[test]
-fn a_path_that_leads_nowhere_is_found() {
+fn invalid_path_is_found() {
     let bench = Bench::new();
     let bag = record(&bench);
     let wrong = [

@@ -60,7 +60,7 @@ fn the_first_and_the_last_cycle_are_compared_too() {
 }
 
 #[test]
-fn a_bag_without_the_inputs_of_a_cycle_is_told_so() {
+fn bag_without_inputs_of_a_cycle_is_reported() {
     let bench = Bench::new();
     let bag = bench.record("run.mcap");
     let lacking = bench.path("lacking.mcap");

@@ -66,7 +66,7 @@ fn every_value_of_a_folder_is_that_of_the_csv() {
 
 /// Tests the comparison itself: it finds a wrong bit.
 #[test]
-fn a_wrong_bit_is_not_the_csvs() {
+fn comparison_finds_a_wrong_bit() {
     let bench = Bench::new();
     let bag = bench.record("run.mcap");
     let wrong = bench.path("wrong.mcap");
@@ -196,7 +196,7 @@ fn a_place_that_cannot_be_written_is_one_sentence() {
 }
 
 #[test]
-fn info_tells_what_is_in_a_bag() {
+fn info_shows_the_contents_of_a_bag() {
     let bench = Bench::new();
     let bag = bench.record_scenario(&demo(), &root("launch-configs/scenarios/first_move.yaml"), "run.mcap");
     bench.lineshaft(&["bag", "info", &bag]).expect_code(0).expect_text(&[

@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cycle_is_said_in_8_bits() {
+    fn interpolation_time_period_fits_8_bits() {
         let us = 1_000;
         assert_eq!(interpolation(1_000 * us), Some((1, -3)));
         assert_eq!(interpolation(4_000 * us), Some((4, -3)));
@@ -329,7 +329,7 @@ mod tests {
     ///
     /// Proves: MACS-O-57
     #[test]
-    fn velocities_of_an_akd_are_thousandths_of_rpm() {
+    fn akd_velocity_unit_is_thousandth_rpm() {
         let factor = VelocityFactor::for_millirpm(4096, 1).unwrap();
         assert_eq!(factor, VelocityFactor { numerator: 1875, denominator: 128 });
         assert_eq!([factor.to_drive(204_800.0), factor.to_drive(-102_400.0)], [3_000_000, -1_500_000]);

@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_remote_frame_asks_and_carries_nothing() {
+    fn remote_frame_has_length_but_no_data() {
         let frame = Frame::remote(Id::SYNC, 8).unwrap();
         assert_eq!((frame.bytes(), frame.length(), frame.is_remote()), (&[][..], 8, true));
         assert_eq!(Frame::remote(Id::SYNC, 9), Err(FrameError::Length(9)));

@@ -79,7 +79,7 @@ mod tests {
 
     /// Command bytes of CiA 301.
     #[test]
-    fn a_command_names_one_device_or_all() {
+    fn nmt_command_addresses_one_node_or_all() {
         let node = NodeId::new(3);
         let commands = [
             (NmtCommand::Start, 0x01),
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn signs_of_life_are_one_byte() {
+    fn sign_of_life_has_one_byte() {
         let id = NodeId::new(3).unwrap().heartbeat();
         let life = |bytes: &[u8]| SignOfLife::of(&Frame::data(id, bytes).unwrap());
         let of = |state, toggle| Some(SignOfLife { state, toggle });

@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_heartbeat_that_stays_away_is_a_loss_and_the_next_one_ends_it() {
+    fn missing_heartbeat_is_loss_and_next_one_ends_it() {
         let mut watch = Monitor::new(node(), Monitoring::Heartbeat { time_ns: 100 * MS });
         assert_eq!(watch.tick(10_000 * MS), (None, None), "not before the first one");
         assert_eq!(watch.handle_frame(&life(0x7F), 0), Some(DeviceEvent::State(NmtState::PreOperational)));
@@ -185,7 +185,7 @@ mod tests {
     /// Reported once, 100 ms after the start. A heartbeat that arrives later is monitored normally, and a boot-up message is a sign of
     /// life.
     #[test]
-    fn heartbeats_that_never_come_are_told_once() {
+    fn missing_first_heartbeat_is_reported_once() {
         let mut watch = Monitor::new(node(), Monitoring::Heartbeat { time_ns: 100 * MS });
         assert_eq!(watch.tick(10_000 * MS).0, None, "it was not started");
         watch.begin(10_000 * MS);
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_boot_up_is_always_told() {
+    fn boot_up_is_always_reported() {
         let mut watch = Monitor::new(node(), Monitoring::Heartbeat { time_ns: 100 * MS });
         watch.handle_frame(&life(0x05), 0);
         assert_eq!(watch.handle_frame(&life(0x00), 10 * MS), Some(DeviceEvent::BootedUp));
@@ -219,7 +219,7 @@ mod tests {
 
     /// 100Ch = 100 ms, 100Dh = 3: lost after 300 ms without a valid answer.
     #[test]
-    fn guarding_asks_in_its_time_and_wants_a_toggle() {
+    fn guarding_requests_periodically_and_checks_toggle_bit() {
         let mut watch = Monitor::new(node(), Monitoring::Guarding { guard_ns: 100 * MS, life_factor: 3 });
         let question = Frame::remote(node().heartbeat(), 1).ok();
         assert_eq!(watch.tick(0), (None, question));

@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn many_kinds_neither_flood_nor_grow() {
+    fn number_of_kinds_is_limited() {
         let (limit, start) = (MessageRateLimit::default(), Instant::now());
         let passed = |at| (0..5000).filter(|kind| limit.skipped_if_allowed(*kind, at).is_some()).count();
         assert_eq!(passed(start), KINDS);

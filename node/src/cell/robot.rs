@@ -354,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_that_do_not_fit_the_axes_are_told() {
+    fn joints_that_do_not_match_the_axes_are_reported() {
         let limit = |lower: f64, upper: f64, velocity: f64| {
             format!("<limit lower='{lower}' upper='{upper}' velocity='{velocity}' effort='1'/>")
         };

@@ -119,7 +119,7 @@ fn the_demo_is_a_machine() {
 }
 
 #[test]
-fn all_problems_are_told_at_once() {
+fn all_problems_are_reported_at_once() {
     let text = "\
 lineshaft: 2
 cylce: 1 ms
@@ -180,7 +180,7 @@ fn a_file_is_called_by_its_path() {
 }
 
 #[test]
-fn what_is_no_cell_says_what_is_missing() {
+fn file_that_is_no_cell_is_refused_with_the_missing_key() {
     let missing = "1:1: missing key `cycle` in the cell\n1:1: missing key `lineshaft` in the cell";
     assert_eq!(said(""), missing);
     assert_eq!(said("{}"), missing);

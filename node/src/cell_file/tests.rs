@@ -186,7 +186,7 @@ proptest! {
 
     /// For any gains, the cell has them, and as many comments as before.
     #[test]
-    fn the_cell_says_what_was_asked(kprop in 0..65_000_i64, kder in 0..65_000_i64, kint in 0..65_000_i64, timer in 1..1000_i64) {
+    fn cell_has_the_requested_values(kprop in 0..65_000_i64, kder in 0..65_000_i64, kint in 0..65_000_i64, timer in 1..1000_i64) {
         let wanted = [("kprop", kprop), ("kder", kder), ("kint", kint), ("timer", timer)];
         let gains = wanted.map(|(key, value)| gain(key, value as f64));
         let (text, _) = edit(CELL, "x", &gains).unwrap();

@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn all_axes_are_asked_for_explicitly_except_by_halt() {
+    fn all_axes_must_be_requested_explicitly_except_for_halt() {
         assert!(parse(&["enable"]).is_err() && parse(&["enable", "--all", "x"]).is_err() && parse(&["home"]).is_err());
         assert!(parse(&["enable", "--all"]).is_ok() && parse(&["enable", "x", "y"]).is_ok());
         // A stop is not refused because of a missing argument.

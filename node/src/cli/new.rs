@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_kind_is_told_the_known_ones() {
+    fn unknown_kind_is_refused_with_a_list_of_known_ones() {
         let known = "demo, can, gantry, cam, gear, register, arm6, function, winder";
         let unknown = |name| unknown(name, Path::new("m.yaml"));
         assert_eq!(unknown("gaer"), format!("kind `gaer` is unknown, allowed: {known}; did you mean `gear`?"));

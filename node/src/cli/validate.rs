@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn case_of_a_signal_says_how_it_deviates() {
+    fn test_case_of_a_signal_contains_its_deviation() {
         let cases: Vec<Case> = report().lines.iter().map(case).collect();
         let find = |name: &str| &cases.iter().find(|case| case.name == name).unwrap().outcome;
         let Outcome::Failed(text) = find("x.actual.position (/joint_states)") else { panic!("{cases:?}") };

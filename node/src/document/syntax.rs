@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_indentation_says_what_belongs_together() {
+    fn wrong_indentation_reports_the_related_lines() {
         let aligned = "keys of one mapping, and entries of one list, begin in the same column";
         let wrong = "this is not YAML: the indentation does not fit the lines before";
         for text in ["a:\n - b: 1\n  - c: 2\nd: 3\n", "a:\n    b: 1\n  c: 2\n"] {

@@ -263,7 +263,7 @@ fn a_reader_that_gives_up_still_reports_missing_keys() {
 }
 
 #[test]
-fn the_rest_counts_as_asked_for() {
+fn remaining_keys_count_as_read() {
     let said = problems("a: 1\nkprop: x\n", |root| {
         let mut map = root.map("the file").unwrap();
         map.optional("a");
@@ -483,7 +483,7 @@ proptest! {
 }
 
 #[test]
-fn what_was_given_beside_a_text_reads_as_if_it_stood_there() {
+fn additional_values_are_read_like_values_of_the_text() {
     let read = |text: &str| {
         let mut document = Document::parse("t.yaml", text);
         document.put("k", "12");

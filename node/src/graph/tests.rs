@@ -38,7 +38,7 @@ fn said(machine: &MachineConfig, slot: u16) -> Vec<String> {
 }
 
 #[test]
-fn a_slot_reads_this_cycle_what_stands_before_it() {
+fn slot_reads_values_of_earlier_slots_in_the_same_cycle() {
     let machine = machine(
         "  a: {slot: 3, type: varsync, source: belt, sink: feed, inputs: [go, {name: flag, inverted: true}], outputs: [lamp], \
          mode: 0}\n  \
@@ -118,7 +118,7 @@ fn a_slot_that_reads_a_master_of_several_reads_its_members() {
 }
 
 #[test]
-fn a_slot_that_reads_itself_is_told_with_its_way() {
+fn slot_that_reads_itself_is_reported_with_its_path() {
     let told = |functions: &str| loops(&machine(functions));
     let both = "  a: {slot: 0, type: dcopy, source: b.sink, sink: none}\n  b: {slot: 1, type: dcopy, source: feed, sink: copy}\n";
     assert_eq!(told(both), [""; 0]);
@@ -146,7 +146,7 @@ fn a_slot_that_reads_itself_is_told_with_its_way() {
 }
 
 #[test]
-fn each_circle_is_told_once() {
+fn each_loop_is_reported_once() {
     let machine = machine(
         "  a: {slot: 0, type: dcopy, source: c.sink, sink: none}\n  b: {slot: 1, type: dcopy, source: a.sink, sink: none}\n  \
          c: {slot: 2, type: dcopy, source: b.sink, sink: none}\n  d: {slot: 3, type: ecopy, source: c.sink, sink: none, \
@@ -205,7 +205,7 @@ const MANY: &str = "  ratio: {slot: 0, type: varsync, source: belt, sink: feed, 
                     watch: {slot: 10, type: binea, source: second.sink, tables: [t], tracks: 1}\n";
 
 #[test]
-fn boxes_lie_beside_each_other_with_their_texts_inside() {
+fn boxes_do_not_overlap_and_contain_their_texts() {
     let svg = draw(&machine(MANY), "c.yaml").expect("there are functions");
     let [width, height] = numbers(svg.lines().next().expect("a head"), ["width", "height"]);
     let (frames, texts) = (frames(&svg), texts(&svg));

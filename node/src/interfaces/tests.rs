@@ -13,7 +13,7 @@ fn the_page_in_docs_holds_what_the_program_makes() {
 }
 
 #[test]
-fn what_stands_around_the_blocks_stays() {
+fn text_around_the_blocks_is_unchanged() {
     let page = "# Title\n\n<!-- begin endpoints: by the program -->\nold\n<!-- end endpoints -->\n\nprose\n\
                 <!-- begin parameters -->\n<!-- end parameters -->\n<!-- begin types -->\n\n<!-- end types -->\nlast\n";
     let made = renewed(page).unwrap();
@@ -28,7 +28,7 @@ fn what_stands_around_the_blocks_stays() {
 }
 
 #[test]
-fn everything_stands_on_the_page_and_no_cell_breaks_its_table() {
+fn page_has_all_interfaces_and_valid_tables() {
     let page = markdown();
     let lines = |start: &str| page.lines().filter(|line| line.starts_with(start)).count();
     for row in ROWS {
@@ -59,7 +59,7 @@ fn everything_stands_on_the_page_and_no_cell_breaks_its_table() {
 }
 
 #[test]
-fn qos_is_told_in_the_words_of_ros_2() {
+fn qos_is_shown_in_ros_2_terms() {
     assert_eq!(qos_text(Qos::STREAM), "reliable, volatile, 10");
     assert_eq!(qos_text(Qos::CLOCK), "best effort, volatile, 1");
     assert_eq!(qos_text(Qos::ROSOUT), "reliable, transient local, 1000, lifespan 10 s");

@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_place() {
+    fn errors_are_reported_with_their_places() {
         let error = |text: &str| {
             let TrialError { place, sentence } = run(text).unwrap_err();
             (place.line, place.col, sentence)

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_files_tell_the_time_in_utc() {
+    fn file_names_contain_the_time_in_utc() {
         assert_eq!(date_and_time(0), "19700101_000000");
         assert_eq!(date_and_time(1_795_275_384_999_999_999), "20261121_153624");
     }

@@ -317,7 +317,7 @@ fn paths_are_split_into_their_steps() {
 }
 
 #[test]
-fn every_key_says_what_it_is_for() {
+fn every_key_has_a_description() {
     for key in keys() {
         let is_entry = key.path.ends_with(['*', ']']);
         assert!(key.meaning.ends_with('.') && !key.shapes.is_empty(), "{}", key.path);

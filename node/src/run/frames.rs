@@ -402,7 +402,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recorder_that_stands_still_costs_cycles_which_are_counted_and_then_goes_on() {
+    fn blocked_recorder_loses_counted_cycles_and_continues() {
         let mut machine = machine();
         let (mut sender, mut receiver, _spent) = frames(&machine);
         (0..2100).for_each(|_| drop(run(&mut machine, &mut sender)));

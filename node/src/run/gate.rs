@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_backend_that_does_not_start_leaves_it_closed_until_it_is_asked_again() {
+    fn failed_backend_start_keeps_the_gate_closed_until_the_next_request() {
         let gate = Gate::opening();
         gate.fail("no bus".to_owned());
         assert_eq!((gate.state(), gate.is_wanted()), (GateState::Failed("no bus".to_owned()), false));

@@ -158,7 +158,7 @@ mod tests {
 
     /// Proves: MACS-STO-06
     #[test]
-    fn an_answer_comes_when_the_set_is_on_the_disk() {
+    fn answer_is_sent_after_the_set_is_on_the_disk() {
         let mut rig = Rig::new();
         let image = rig.save(5_000_000);
         assert_eq!(rig.ask(image), Ok(()));
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn the_end_comes_after_all_that_was_ordered() {
+    fn end_follows_all_requests() {
         let mut rig = Rig::new();
         for time in 1..=50 {
             let image = rig.save(time * 1_000_000);

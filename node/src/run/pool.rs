@@ -89,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_finds_none_free_is_counted_and_what_is_given_back_goes_round() {
+    fn lost_items_are_counted_and_returned_items_are_reused() {
         let (mut filler, mut emptier) = pool(3, || 0);
         (1..=5).for_each(|number| filler.send(|thing| *thing = number));
         filler.leave_out();

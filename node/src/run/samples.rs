@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn each_topic_gets_the_cycles_of_its_rate_however_late_they_are_taken() {
+    fn each_topic_gets_the_cycles_of_its_rate_even_if_read_late() {
         let machine = Machine::new(Cell::demo().machine).unwrap();
         let (mut sender, mut receiver) = at([100.0, 50.0], None, machine.board());
         let mut seen = Vec::new();
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_that_nobody_takes_are_counted_and_the_first_ones_kept() {
+    fn unread_samples_are_counted_and_the_first_ones_kept() {
         let machine = Machine::new(Cell::demo().machine).unwrap();
         let (mut sender, mut receiver) = at([1000.0, 1.0], None, machine.board());
         (0..507).for_each(|cycle| {

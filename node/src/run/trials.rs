@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn one_at_a_time_and_it_comes_back_with_its_record() {
+    fn one_trial_at_a_time_is_returned_with_its_record() {
         let mut rig = Rig::new();
         rig.run(10, true);
         let (watch, mut back) = rig.desk.begin(rig.trial()).expect("the first one");
@@ -327,7 +327,7 @@ mod tests {
 
     /// With a slow brake it takes many cycles to switch on the axis, during which its state is that of a disabled one.
     #[test]
-    fn whoever_stops_it_while_it_comes_on_finds_it_off() {
+    fn stop_while_enabling_disables_the_axis() {
         let cell =
             CELL.replace("    sim:\n", "    brake: {output: b, release_delay: 20 ms, engage_delay: 20 ms}\n    sim:\n");
         let cell = cell.replace("axes:\n", "io: {b: {type: do, backend: plant, address: 0}}\naxes:\n");
@@ -415,7 +415,7 @@ mod tests {
     }
 
     #[test]
-    fn where_cycles_end_it_comes_back_begun_or_not() {
+    fn trial_is_returned_when_the_cycles_end() {
         for cycles in [0, 100, 3000] {
             let mut rig = Rig::new();
             rig.run(10, true);

@@ -164,7 +164,7 @@ mod tests {
 
     /// Cycles after dropped ones contain only changes relative to them, so they are useless until the next key cycle.
     #[test]
-    fn after_a_disk_that_did_not_keep_up_it_goes_on_with_a_key_cycle() {
+    fn after_a_slow_disk_the_bag_continues_with_a_key_cycle() {
         let folder = tempfile::tempdir().unwrap();
         let cell = Cell::demo();
         let options = BagOptions { path: folder.path().join("a.mcap"), ..BagOptions::default() };

@@ -135,7 +135,7 @@ fn the_file_is_what_the_documentation_shows() {
 ///
 /// Proves: MACS-STO-06
 #[test]
-fn whatever_step_fails_the_old_set_stands_or_the_new_one() {
+fn after_any_failed_step_the_old_or_the_new_set_is_stored() {
     let mut steps = Vec::new();
     {
         let bench = Bench::new();
@@ -175,7 +175,7 @@ fn whatever_step_fails_the_old_set_stands_or_the_new_one() {
 
 /// The program ends between two steps, and leaves all its files.
 #[test]
-fn whatever_step_was_the_last_one_the_next_program_finds_a_whole_set() {
+fn after_any_last_step_the_next_program_reads_a_complete_set() {
     for left in 0..9 {
         let bench = Bench::new();
         bench.save(1);
@@ -257,7 +257,7 @@ fn without_a_good_generation_nothing_starts() {
 }
 
 #[test]
-fn without_the_file_nothing_is_saved_and_the_generation_before_goes() {
+fn without_the_file_nothing_is_saved_and_the_previous_generation_is_removed() {
     let bench = Bench::new();
     bench.save(1);
     bench.save(2);
@@ -269,7 +269,7 @@ fn without_the_file_nothing_is_saved_and_the_generation_before_goes() {
 
 /// At run time: the next saved set is on the disk again, even if it is the set that the file had.
 #[test]
-fn a_file_that_was_taken_away_is_written_by_the_next_save() {
+fn removed_file_is_written_by_the_next_save() {
     for (next, generation) in [(2, 3), (1, 3), (7, 3)] {
         let bench = Bench::new();
         bench.save(1);

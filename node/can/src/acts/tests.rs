@@ -51,7 +51,7 @@ fn control_word_and_setpoints_of_all_axes_of_a_drive_are_left_out() {
 
 /// CiA 401: outputs, but neither their error reactions (6206h, 6207h, 6443h, 6444h) nor filters (6003h).
 #[test]
-fn outputs_of_a_module_are_left_out_and_their_reactions_written() {
+fn outputs_of_module_are_left_out_and_error_reactions_are_written() {
     let outputs: [u16; 16] = [
         0x6200, 0x6220, 0x6221, 0x6222, 0x6223, 0x6224, 0x6225, 0x6226, 0x6227, 0x6300, 0x6320, 0x6410, 0x6411, 0x6412,
         0x6413, 0x6414,
@@ -66,7 +66,7 @@ fn outputs_of_a_module_are_left_out_and_their_reactions_written() {
 
 /// CiA 406: a write of a preset changes the position. 6200h is the cyclic timer, 6320h a cam limit.
 #[test]
-fn presets_of_an_encoder_are_left_out_and_its_timer_written() {
+fn presets_of_encoder_are_left_out_and_cyclic_timer_is_written() {
     let found: Vec<u16> = all(Some(406), Acts).into_iter().filter(|index| (0x6000..0x6800).contains(index)).collect();
     assert_eq!(found, [0x6003_u16, 0x6009, 0x6010]);
     for index in [0x6000, 0x6001, 0x6002, 0x6200, 0x6300, 0x6320] {
@@ -75,7 +75,7 @@ fn presets_of_an_encoder_are_left_out_and_its_timer_written() {
 }
 
 #[test]
-fn an_unknown_profile_leaves_out_whatever_acts_in_a_known_one() {
+fn objects_that_act_in_any_profile_are_left_out_for_unknown_profile() {
     for profile in [None, Some(408)] {
         for (object, expected) in [
             (at(0x6040, 0), Some(Acts)),
@@ -108,7 +108,7 @@ fn each_logical_device_has_its_own_profile() {
 }
 
 #[test]
-fn a_line_names_them_with_their_reasons() {
+fn display_lists_left_out_objects_with_reasons() {
     let acting = [at(0x1010, 1), at(0x1010, 2), at(0x1010, 3), at(0x1011, 4), at(0x6040, 0)];
     let setpoints = [at(0x607A, 0), at(0x60FE, 1), at(0x60FF, 0)];
     let of = |objects: &[Object]| {

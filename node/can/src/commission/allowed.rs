@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_dictionary_allows_becomes_bytes() {
+    fn allowed_value_is_encoded() {
         let known = known();
         assert_eq!(encoded(of(0x607A), "-2", None, Some(&known)), Ok(vec![0xFE, 0xFF, 0xFF, 0xFF]));
         assert_eq!(encoded(of(0x607F), "0x0A", None, Some(&known)), Ok(vec![10, 0, 0, 0]));
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_forbids_is_refused_with_name_value_and_range() {
+    fn forbidden_value_is_refused_with_name_value_and_range() {
         let by = "by the EDS";
         assert_eq!(refused(0x6041, "1", None), format!("6041h:00 Statusword cannot be written: its access is ro {by}"));
         assert_eq!(
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_dictionary_nothing_is_forbidden() {
+    fn object_without_dictionary_has_no_restrictions() {
         assert_eq!((check_readable(of(0x6041), None), writable(of(0x6041), None)), (Ok(()), Ok(())));
         assert_eq!(type_of(of(0x6041), None, None), Ok(None));
         assert_eq!(check_readable(of(0x6041), Some(&known())), Ok(()));

@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_without_a_dictionary_are_those_of_the_standard() {
+    fn frames_are_decoded_without_dictionary() {
         let rows: [(u16, &[u8], &str); 17] = [
             (0x000, &[1, 0], "NMT start all nodes"),
             (0x000, &[0x82, 5], "NMT reset the communication of node 5"),
@@ -282,7 +282,7 @@ mod tests {
 
     /// TPDO 3 of the dictionary carries 6041h and 6064h.
     #[test]
-    fn values_of_pdos_have_their_names_and_types() {
+    fn pdo_values_have_names_and_types_of_dictionary() {
         let mut decoder = knowing();
         assert_eq!(
             decoder.words(&frame(0x383, &[0x37, 0x06, 0xFE, 0xFF, 0xFF, 0xFF])),
@@ -296,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_said_of_an_identifier_counts_and_needs_no_dictionary() {
+    fn assigned_pdo_has_precedence_and_needs_no_dictionary() {
         let mut decoder = Decoder::default();
         let mapped = vec![
             Mapped { object: Object { index: 0x0005, sub: 0 }, bits: 8 },
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_a_node_are_told_from_others() {
+    fn frames_of_node_are_recognized() {
         let decoder = knowing();
         for (id, bytes) in [(0x183, &[][..]), (0x603, &[]), (0x703, &[5]), (0x083, &[]), (0, &[1, 0]), (0, &[1, 3])] {
             assert!(decoder.is_of_node(&frame(id, bytes), node()), "{id:X}");
@@ -322,7 +322,7 @@ mod tests {
     proptest::proptest! {
         /// Every frame gets a text, and none causes a panic.
         #[test]
-        fn every_frame_has_words(frames in proptest::collection::vec((0_u16..0x800, proptest::collection::vec(proptest::prelude::any::<u8>(), 0..=8)), 0..40)) {
+        fn every_frame_is_decoded_without_panic(frames in proptest::collection::vec((0_u16..0x800, proptest::collection::vec(proptest::prelude::any::<u8>(), 0..=8)), 0..40)) {
             let mut decoder = knowing();
             for (id, bytes) in frames {
                 assert!(!decoder.words(&frame(id, &bytes)).is_empty());

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn short_transfers_tell_their_values() {
+    fn expedited_transfers_are_decoded_with_values() {
         let told = all(&[
             (true, [0x40, 0x64, 0x60, 0, 0, 0, 0, 0]),
             (false, [0x43, 0x64, 0x60, 0, 0xFE, 0xFF, 0xFF, 0xFF]),
@@ -216,7 +216,7 @@ mod tests {
 
     /// The last segment with number 65 looks like the end of a transfer (C1h).
     #[test]
-    fn segments_of_blocks_are_known_by_what_led_to_them() {
+    fn block_segments_are_recognized_by_previous_frames() {
         let told = all(&[
             (true, [0xC6, 0x01, 0x20, 0, 10, 0, 0, 0]),
             (false, [0xA4, 0x01, 0x20, 0, 127, 0, 0, 0]),

@@ -64,7 +64,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_hexadecimal_with_and_without_their_signs() {
+    fn hexadecimal_index_is_parsed_with_and_without_prefix() {
         let read = |text: &str| parse(text, None).map(|object| (object.index, object.sub)).ok();
         for text in ["6064", "0x6064", "0X6064", "6064h", "6064:00", "6064h:00", "0x6064:0", " 6064 "] {
             assert_eq!(read(text), Some((0x6064, 0)), "{text}");
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn names_are_those_of_the_dictionary() {
+    fn name_of_dictionary_is_parsed() {
         let known = known();
         let read = |text: &str| parse(text, Some(&known)).map_err(|error| error.to_string());
         assert_eq!(read("position ACTUAL value"), Ok(Object { index: 0x6064, sub: 0 }));

@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_word_that_wraps_is_counted_on() {
+    fn position_word_wraps_without_jump() {
         let mut counter = PositionCounter::default();
         assert_eq!((counter.update(i32::MAX - 1), counter.count()), (0, i64::from(i32::MAX) - 1));
         assert_eq!((counter.update(i32::MIN + 1), counter.count()), (3, i64::from(i32::MAX) + 2));
@@ -83,7 +83,7 @@ mod tests {
 
     /// Proves: MACS-CAN-12
     #[test]
-    fn a_word_of_16_bits_wraps_at_its_own_end() {
+    fn word_of_16_bits_wraps_at_16_bits() {
         let mut counter = PositionCounter::of_bits(16);
         assert_eq!((counter.update(0x7FFF), counter.count()), (0, 0x7FFF));
         assert_eq!((counter.update(-0x8000), counter.count()), (1, 0x8000));
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_coordinate_is_no_motion() {
+    fn new_coordinate_system_is_not_motion() {
         let mut counter = PositionCounter::default();
         counter.start_epoch();
         assert_eq!(counter.epoch(), 0, "nothing was counted before");

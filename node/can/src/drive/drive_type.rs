@@ -154,7 +154,7 @@ mod tests {
     ///
     /// Proves: MACS-CAN-11, MACS-CAN-12
     #[test]
-    fn pdo_1_is_that_of_the_type() {
+    fn pdo_1_has_fields_of_drive_type() {
         let lengths = |value| {
             let layout = DriveType::decode(value).unwrap().layout(NodeId::new(3).unwrap()).unwrap();
             let (asked, told) = (&layout.asked[0], &layout.told[0]);
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn types_without_words_are_refused() {
+    fn types_with_unknown_process_data_are_refused() {
         let is_refused = |value| DriveType::decode(value).unwrap().unsupported_reason().is_some();
         assert_eq!([2, -3, 4, 11, 13].map(is_refused), [false; 5]);
         assert_eq!([1, 5, 10, 12, 91, 102, -113].map(is_refused), [true; 7]);

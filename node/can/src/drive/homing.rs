@@ -121,7 +121,7 @@ mod tests {
 
     /// 6098h, 6099h:01, 6099h:02, 609Ah; a speed is at least 1.
     #[test]
-    fn mode_6_is_asked_for_once_all_is_written() {
+    fn mode_6_is_commanded_after_all_objects_are_written() {
         let mut setup = HomingSetup::new(VelocityFactor::default());
         assert_eq!((setup.allowed_mode(Mode::Position, 0), setup.next_object()), (8, None));
         let expected = [
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_refused_object_keeps_mode_6_away() {
+    fn refused_object_prevents_mode_6() {
         let mut setup = HomingSetup::new(VelocityFactor::default());
         setup.allowed_mode(Mode::Homing(ORDER), 8);
         answer(&mut setup, false);
@@ -153,7 +153,7 @@ mod tests {
 
     /// The answer that belongs to the previous command is ignored.
     #[test]
-    fn another_order_begins_anew() {
+    fn new_homing_command_restarts_setup() {
         let mut setup = HomingSetup::new(VelocityFactor::default());
         setup.allowed_mode(Mode::Homing(ORDER), 8);
         answer(&mut setup, true);

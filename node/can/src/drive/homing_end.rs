@@ -122,7 +122,7 @@ mod tests {
 
     /// Bits 10 and 12 are reported once the drive is in mode 8 again. Before that they are hidden, whatever they mean in that mode.
     #[test]
-    fn zero_is_shown_once_the_drive_is_back_in_its_cyclic_mode() {
+    fn homing_attained_is_reported_after_return_to_cyclic_mode() {
         let mut end = HomingEnd::new(true, 5, 3);
         assert_eq!((end.command(6, 8, true), end.reported_state(6, 0x0237)), (6, (6, 0x0237)));
         end.record_zero();
@@ -138,7 +138,7 @@ mod tests {
 
     /// Bits 10 and 12 are still set from an earlier homing.
     #[test]
-    fn method_that_takes_no_time_is_over_in_the_cyclic_mode_too() {
+    fn method_without_motion_ends_in_cyclic_mode() {
         let mut end = HomingEnd::new(true, 5, 3);
         for cycle in 0..3 {
             end.count_method_without_motion();
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn drive_that_does_not_return_shows_a_homing_error() {
+    fn drive_that_does_not_return_to_cyclic_mode_reports_homing_error() {
         for (cycles, is_refused) in [(1, true), (6, false)] {
             let mut end = HomingEnd::new(true, 5, 3);
             end.record_zero();
@@ -166,7 +166,7 @@ mod tests {
 
     /// 6060h in a PDO: the drive is in the mode of the axis at once.
     #[test]
-    fn nothing_is_held_back_from_a_drive_whose_mode_is_mapped() {
+    fn drive_with_mapped_mode_is_reported_without_delay() {
         let mut end = HomingEnd::new(false, 5, 3);
         end.record_zero();
         assert_eq!((end.reported_state(6, 0x1637), end.command(6, 8, true)), ((6, 0x1637), 6));

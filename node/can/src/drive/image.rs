@@ -85,7 +85,7 @@ mod tests {
 
     /// Status 1637h, position -2, mode 8.
     #[test]
-    fn a_frame_is_read_by_its_fields() {
+    fn frame_is_unpacked_by_fields() {
         let mut image = image(&[16, 32, 8]);
         let frame = Frame::data(image.id(), &[0x37, 0x16, 0xFE, 0xFF, 0xFF, 0xFF, 8]).unwrap();
         assert!(image.update(&frame));
@@ -98,7 +98,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn each_value_comes_back(values: [i64; 4], bits in prop::sample::select(vec![[1_u32, 7, 8, 16], [8, 8, 16, 32], [3, 13, 40, 8]])) {
+        fn packed_values_are_unpacked_unchanged(values: [i64; 4], bits in prop::sample::select(vec![[1_u32, 7, 8, 16], [8, 8, 16, 32], [3, 13, 40, 8]])) {
             let mut image = image(&bits);
             let frame = image.frame(|word| values[word]);
             prop_assert!(image.update(&frame));

@@ -448,7 +448,7 @@ mod tests {
 
     /// Process data of each cycle has 7 bytes in each direction.
     #[test]
-    fn without_a_dictionary_only_what_is_needed_is_mapped() {
+    fn only_required_objects_are_mapped_without_dictionary() {
         let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), None).unwrap();
         assert_eq!(
             told(&layout),
@@ -464,7 +464,7 @@ mod tests {
 
     /// Digital inputs and error code are sent on change if the drive has them.
     #[test]
-    fn what_the_dictionary_maps_has_a_place() {
+    fn mappable_optional_objects_are_mapped() {
         let text = include_bytes!("../../../../launch-configs/can/cia402_sim.eds");
         let known = eds::parse(text, Some(3)).unwrap();
         let layout =
@@ -475,7 +475,7 @@ mod tests {
 
     /// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). With entries of `io`, 60FDh is required, and `check` refuses its type.
     #[test]
-    fn optional_object_of_another_type_or_access_has_no_place() {
+    fn optional_object_with_wrong_type_or_access_is_not_mapped() {
         let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
         let seldom = |section: &str, from: &str, to: &str| {
             let at = text.find(&format!("[{section}]")).unwrap();
@@ -500,7 +500,7 @@ mod tests {
 
     /// A drive with torque interface reports its torque in each cycle, whatever extras are selected.
     #[test]
-    fn a_drive_of_torques_is_asked_for_one_and_tells_it() {
+    fn torque_interface_maps_target_and_actual_torque() {
         for mode in [DriveMode::Cst, DriveMode::Tq] {
             let plan = |dictionary| Layout::plan(node(), mode, Extras::default(), &Terminals::default(), dictionary);
             let layout = plan(None).unwrap();
@@ -516,7 +516,7 @@ mod tests {
 
     /// 64 bits fit in a PDO; one more bit needs a second PDO.
     #[test]
-    fn a_pdo_is_filled_to_its_last_bit() {
+    fn pdo_is_filled_to_64_bits() {
         let lengths = |bits: &[u32]| {
             let field = |bits: &u32| Field::told(ReportedValue::Status, objects::STATUS_WORD, *bits);
             let fields: Vec<_> = bits.iter().map(field).collect();
@@ -564,7 +564,7 @@ mod tests {
     /// By default RPDO 3 carries 607Ah, RPDO 2 carries 6060h, TPDO 3 carries 6064h (CiA 402-3). A PDO of the other direction does not
     /// count.
     #[test]
-    fn object_that_a_pdo_of_the_file_carries_needs_no_pdo_mapping() {
+    fn object_in_default_pdo_needs_no_pdo_mapping_flag() {
         let plan = |text: &str| {
             let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
             Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known))
@@ -643,7 +643,7 @@ mod tests {
     /// Mapping of 6060h and 6061h is optional (CiA 402): they are then exchanged by SDO. Missing process data of each cycle is still
     /// refused.
     #[test]
-    fn mode_that_a_drive_cannot_map_has_no_place_in_a_pdo() {
+    fn unmappable_mode_is_exchanged_by_sdo() {
         let plan = |unmappable: &[&str]| {
             let known = dictionary_without(unmappable);
             Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known))
@@ -664,7 +664,7 @@ mod tests {
 
     /// A captured position and its count belong to the same capture only if they are in one PDO.
     #[test]
-    fn what_a_probe_catches_is_in_one_pdo() {
+    fn captured_position_and_count_are_in_one_pdo() {
         let rising = Extras { probes: [Some(probe::Probe::Rising), None], torque: false };
         let both = Extras { probes: [Some(probe::Probe::Rising), Some(probe::Probe::Index)], torque: false };
         for extras in [rising, both, Extras { torque: true, ..rising }, Extras { torque: true, ..both }] {
@@ -699,7 +699,7 @@ mod tests {
     /// Bits of 60FDh and 60FEh that entries of `io` use are sent in each cycle, after the values that the interface needs: 11 bytes are two
     /// PDOs.
     #[test]
-    fn inputs_and_outputs_of_a_drive_go_in_each_cycle() {
+    fn inputs_and_outputs_of_drive_are_sent_in_each_cycle() {
         let terminals = Terminals {
             digital_inputs: vec![terminal(16)],
             digital_outputs: vec![terminal(16)],
@@ -752,7 +752,7 @@ mod tests {
 
     /// Proves: MACS-CAN-18
     #[test]
-    fn an_encoder_tells_its_position_in_pdo_2() {
+    fn encoder_position_is_in_tpdo_2() {
         let layout = Layout::encoder(node()).unwrap();
         assert_eq!((told(&layout), layout.asked.len()), (vec![(2, 0x283, 1, vec![ReportedValue::Encoder])], 0));
         assert_eq!(layout.told[0].fields[0].object.to_string(), "6004h:00");

@@ -308,7 +308,7 @@ mod tests {
     /// Bit 4 is set with the setpoint until bit 12 acknowledges it. It is reset until the acknowledgement is reset. Then the newest
     /// setpoint follows.
     #[test]
-    fn setpoints_are_handed_over() {
+    fn setpoint_handshake_transfers_setpoints() {
         let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
         assert_eq!(pp.command(control::SWITCH_ON, 10, 0x0233, true), (0x07, 10));
         assert_eq!(pp.command(control::ENABLE, 10, ENABLED, true), (0x3F, 10), "the first one");
@@ -340,7 +340,7 @@ mod tests {
     /// Bit 12 is 1 when the operation is enabled, and is reset at the next falling edge of bit 4. Bit 4 rises after 50 ms and falls after
     /// another 50 ms; then the normal handshake follows.
     #[test]
-    fn first_setpoint_is_handed_over_although_bit_12_stands() {
+    fn first_setpoint_is_transferred_with_stale_acknowledge_bit() {
         let (mut bit_12, mut before) = (true, false);
         let all = handed_over(110, |bit_4, _| {
             bit_12 = match (before, bit_4) {
@@ -359,7 +359,7 @@ mod tests {
 
     /// A drive that resets its old acknowledgement within 50 ms sees only one edge, with bit 12 at 0.
     #[test]
-    fn bit_12_that_falls_by_itself_is_waited_for() {
+    fn handshake_waits_for_stale_acknowledge_to_reset() {
         let all = handed_over(40, |bit_4, cycle| cycle < 30 || bit_4);
         let given: Vec<_> = (0..).zip(&all).filter(|(_, (given, _))| *given).map(|(cycle, _)| cycle).collect();
         assert_eq!(given, [30], "it is acknowledged in cycle 31");
@@ -387,7 +387,7 @@ mod tests {
 
     /// At least 5 and 25 cycles: 100 ms and 500 ms with cycles of 20 ms, 500 ms and 2.5 s with cycles of 100 ms.
     #[test]
-    fn slow_cycles_have_levels_and_answers_as_well() {
+    fn slow_cycles_have_minimum_cycle_counts() {
         for (cycle_ns, cycles) in [(125_000, (400, 4_000)), (20_000_000, (5, 25)), (100_000_000, (5, 25))] {
             let handshake = Handshake::new(cycle_ns);
             assert_eq!((handshake.level_cycles, handshake.most_cycles), cycles);
@@ -398,7 +398,7 @@ mod tests {
         /// With any delay of the acknowledgement, the last setpoint is transferred in the end. Each setpoint is transferred only while bit
         /// 12 is 0.
         #[test]
-        fn the_last_setpoint_is_given(positions in prop::collection::vec(-9_i64..9, 1..30), late in 0_usize..4) {
+        fn last_setpoint_is_transferred(positions in prop::collection::vec(-9_i64..9, 1..30), late in 0_usize..4) {
             let mut pp = Commander::new(DriveMode::Pp, CYCLE_NS);
             let (mut given, mut words, mut before) = (None, vec![0_u16; late + 1], 0);
             let last = *positions.last().unwrap();

@@ -281,7 +281,7 @@ mod tests {
 
     /// 6060h is written with 8, then 6061h is read every 10 ms until it is 8.
     #[test]
-    fn mode_is_known_once_it_was_read_and_two_status_words_have_come() {
+    fn mode_is_valid_after_read_and_two_status_words() {
         let mut exchange = ModeExchange::new(BOTH);
         assert_eq!(exchange.next_request(0), None, "no mode is commanded");
         exchange.command(8);
@@ -301,7 +301,7 @@ mod tests {
 
     /// From 8 to 6 and back before 6 is confirmed: the 8 that was read before is no longer valid.
     #[test]
-    fn mode_that_was_read_before_a_write_is_not_known() {
+    fn mode_read_before_write_is_invalid() {
         let mut exchange = ModeExchange::new(BOTH);
         exchange.command(8);
         for _ in 0..2 {
@@ -339,7 +339,7 @@ mod tests {
 
     /// A PDO or another client may have changed the mode during a pending read, so its result is not used.
     #[test]
-    fn read_under_way_is_not_used_once_the_mode_is_distrusted() {
+    fn pending_read_is_ignored_after_invalidation() {
         let mut exchange = ModeExchange::new(ModeBySdo { writes: false, reads: true });
         exchange.command(8);
         let (object, mut data) = request(&mut exchange, 0);
@@ -373,7 +373,7 @@ mod tests {
 
     /// 6061h is in a PDO: only the write uses SDO.
     #[test]
-    fn mode_that_a_pdo_reports_is_not_read() {
+    fn mapped_mode_display_is_not_read_by_sdo() {
         let mut exchange = ModeExchange::new(ModeBySdo { writes: true, reads: false });
         exchange.command(9);
         assert!(!exchange.is_settled(9), "not written yet");

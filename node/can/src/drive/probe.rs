@@ -108,7 +108,7 @@ mod tests {
 
     /// Bits of CiA 402: 0 enable, 1 continuous, 2 zero pulse, 4 rising, 5 falling; those of probe 2 are 8 higher.
     #[test]
-    fn the_function_says_what_is_caught() {
+    fn touch_probe_function_has_bits_of_cia_402() {
         assert_eq!(function([Some(Probe::Both), None]), 0x0033);
         assert_eq!(function([Some(Probe::Rising), Some(Probe::Index)]), 0x1713);
         assert_eq!(slots([Some(Probe::Falling), Some(Probe::Index)]).collect::<Vec<_>>(), [1, 2]);
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_new_is_told_once_and_what_was_between_is_lost() {
+    fn new_capture_is_reported_once_and_missed_ones_are_counted() {
         let mut caught = CaptureCounter::default();
         caught.update(5, 65_534);
         assert_eq!(caught.drain(), None, "caught before");

@@ -82,14 +82,14 @@ mod tests {
     }
 
     #[test]
-    fn entries_stand_one_behind_the_other() {
+    fn entries_are_encoded_in_sequence() {
         assert_eq!(encode(&two()).unwrap(), TWO);
         assert_eq!(decode(&TWO), Ok(two()));
         assert_eq!(decode(&[0, 0, 0, 0]), Ok(vec![]));
     }
 
     #[test]
-    fn every_other_length_is_refused() {
+    fn wrong_lengths_are_refused() {
         for length in 0..TWO.len() {
             assert!(matches!(decode(&TWO[..length]), Err(ConciseError::Short { .. })), "{length}");
         }
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_in_the_bytes_take_no_memory() {
+    fn large_counts_allocate_no_memory() {
         assert_eq!(decode(&[0xFF; 4]), Err(ConciseError::Short { entry: 1, entries: u32::MAX }));
         assert_eq!(
             decode(&[&[1, 0, 0, 0][..], &[0xFF; 7]].concat()),

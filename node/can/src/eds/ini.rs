@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn sections_and_keys_are_found_by_small_letters() {
+    fn section_and_key_names_ignore_case() {
         let (sections, errors, warnings) =
             read("; head\r\n\r\n [ DeviceInfo ] \r\n VendorName = maxon; ag \r\n\t\r\nA==\r\n");
         let section = &sections["deviceinfo"];
@@ -135,12 +135,12 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_value_says_nothing() {
+    fn empty_value_counts_as_missing() {
         assert_eq!(read("[a]\nDefaultValue=\n").0["a"].get("defaultvalue"), None);
     }
 
     #[test]
-    fn of_two_sections_and_of_two_keys_the_later_one_holds() {
+    fn later_section_or_key_replaces_earlier_one() {
         let (sections, _, warnings) = read("[A]\nx=1\ny=2\n[a]\nx=3\nX=4\n");
         assert_eq!(sections["a"].get("x").unwrap().value, "4");
         assert_eq!(sections["a"].get("y"), None);
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_line_of_a_file_is_named() {
+    fn invalid_lines_are_reported() {
         let (sections, errors, warnings) = read("x=1\n[a]\nnonsense\n[b\ny=1\n");
         assert_eq!(errors, "line 4: the section \"[b\" does not end in ]");
         assert_eq!(
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn latin_1_and_utf_8_are_told_apart() {
+    fn latin_1_and_utf_8_are_detected() {
         assert_eq!(text(b"\xEF\xBB\xBF[a]"), "[a]");
         assert_eq!(text("Stra\u{df}e".as_bytes()), "Straße");
         assert_eq!(text(b"Stra\xDFe"), "Straße");
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_number_of_lines_has_an_end() {
+    fn too_many_lines_are_refused() {
         let many = "\n".repeat(MOST_LINES);
         assert_eq!(read(&many).1, "line 400001: the file has more than 400000 lines");
         assert_eq!(read(&many[1..]).1, "");

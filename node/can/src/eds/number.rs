@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_refused_with_its_text() {
+    fn invalid_number_is_refused_with_its_text() {
         for text in ["", "-", "0x", "0x-", "-0x-1", "0x+1", "--1", "08", "1.5", "1_0", "abc", "12h", "٣"] {
             assert!(number(text).unwrap_err().contains("is no number"), "{text}");
         }
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn the_node_id_stands_before_or_behind_what_is_added() {
+    fn node_id_is_parsed_on_either_side_of_sum() {
         assert_eq!(plus_node_id("0x180"), None);
         let rows = [
             ("$NODEID", 0),

@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_of_the_node_needs_the_node() {
+    fn value_with_node_id_needs_node() {
         let given = FileValue::NodeId { plus: 0x180 };
         assert_eq!(given.resolved(DataType::Unsigned32, None), None);
         assert_eq!(given.resolved(DataType::Unsigned32, Some(5)), Some(Value::Unsigned(0x185)));

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn passed_over_values_leave_room_for_other_problems() {
+    fn ignored_values_leave_room_for_other_problems() {
         let mut problems = Problems::default();
         let of_value = Some(IgnoredKey { index: 0x2000, key: IgnoredKeyKind::Value });
         for line in 1..=MOST_PROBLEMS {

@@ -92,7 +92,7 @@ fn a_search_finds_one_device_after_the_other() {
 }
 
 #[test]
-fn a_device_that_falls_silent_is_lost() {
+fn device_that_stops_answering_is_lost() {
     let mut scan = FastScan::default();
     assert_eq!(scan.next(true), None);
     let outcome = (0..40).find_map(|_| scan.next(false));
@@ -100,7 +100,7 @@ fn a_device_that_falls_silent_is_lost() {
 }
 
 #[test]
-fn the_device_of_an_identity_is_selected_and_set() {
+fn device_is_selected_by_identity_and_configured() {
     let (one, two) = ([1, 2, 3, 4], [1, 2, 3, 5]);
     let mut slaves = [Slave::new(one), Slave::new(two)];
     let mut all = |frame: &Frame| slaves.iter_mut().filter_map(|slave| slave.take(frame)).collect::<Vec<_>>();

@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_have_their_place_in_a_cycle() {
+    fn recorded_frames_are_assigned_to_cycles() {
         let mut tap = FrameRecorder::new(0);
         tap.take(&frame(9), true);
         let mut frames = tap.start_recording();

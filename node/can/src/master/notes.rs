@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_end_of_a_foreign_emergency_that_was_told_is_told() {
+    fn end_of_reported_foreign_emergency_is_reported() {
         let (mut foreign, begin) = (ForeignEmergencies::default(), Instant::now());
         let mut pass = |node, code, ms| foreign.is_reported(node, code, begin + Duration::from_millis(ms));
         assert!(pass(9, 0x8130, 0));
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn no_more_come_than_can_be_told() {
+    fn number_of_notes_is_limited() {
         let mut notes = Notes::default();
         (0..1000).for_each(|number| notes.add(Code::NODE_CHANGED, number));
         let taken = notes.take();

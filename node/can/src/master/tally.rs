@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn the_controller_and_the_nodes_are_told_as_they_were_noted() {
+    fn controller_and_node_states_are_reported_as_stored() {
         let tally = BusCounters::new(2);
         assert_eq!(tally.controller(), "off");
         tally.set_controller_state(BusState::Passive, Some((128, 3)));

@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn inputs_stand_at_their_places() {
+    fn inputs_are_at_their_places() {
         let mut module = module();
         module.listen(false);
         module.take(0, [(ReportedValue::Digital(0), 0x01), (ReportedValue::Digital(1), -1)].into_iter());
@@ -188,7 +188,7 @@ mod tests {
 
     /// More than 10 cycles without a PDO, and a device that takes no part.
     #[test]
-    fn inputs_of_a_silent_module_are_not_there() {
+    fn inputs_of_silent_module_are_invalid() {
         let mut module = module();
         module.listen(false);
         module.take(0, [(ReportedValue::Digital(0), 1)].into_iter());
@@ -229,7 +229,7 @@ mod tests {
 
     /// The coordinate system of a device that was offline may be a new one, unless its position is absolute.
     #[test]
-    fn an_encoder_that_has_booted_counts_anew() {
+    fn booted_encoder_counts_from_new_epoch() {
         for (is_absolute, count, epochs) in [(false, -2, [1, 1, 2]), (true, 0xFFFF_FFFE, [0, 0, 0])] {
             let encoders = vec![config::Encoder { place: 1, is_absolute }];
             let mut encoder = Terminals::new(&config::Terminals { encoders, ..config::Terminals::default() }, 1);

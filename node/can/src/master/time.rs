@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn it_goes_at_once_and_then_as_often_as_it_should() {
+    fn time_message_is_sent_at_once_and_then_periodically() {
         let sent = |time: &mut TimeOfDay, now_ns| time.due(now_ns, || Duration::ZERO).is_some();
         let mut time = TimeOfDay::new(Some(100));
         assert_eq!([50, 149, 150, 249, 900].map(|now| sent(&mut time, now)), [true, false, true, false, true]);

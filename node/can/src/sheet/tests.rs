@@ -85,7 +85,7 @@ fn homing_that_the_file_does_not_offer_is_a_warning_if_its_method_can_be_written
 }
 
 #[test]
-fn supported_modes_of_0_or_none_say_nothing() {
+fn missing_or_zero_supported_modes_are_not_compared() {
     for value in ["0", "", "0xFFFFFFFF"] {
         let known = changed(&[("6502", "DefaultValue", value)]);
         assert_eq!(compare(&drive(DriveMode::Cst), HOMES, &known), Findings::default(), "{value}");
@@ -221,7 +221,7 @@ fn io_beyond_the_inputs_of_the_file_is_an_error() {
 
 /// Channels 0 to 2 of analog outputs are 6411h:01 to 03, from RPDO 2 (CiA 401-1); the position of an encoder is in TPDO 2 (CiA 406).
 #[test]
-fn what_the_file_lacks_is_a_warning() {
+fn missing_objects_of_file_are_warnings() {
     let known = file(&(inputs(true) + &pdo_of_inputs()));
     let found = compare(&module(None, Some(2)), Requirements::default(), &known);
     let [object, pdo] = [
@@ -241,7 +241,7 @@ fn what_the_file_lacks_is_a_warning() {
 }
 
 #[test]
-fn what_is_written_for_a_key_has_to_be_there_and_writable() {
+fn object_written_for_key_must_exist_and_be_writable() {
     let heartbeat = DeviceConfig { watching: Monitoring::Heartbeat { time_ns: 300_000_000 }, ..drive(DriveMode::Csp) };
     let guarding = DeviceConfig {
         watching: Monitoring::Guarding { guard_ns: 100_000_000, life_factor: 3 },
@@ -315,7 +315,7 @@ fn optional_object_of_another_type_or_access_is_a_warning_unless_the_cell_needs_
 
 /// Mapping of 6060h and 6061h is optional (CiA 402-2). By SDO, 6060h is written and 6061h is read; both are INTEGER8.
 #[test]
-fn mode_that_goes_by_sdo_is_compared_with_the_file() {
+fn mode_exchanged_by_sdo_is_compared_with_file() {
     let found = |known: &Dictionary| compare(&planned(known), Requirements::default(), known);
     let unmappable = |section, key, value| changed(&[(section, "PDOMapping", "0"), (section, key, value)]);
     for (section, access) in [("6060", "rw"), ("6060", "wo"), ("6061", "ro"), ("6061", "rw")] {

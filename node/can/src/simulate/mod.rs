@@ -275,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_simulated_is_refused_by_name() {
+    fn unsupported_devices_are_refused_by_name() {
         assert_eq!(unsupported(&bus(|_| {})), None);
         let sentence = unsupported(&bus(|device| device.role = Role::Module)).unwrap();
         assert_eq!(sentence, "bus0: node 3 (module): modules and encoders are not simulated on a bus");

@@ -264,7 +264,7 @@ mod tests {
 
     /// Bit 8 stops the motion within the 5 counts of the ramp; after that it continues to its target.
     #[test]
-    fn halt_stops_and_goes_on() {
+    fn halt_stops_and_motion_resumes() {
         let mut positioner = at(0);
         let before = *run(&mut positioner, 40, 0x1F, 100).last().unwrap();
         let halted = *run(&mut positioner, 40, 0x11F, 100).last().unwrap();

@@ -464,7 +464,7 @@ mod tests {
     /// If the cell writes 2000h, it is an object of its drive: 4 bytes, any value. Otherwise 2000h contains the levels of the touch probe
     /// inputs.
     #[test]
-    fn object_2000h_of_the_cell_takes_the_place_of_the_probe_inputs() {
+    fn object_2000h_of_cell_replaces_probe_inputs() {
         let object = at(0x2000, 0);
         let mut levels = table();
         assert_eq!([4, 3].map(|value| levels.write(object, value, Some(1))), [Err(RANGE), Ok(())]);

@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn others_are_refused_with_what_is_allowed() {
+    fn other_addresses_are_refused_with_allowed_forms() {
         let refused = [
             (["", "can0", "pcan:usb1"], "is no CAN bus; allowed are slcan:/dev/ttyACM0, "),
             (["Slcan:/dev/ttyACM0", " slcan:/dev/ttyACM0", "slcan"], "is no CAN bus; "),
@@ -165,7 +165,7 @@ mod tests {
     proptest! {
         /// An address is written as it is read.
         #[test]
-        fn what_is_read_is_shown(kind in "slcan|slcan-tcp|socketcan|udp", rest in "[ -~]{0,20}", host in "[a-z.0-9:\\[\\]]{1,12}",
+        fn address_is_written_as_read(kind in "slcan|slcan-tcp|socketcan|udp", rest in "[ -~]{0,20}", host in "[a-z.0-9:\\[\\]]{1,12}",
                                  group: u32, port: u16) {
             for text in [format!("{kind}:{rest}"), format!("{kind}:{host}:{port}"), format!("{kind}:{}:{port}", Ipv4Addr::from(group))] {
                 if let Ok(address) = text.parse::<Address>() {

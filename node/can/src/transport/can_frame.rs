@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_stand_where_the_kernel_reads_them() {
+    fn frame_layout_matches_kernel() {
         let id = Id::new(0x201).unwrap();
         let frame = Frame::data(id, &[0x0F, 0, 1]).unwrap();
         assert_eq!(bytes_of(&frame), bytes(0x201, 3, [0x0F, 0, 1, 0, 0, 0, 0, 0]));

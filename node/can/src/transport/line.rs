@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_line_does_not_take_goes_later_in_its_order() {
+    fn queued_lines_are_sent_later_in_order() {
         let mut line = SlcanLine::new(Wire { takes: Some(7), ..Wire::default() });
         line.send(&frame(0x201, &[1])).unwrap();
         line.send(&frame(0x202, &[2])).unwrap();

@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_in_the_way_is_told_with_its_cure() {
+    fn open_failure_contains_remedy() {
         assert_eq!(
             refused("slcan:/dev/ttyACM99", 750_000),
             "slcan:/dev/ttyACM99 cannot be opened: adapters do not know the bit rate 750000 bit/s; they know 10000, 20000, 50000, \
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn an_adapter_that_is_not_there_is_told() {
+    fn missing_adapter_is_reported() {
         let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let sentence = refused(&format!("slcan-tcp:127.0.0.1:{port}"), 500_000);
         assert!(
@@ -203,7 +203,7 @@ mod tests {
 
     /// A listener that accepts no connection: its queue is full, and the next connection waits.
     #[test]
-    fn a_host_that_is_silent_is_told_in_time() {
+    fn silent_host_is_reported_within_timeout() {
         let listener = Socket::new(Domain::IPV4, Type::STREAM, None).unwrap();
         listener.bind(&SocketAddr::from(([127, 0, 0, 1], 0)).into()).unwrap();
         listener.listen(0).unwrap();
@@ -217,7 +217,7 @@ mod tests {
 
     /// The interface is missing, or the kernel has no CAN at all.
     #[test]
-    fn an_interface_that_is_not_there_is_told() {
+    fn missing_interface_is_reported() {
         let sentence = refused("socketcan:no-such-can", 500_000);
         let (no_can, none) = ("the kernel has no CAN; load its modules", "there is no CAN interface no-such-can; ");
         assert!(sentence.contains(no_can) || sentence.contains(none), "{sentence}");

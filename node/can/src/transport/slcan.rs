@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_frame_is_passed_over() {
+    fn invalid_lines_are_ignored() {
         let none: [&[u8]; 11] = [
             b"t\r",
             b"t12\r",
@@ -242,7 +242,7 @@ mod tests {
 
         /// After any bytes, the frame after the next CR is decoded.
         #[test]
-        fn noise_ends_at_the_next_line(noise in prop::collection::vec(any::<u8>(), 0..100)) {
+        fn frame_after_noise_is_decoded(noise in prop::collection::vec(any::<u8>(), 0..100)) {
             let frame = data(0x181, &[7]);
             let all = said(&[&noise, &b"\r"[..], Line::of(&frame).bytes()].concat());
             prop_assert_eq!(all.last(), Some(&AdapterMessage::Frame(frame)));

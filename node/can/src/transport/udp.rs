@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn everybody_in_the_group_hears_a_frame_except_who_sends_it() {
+    fn frame_is_received_by_all_members_except_sender() {
         let group = Ipv4Addr::new(239, 74, 163, 77);
         // A port that is free now, and that no other test uses.
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();

@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn slewing_back_never_shows_an_earlier_time() {
+    fn slewing_back_never_decreases_time() {
         let host = HostClock::default();
         let mut last = host.now_ns();
         for _ in 0..1000 {
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_simulation_says_the_time_from_its_first_message_on() {
+    fn simulation_time_starts_with_first_message() {
         let clock = Clock::default();
         let before = system_ns();
         assert!(clock.now_ns() >= before && !clock.is_simulated());

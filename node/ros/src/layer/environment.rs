@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_set_is_domain_0_on_all_networks() {
+    fn default_is_domain_0_on_all_networks() {
         let default = Environment { domain: 0, networks: Networks::All };
         assert_eq!(read(&[]).unwrap(), default);
         assert_eq!(read(&[("ROS_DOMAIN_ID", ""), ("ROS_AUTOMATIC_DISCOVERY_RANGE", "")]).unwrap(), default);

@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn the_logger_of_the_node_stands_for_the_program() {
+    fn node_logger_controls_program() {
         let (loggers, applied) = loggers("cell.shaft", None);
         assert_eq!((loggers.get("cell.shaft"), loggers.get(""), loggers.get("other")), (0, 20, 0));
         loggers.set_number("cell.shaft", 40).unwrap();

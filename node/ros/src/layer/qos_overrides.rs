@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_qos_is_refused_with_what_would_be() {
+    fn invalid_qos_is_refused_with_allowed_values() {
         for (line, sentence) in [
             ("publisher.depth:=0", "the value is 0; 1 to 65535 is allowed"),
             ("publisher.depth:=65536", "the value is 65536; 1 to 65535 is allowed"),

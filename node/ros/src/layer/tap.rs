@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn publisher_never_waits_for_a_recorder_that_stands_still() {
+    fn publisher_does_not_wait_for_blocked_recorder() {
         let (tap, copies) = Tap::new(|_| true);
         let publisher = tap.open(&node(), "~/errors", ("a/msg/B", ""), Qos::HISTORY).unwrap();
         for _ in 0..ROOM + 3 {

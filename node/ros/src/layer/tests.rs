@@ -135,7 +135,7 @@ async fn request_that_cannot_be_read_is_answered_if_the_service_gives_reasons() 
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_client_that_reads_no_replies_holds_up_nobody() {
+async fn client_that_reads_no_replies_does_not_block_others() {
     let (serving, asking, other) = (node("patience"), node("patience_client"), node("deaf"));
     let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
     let deaf = requests::<AxesCommand>(&other, "/patience/enable").await;
@@ -154,7 +154,7 @@ async fn a_client_that_reads_no_replies_holds_up_nobody() {
 
 /// The library returns the requests of the client with the lowest number before all others.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn a_client_that_always_asks_holds_up_no_other() {
+async fn busy_client_does_not_block_others() {
     let (serving, first, second) = (node("fair"), node("fair_first"), node("fair_second"));
     let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
     let clients = [
@@ -223,7 +223,7 @@ async fn goal(server: &mut ActionServer<HomeAxis>) -> GoalRequest<HomeAxis> {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_the_application_drops_is_rejected_or_aborted() {
+async fn dropped_requests_are_rejected_and_dropped_goals_aborted() {
     let serving = node("drops");
     let mut server = serving.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
     let mut client = Asking::new("drops").await;
@@ -246,7 +246,7 @@ async fn what_the_application_drops_is_rejected_or_aborted() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn the_application_decides_about_cancel_requests_if_it_wants() {
+async fn application_decides_about_cancel_requests_with_policy_ask() {
     let serving = node("asks");
     let options = ActionOptions { cancels: CancelPolicy::Ask, ..ActionOptions::default() };
     let mut server = serving.action::<HomeAxis>("~/home_axis", options).unwrap();
@@ -284,7 +284,7 @@ async fn the_application_decides_about_cancel_requests_if_it_wants() {
 
 /// An interrupted client cancels all goals without waiting for the acceptance of the goal that it has sent.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn cancel_of_all_goals_means_a_goal_that_is_not_accepted_yet() {
+async fn cancel_of_all_goals_includes_undecided_goal() {
     let serving = node("cancels");
     let mut server = serving.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();
     let mut client = Asking::new("cancels").await;
@@ -350,7 +350,7 @@ async fn goals_are_stamped_by_the_clock_of_the_node() {
 }
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn what_outlives_its_node_is_harmless() {
+async fn objects_that_outlive_node_are_safe() {
     let gone = node("gone");
     let publisher = gone.publisher::<Time>("t", Qos::STREAM).unwrap();
     let mut actions = gone.action::<HomeAxis>("~/home_axis", ActionOptions::default()).unwrap();

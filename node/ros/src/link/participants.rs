@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn only_those_that_nobody_keeps_are_dead() {
+    fn only_unlocked_participants_are_dead() {
         let folder = tempfile::tempdir().unwrap();
         let folder = folder.path().join("participants");
         assert!(dead(&folder).is_empty(), "without a folder");
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn anything_else_in_the_folder_is_nobody() {
+    fn other_files_in_folder_are_ignored() {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write("a", "");

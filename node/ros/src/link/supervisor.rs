@@ -412,13 +412,13 @@ mod tests {
     }
 
     #[test]
-    fn a_side_that_never_works_is_told_at_the_first_start() {
+    fn side_that_never_works_is_reported_at_first_start() {
         assert_eq!(refused("/bin/false"), "has ended (exit status: 1)");
         assert_eq!(refused("/no/such/program"), "cannot be started: No such file or directory (os error 2)");
     }
 
     #[test]
-    fn a_side_that_is_to_end_is_no_loss() {
+    fn requested_end_of_side_is_not_a_loss() {
         let (mut settings, losses) = settings(Side::Thread);
         settings.domain = 201 + u16::try_from(std::process::id() % 30).unwrap();
         let link = Link::start(settings).unwrap();

@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_asked_in_the_place_of_one_that_was_killed() {
+    fn address_of_killed_participant_in_use_is_not_requested() {
         let (mut presence, now) = (Presence::default(), Instant::now());
         presence.heard(&announced(1, 10), now);
         let mut other = announced(1, 10);
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn strangers_fill_neither_memory_nor_network() {
+    fn unknown_participants_are_limited() {
         let (mut presence, now) = (Presence::default(), Instant::now());
         let later = |second| now + Duration::from_secs(second);
         for number in 1..=1000 {

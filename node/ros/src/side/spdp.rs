@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_said_is_heard() {
+    fn announcement_is_read_as_written() {
         let heard = Announcement::read(&announced()).unwrap();
         assert_eq!(
             (heard.who, heard.is_gone, heard.addresses.as_slice()),

@@ -45,7 +45,7 @@ mod tests {
     }
 
     #[test]
-    fn two_of_a_kind_do_not_get_one_name() {
+    fn endpoints_with_same_name_are_refused() {
         check(&[]).unwrap();
         check(&["~/enable:=on", "~/events:=on", "~/move_axis:=on"]).unwrap();
         // The names are swapped.

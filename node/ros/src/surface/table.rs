@@ -662,7 +662,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn no_name_stands_twice_and_each_row_says_what_it_is_for() {
+    fn names_are_unique_and_rows_have_descriptions() {
         let names: BTreeSet<_> = ROWS.iter().map(|row| row.name).collect();
         assert_eq!(names.len(), ROWS.len());
         let names: BTreeSet<_> = PARAMETERS.iter().map(|row| row.name).collect();

@@ -173,7 +173,7 @@ fn surface(controller_manager: Option<&'static str>, groups: &[Group]) -> (Surfa
 
 /// docs/interfaces.md is generated from the table: a row without an endpoint, or an endpoint without a row, would make it wrong.
 #[tokio::test]
-async fn a_surface_opens_what_the_table_says_and_nothing_else() {
+async fn surface_creates_exactly_endpoints_of_table() {
     let (surface, opened) = surface(Some("/controller_manager"), &[]);
     // Gripper actions exist only for groups.
     let rows = ROWS.iter().filter(|row| !row.name.ends_with("gripper_cmd"));

@@ -62,7 +62,7 @@ fn a_cycle_that_does_not_fit_the_bit_rate_is_refused_with_the_sum() {
 }
 
 #[test]
-fn a_cycle_that_drives_cannot_be_told_is_refused() {
+fn cycle_that_drives_cannot_represent_is_refused() {
     let sentence = "c.yaml:4:9: backend bus0: a cycle of 1001 us cannot be told to drives (60C2h); 1 to 255 times 1, 10, 100 us or 1 ms is \
                     allowed";
     assert_eq!(refused(&cell("1001 us", BUS, &["node: 1".to_owned()])), sentence);
@@ -80,7 +80,7 @@ fn a_drive_with_the_node_of_the_master_is_refused() {
 
 /// Vendor and product are those of the file unless the cell gives others; digital inputs and error code are mapped.
 #[test]
-fn a_drive_is_what_its_file_says_and_what_the_cell_says() {
+fn drive_description_comes_from_eds_and_cell() {
     let drive = "node: 3, eds: cia402_sim.eds, identity: {product: 7, serial: 9}, feed: 20 mm, heartbeat: 50 ms, \
                  velocity_factor: {numerator: 60, denominator: 10000}, startup: [{index: 0x2080, sub: 1, value: -5, type: i16}]";
     let cell = cell("4 ms", BUS, &[drive.to_owned()]);
@@ -108,7 +108,7 @@ fn with_file(text: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 /// outputs (60FEh:02) and manufacturer-specific objects are configuration; the master writes 1017h; values in the cell
 /// are kept.
 #[test]
-fn a_configuration_is_told_without_what_acts_or_is_a_setpoint() {
+fn configuration_omits_actions_and_setpoints() {
     let mut text = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
     for (section, value) in [
         ("1003sub0", "0"),
@@ -143,7 +143,7 @@ fn a_configuration_is_told_without_what_acts_or_is_a_setpoint() {
 
 /// A drive need not be able to map 6060h and 6061h (CiA 402-2).
 #[test]
-fn mode_that_goes_by_sdo_is_one_line() {
+fn mode_by_sdo_is_reported_in_one_line() {
     let eds = std::fs::read_to_string(file().with_file_name("cia402_sim.eds")).unwrap();
     let lines = |unmappable: &[&str]| {
         let mut text = eds.clone();
@@ -169,7 +169,7 @@ fn mode_that_goes_by_sdo_is_one_line() {
 /// Outputs (6200h) of a module are left out; the fault behaviour of outputs (6206h) and a filter are written. The
 /// filter is 6003h, which is the preset in encoders.
 #[test]
-fn a_configuration_of_a_module_is_told_without_its_outputs() {
+fn configuration_of_a_module_omits_its_outputs() {
     let object = |index: &str| format!("[{index}]\nDataType=5\nAccessType=rw\nParameterValue=1\n");
     let text = "[DeviceInfo]\n".to_owned() + &["6003", "6200", "6206", "6411"].map(object).concat();
     let (_folder, at) = with_file(&text);
@@ -471,7 +471,7 @@ fn a_file_with_an_unreadable_value_of_the_configuration_is_refused() {
 
 /// A warning about a file that two drives share is given once.
 #[test]
-fn what_is_passed_over_in_a_file_is_told_once() {
+fn ignored_parts_of_a_file_are_reported_once() {
     let warnings = warned(&[("[6041]\n", "[6041]\nParameterValue=x\n")], BUS, &["node: 3", "node: 4"]);
     let [warning] = warnings.as_slice() else { panic!("{warnings:?}") };
     let sentence =

@@ -195,7 +195,7 @@ fn each_problem_has_its_place() {
 
 /// The reference is limited to 10 V, and the drive reports no values.
 #[test]
-fn more_than_its_full_reference_and_what_it_would_have_to_tell_are_refused() {
+fn excess_of_the_full_reference_and_unavailable_inputs_are_refused() {
     let drive = "{reference: a, enable: e, enable_time: 0 s, interface: velocity, full_velocity: 200 mm/s}";
     let text = cell(drive, ", feedback: {encoder: belt}").replace("max_velocity: 300", "max_velocity: ^300");
     assert_said(&text, "max_velocity 300 mm/s exceeds full_velocity 200 mm/s, which is what its drive does at 10 V");

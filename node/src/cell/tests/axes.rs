@@ -114,7 +114,7 @@ fn limits_and_windows_are_kept_in_increments() {
 }
 
 #[test]
-fn parameters_tell_their_range_in_the_axis_unit() {
+fn parameter_ranges_are_shown_in_the_axis_unit() {
     for (key, value, expected) in [
         ("max_velocity", "0 m/s", "is `0 m/s`; more than 0 up to 20480000 mm/s is allowed"),
         ("max_velocity", "-1", "is `-1`; more than 0 up to 20480000 mm/s is allowed"),
@@ -148,7 +148,7 @@ fn parameters_tell_their_range_in_the_axis_unit() {
 }
 
 #[test]
-fn a_value_that_no_unit_fits_says_why() {
+fn value_without_a_suitable_unit_is_refused_with_the_reason() {
     for (key, value, expected) in [
         ("max_acceleration", "8 m/s", "`8 m/s` is a velocity; an acceleration such as `8 m/s^2` is expected"),
         ("min_position", "3 furlong", "`furlong` in `3 furlong` is not a unit; a length has nm, um, mm, cm, m"),
@@ -170,7 +170,7 @@ fn a_value_that_no_unit_fits_says_why() {
 
 /// ENCODER 500 is 2000 inc per revolution (MACS-PROF-01).
 #[test]
-fn a_view_stands_in_the_place_of_its_value_but_not_beside_it() {
+fn view_may_replace_its_value_but_not_accompany_it() {
     let both = "8:13: velmax is another view of max_velocity, which stands at 13:19, write one of them";
     assert_eq!(said(&axis(&[("velmax", "3000")])), both);
     let instead = axis(&[("velmax", "3000")]).replace("    max_velocity: 1.2 m/s\n", "");
@@ -207,7 +207,7 @@ fn what_does_not_exist_yet_is_refused_by_name() {
 }
 
 #[test]
-fn homing_stands_in_its_section_or_flat_and_in_the_words_of_macs() {
+fn homing_keys_are_nested_or_flat_and_may_have_macs_names() {
     let method = |keys: &[(&str, &str)]| good(&axis(keys)).machine.axes[0].parameters.homing.method;
     assert_eq!(method(&[]), 0);
     assert_eq!(method(&[("homing", "{method: 35, required: false}")]), 35);
@@ -257,7 +257,7 @@ fn keys_that_an_axis_must_have_or_does_not_know() {
 
 /// A line that is refused is not compared with default values.
 #[test]
-fn steps_that_do_not_fall_are_told_with_what_stands_in_the_cell() {
+fn steps_that_do_not_decrease_are_reported_with_the_cell_text() {
     let said = |steps: &str| -> Vec<String> {
         let drive = "drive: {backend: plant, address: 0, interface: open_loop}, wf";
         let rest = "max_velocity: 100 mm/s, max_acceleration: 1 m/s^2";

@@ -40,7 +40,7 @@ fn a_screw_is_read_with_its_units_and_its_table() {
 }
 
 #[test]
-fn what_is_no_compensation_says_why() {
+fn invalid_compensation_is_refused_with_the_reason() {
     const ALL: &str = "is for axes with interface position, velocity, torque or voltage, leave it out";
     for (kind, interface, keys, sentence) in [
         (

@@ -21,7 +21,7 @@ fn read(functions: &str) -> Result<Cell, String> {
 
 /// Proves: AMK-GEN-16, AMK-GEN-18
 #[test]
-fn copies_carry_the_quantity_that_the_cell_says() {
+fn copies_have_the_quantity_given_in_the_cell() {
     for kind in ["dcopy", "ecopy"] {
         let quantity = |key: &str| {
             let cell = read(&format!("f: {{slot: 0, type: {kind}, source: md, sink: disc{key}}}")).unwrap();

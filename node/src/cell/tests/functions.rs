@@ -55,7 +55,7 @@ fn a_slot_knows_the_words_that_it_reads() {
 
 /// Proves: AMK-VARSYNC-09, AMK-BINEA-06, AMK-BINEA-09, AMK-CAM-28, AMK-CAM-30, AMK-CAM-47
 #[test]
-fn what_a_function_cannot_be_is_refused_where_it_stands() {
+fn invalid_functions_are_refused_at_their_places() {
     for (text, sentence) in [
         ("{slot: ^256, type: dcopy, source: x, sink: none}", "slot is 256; 0..255 is allowed"),
         ("^{type: dcopy, source: x, sink: none}", "missing key `slot` in function `f`"),
@@ -159,7 +159,7 @@ fn tables_have_numbers_of_their_form() {
 }
 
 #[test]
-fn a_table_of_a_file_beside_the_cell_is_read_and_told_with_its_line() {
+fn table_file_in_the_folder_of_the_cell_is_read_and_errors_have_its_lines() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("cell.yaml");
     std::fs::write(&path, format!("{HEAD}tables: {{long: {{form: y, csv: long.csv}}}}\n")).unwrap();

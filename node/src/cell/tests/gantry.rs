@@ -126,7 +126,7 @@ fn what_are_no_two_drives_is_refused() {
 }
 
 #[test]
-fn the_limit_of_the_skew_stands_where_there_are_two() {
+fn skew_limit_requires_two_drives() {
     assert_eq!(said(&cell(BOTH)), "9:5: missing key `max_skew` in axis `x`");
     for value in ["0 mm", "-1 mm", ".nan", "0.0004 mm"] {
         let text = said(&cell(&format!("{BOTH}    max_skew: {value}\n")));

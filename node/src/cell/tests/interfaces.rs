@@ -41,7 +41,7 @@ fn interfaces_and_the_models_that_fit_them() {
 }
 
 #[test]
-fn a_model_that_does_not_fit_says_where_it_does() {
+fn unsuitable_model_is_refused_with_its_valid_use() {
     for (interface, sim, expected) in [
         (
             "position",

@@ -36,7 +36,7 @@ fn members_are_resolved() {
 }
 
 #[test]
-fn what_no_master_can_be_is_refused_where_it_stands() {
+fn invalid_masters_are_refused_at_their_places() {
     for (text, sentence) in [
         (
             "{add: [x, ^bolt]}",
@@ -97,7 +97,7 @@ fn there_is_room_for_so_many() {
 }
 
 #[test]
-fn a_name_stands_once_in_all_sections() {
+fn names_are_unique_in_all_sections() {
     assert_said(&cell("  ^belt: {add: [x]}\n"), "`belt` is an encoder already, at 10:12; a name stands once");
     assert!(said(&cell("  Sum: {add: [x]}\n")).starts_with("13:3: "));
 }

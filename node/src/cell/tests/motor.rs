@@ -60,7 +60,7 @@ fn a_motor_has_what_its_keys_say() {
 
 /// The torque constant and the voltage constant of a winding are equal, unless both are given.
 #[test]
-fn a_winding_stands_in_the_place_of_a_rated_torque() {
+fn winding_data_replace_the_rated_torque() {
     let winding = "inertia: 2.5e-4, counts_per_turn: 65536, voltage: 48 V, resistance: 1.2 Ohm, inductance: 3 mH, torque_constant: 0.4 Nm/A";
     let mut data = usual();
     let stage =
@@ -148,7 +148,7 @@ fn what_does_not_stand_together_is_refused() {
 }
 
 #[test]
-fn what_must_stand_is_asked_for() {
+fn missing_required_keys_are_reported() {
     for (keys, missing) in [
         ("rated_torque: 1, counts_per_turn: 1", "inertia"),
         ("inertia: 1, counts_per_turn: 1", "rated_torque"),

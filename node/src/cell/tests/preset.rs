@@ -48,7 +48,7 @@ fn assert_held(marked: &str, sentence: &str) {
 /// Proves: AMK-GEN-04, AMK-BCOM-02, AMK-CTX-01, AMK-INIT-02, AMK-SRC-04, AMK-SRC-05, AMK-SNK-01, AMK-SNK-02, AMK-SNK-03,
 /// AMK-SNK-04, AMK-SNK-05, AMK-CAM-33, AMK-CAM-48, AMK-IMES-01, AMK-DIGDREH-04
 #[test]
-fn what_the_source_does_not_address_is_refused_where_it_stands() {
+fn objects_without_address_in_the_source_are_refused_at_their_places() {
     for (text, sentence) in [
         ("{slot: ^16, type: dcopy, source: x1, sink: none}", "slot is 16; preset amkasyn allows 0..15"),
         (
@@ -233,7 +233,7 @@ fn search_of_an_epos_needs_a_cycle_of_1_to_9_ms() {
 }
 
 #[test]
-fn all_that_is_beyond_the_preset_is_told_at_once_and_only_where_the_cell_is_good() {
+fn all_excesses_of_the_preset_are_reported_at_once_for_a_valid_cell() {
     let text = cell("  f: {slot: 20, type: cam, source: x9, cams: [60, 61], tables: [t257], outputs: [q0, q0]}\n");
     let problems = Cell::of(Document::parse("c", text.clone()), &Files::None, Some(Preset::Amkasyn)).unwrap_err();
     assert_eq!(problems.to_string().lines().count(), 1, "{problems}");

@@ -45,7 +45,7 @@ fn a_function_runs_a_program_by_its_name() {
 ///
 /// Proves: AMK-APSF-39, AMK-APSF-43
 #[test]
-fn what_a_program_cannot_be_is_refused_where_it_stands() {
+fn invalid_programs_are_refused_at_their_places() {
     for (function, sentence) in [
         ("type: apsf", "function `f` has no program; type apsf runs one"),
         ("type: apsf, program: fb11", "program is `fb11`; no program has that name"),

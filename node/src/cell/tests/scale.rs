@@ -24,7 +24,7 @@ fn read(text: &str) -> AxisConfig {
 ///
 /// Proves: MACS-UNIT-02, MACS-O-03
 #[test]
-fn a_fraction_stands_in_the_place_of_scale() {
+fn fraction_replaces_scale() {
     let keys = |unit, max_position| {
         with(&[("unit", unit), ("posfact_z", "50375"), ("posfact_n", "1000"), ("max_position", max_position)])
     };

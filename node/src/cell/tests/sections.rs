@@ -316,7 +316,7 @@ fn encoders() {
 }
 
 #[test]
-fn a_name_stands_once_in_a_cell() {
+fn names_are_unique_in_a_cell() {
     assert_eq!(
         said_of(
             "memory:\n  x: {type: bit}\n  plant: {type: bit}\n  x: {type: i16}\n\

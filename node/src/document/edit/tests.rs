@@ -38,7 +38,7 @@ axes:
 ";
 
 #[test]
-fn a_value_is_replaced_where_it_stands() {
+fn value_is_replaced_in_place() {
     edits(BLOCK, &[("kprop", "131")], &BLOCK.replacen("30    #", "131    #", 1));
 }
 

@@ -209,7 +209,7 @@ fn no_row_takes_what_is_none_of_its_type_at_any_door() {
 ///
 /// Proves: MACS-STO-08
 #[test]
-fn read_only_rows_are_refused_at_every_door_whatever_the_value() {
+fn read_only_rows_are_refused_at_every_interface() {
     let rig = Rig::new();
     let mut count = 0;
     for row in ROWS.iter().filter(|row| row.is_read_only()) {
@@ -228,7 +228,7 @@ fn read_only_rows_are_refused_at_every_door_whatever_the_value() {
 }
 
 #[test]
-fn what_does_not_exist_yet_takes_its_default_only_and_says_what_is_missing() {
+fn unimplemented_parameter_accepts_only_its_default() {
     let rig = Rig::new();
     for row in ROWS.iter().filter(|row| !row.missing.is_empty() && !row.is_read_only()) {
         let object = object(row, &rig);

@@ -74,7 +74,7 @@ fn names_may_be_written_as_macs_writes_and_misprints_them() {
 }
 
 #[test]
-fn all_that_is_wrong_is_told_at_once_with_its_place() {
+fn all_errors_are_reported_at_once_with_their_places() {
     let text = "x.max_velocty: 1 m/s\nq.kprop: 30\nx.encoderclock: 0\nline.encoderclock: 1\n\nx.error_reaction: 6\nx.profile: round\n\
                 x.in_position_window: 5 s\nx.velmaxqc: 5\nx.posfact_z: 5\nkprop: 30\nx.max_jerk: -1\nmachine.cannr: 128\n";
     assert_eq!(
@@ -170,7 +170,7 @@ fn an_export_is_imported_and_changes_nothing() {
 }
 
 #[test]
-fn what_a_file_would_change_is_told_by_name_and_in_the_unit_of_the_axis() {
+fn changes_of_a_file_are_listed_by_name_in_the_axis_unit() {
     let rig = Rig::new();
     let import = check("x.velmax: 1500\nx.poslimit: 5000\nx.max_following_error: 1 mm\nline.profile: jerk").unwrap();
     assert_eq!(

@@ -67,7 +67,7 @@ fn a_table_keeps_to_its_width_and_has_every_row() {
 }
 
 #[test]
-fn details_tell_all_that_a_row_says() {
+fn details_show_all_data_of_a_row() {
     let (_, row) = Row::find("velmax").unwrap();
     let text = details(row, 100);
     for part in ["velmax\n", "VELMAX, no. 1", "another view of", "rpm", "1 to 65535", "1000", "saved", "MACS-PROF-02"] {
@@ -86,7 +86,7 @@ fn details_tell_all_that_a_row_says() {
 }
 
 #[test]
-fn values_are_told_in_the_unit_of_the_axis_and_marked_where_they_differ() {
+fn values_are_shown_in_the_axis_unit_and_differences_are_marked() {
     let cell = Cell::demo();
     let parameters: Vec<_> = cell.machine.axes.iter().map(|axis| axis.parameters).collect();
     let lines = |pattern: &str, changed| {

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_flush_arrives_whole_or_not_at_all_and_nothing_comes_after_an_error() {
+    fn flush_is_complete_or_absent_and_nothing_is_written_after_an_error() {
         let space = Space::of(10);
         let (mut disk, flushed) = Disk::new(Box::new(Small::new(&space)));
         disk.write_all(b"12345").unwrap();

@@ -246,7 +246,7 @@ fn a_bag_that_begins_later_begins_at_a_key_cycle_with_the_state_of_the_machine()
 }
 
 #[test]
-fn missing_cycles_are_counted_by_their_numbers_or_as_they_are_told() {
+fn missing_cycles_are_counted_by_number_or_by_report() {
     let folder = tempfile::tempdir().unwrap();
     for (told, expected) in [(0, 3), (3, 3), (5, 5)] {
         let path = folder.path().join(format!("{told}.mcap"));
@@ -264,7 +264,7 @@ fn missing_cycles_are_counted_by_their_numbers_or_as_they_are_told() {
 }
 
 #[test]
-fn a_place_that_is_taken_is_refused_and_stays_as_it_is() {
+fn existing_path_is_refused_and_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |path: &Path| match Bag::create(&at(path.to_owned()), subject()) {
         Err(BagError::Refused(sentence)) => sentence.replace(&*folder.path().display().to_string(), "runs"),
@@ -358,7 +358,7 @@ fn metadata_of_another_recorder_that_came_meanwhile_stays() {
 }
 
 #[test]
-fn a_place_that_cannot_be_made_is_told_with_the_reason_of_the_system() {
+fn path_that_cannot_be_created_is_reported_with_the_system_error() {
     for name in ["missing/run", "missing/run.mcap"] {
         let error = Bag::create(&at(PathBuf::from(name)), subject()).err().unwrap();
         assert_eq!(error.to_string(), format!("cannot write {name}: No such file or directory (os error 2)"));

@@ -27,7 +27,7 @@ fn only<T: DeserializeOwned>(encoded: &Encoded, topic: Topic) -> T {
 }
 
 #[test]
-fn messages_stand_in_the_order_of_their_topics_and_tell_the_same_cycle() {
+fn messages_have_the_order_of_their_topics_and_the_same_cycle() {
     let run = rig::record(&Cell::demo(), MOVING, 1200, 5_000_000_000);
     for (number, encoded) in run.encoded.iter().enumerate() {
         assert!(encoded.messages().map(|(topic, _)| topic).is_sorted());
@@ -66,7 +66,7 @@ fn messages_stand_in_the_order_of_their_topics_and_tell_the_same_cycle() {
 
 /// The sum of the changes gives the board of every cycle.
 #[test]
-fn changes_add_up_to_the_board_and_nothing_that_stays_is_told() {
+fn changes_add_up_to_the_board_and_unchanged_values_are_omitted() {
     let cell = Cell::demo();
     let machine = Machine::new(cell.machine.clone()).unwrap();
     let run = rig::record(&cell, MOVING, 2100, 0);
@@ -92,7 +92,7 @@ fn changes_add_up_to_the_board_and_nothing_that_stays_is_told() {
 }
 
 #[test]
-fn a_first_cycle_that_is_no_key_tells_all_signals() {
+fn first_cycle_that_is_no_key_contains_all_signals() {
     let cell = Cell::demo();
     let machine = Machine::new(cell.machine.clone()).unwrap();
     let mut encoder = Encoder::new(&cell, machine.config(), machine.directory());
@@ -113,7 +113,7 @@ fn a_first_cycle_that_is_no_key_tells_all_signals() {
 }
 
 #[test]
-fn the_sentence_of_a_request_that_never_was_one_comes_from_its_command() {
+fn message_of_an_invalid_request_comes_from_its_command() {
     let cell = Cell::demo();
     let machine = Machine::new(cell.machine.clone()).unwrap();
     let mut encoder = Encoder::new(&cell, machine.config(), machine.directory());

@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_source_is_not_said_twice() {
+    fn source_is_not_shown_twice() {
         let mark = EventMark { text: "x: drive fault 8611h".to_owned(), ..mark(1.0, 2, "error") };
         assert_eq!(Events::new(&[mark], &[], 0.0, 2.0).listed[0].text, "drive fault 8611h");
     }

@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn of_too_many_gaps_the_longest_are_told() {
+    fn only_the_longest_gaps_are_reported() {
         // Each thousand intervals of 1 are followed by one of 100, 101, 102, ...
         let mut times = vec![0];
         for gap in 0..600 {

@@ -162,7 +162,7 @@ fn fields_of_messages_are_names_too() {
 }
 
 #[test]
-fn after_lost_cycles_nothing_is_known_until_it_is_told() {
+fn after_lost_cycles_values_are_unknown_until_recorded_again() {
     let directory = directory();
     let mut bag = demo_bag();
     signals(&mut bag, &directory, 0, &[("x.state", 1), ("x.homed", 1)]);
@@ -196,7 +196,7 @@ fn samples_that_stay_away_are_a_gap() {
 }
 
 #[test]
-fn stamps_that_go_back_are_told_for_each_topic() {
+fn decreasing_stamps_are_reported_for_each_topic() {
     let mut bag = TestBag::new();
     for time in [10, 20, 15, 12, 30] {
         bag.message("/joint_states", 0, &joints(time * MS, &[("x", time as f64), ("y", 0.0)]));

@@ -77,7 +77,7 @@ fn equal_runs_pass_at_any_time_of_day() {
 }
 
 #[test]
-fn the_worst_deviation_is_told_with_time_and_values() {
+fn largest_deviation_is_reported_with_time_and_values() {
     let expected = moving(0, 10, 100, |t| 2.0 * t);
     let run = moving(900 * MS, 10, 100, |t| if t == 0.35 { 0.7125 } else { 2.0 * t });
     let report = report(run, expected, &["x.position=10 mm"]);
@@ -206,7 +206,7 @@ fn noise_is_no_motion() {
 }
 
 #[test]
-fn the_attached_cell_tells_which_axes_are_linear() {
+fn attached_cell_determines_which_axes_are_linear() {
     let bag = |cell: Option<&str>, x: f64, turret: f64| {
         let mut bag = TestBag::new();
         if let Some(cell) = cell {
@@ -237,7 +237,7 @@ fn the_attached_cell_tells_which_axes_are_linear() {
 }
 
 #[test]
-fn what_fails_stands_last_and_is_named() {
+fn failures_are_listed_last_with_their_names() {
     let bag = |values: [f64; 3]| {
         let mut bag = TestBag::new();
         for sample in 0..10 {
@@ -255,7 +255,7 @@ fn what_fails_stands_last_and_is_named() {
 }
 
 #[test]
-fn a_joint_or_an_axis_that_stands_twice_is_refused() {
+fn duplicate_joint_or_axis_is_refused() {
     let mut bag = TestBag::new();
     bag.message("/joint_states", 7, &joints(0, &[("x", 1.0), ("y", 1.0), ("x", 2.0)]));
     let said = compared(bag, moving(0, 1, 5, |_| 0.0), &[], Align::Start).unwrap_err().to_string();

@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_cell_a_length_beside_an_angle_is_refused() {
+    fn without_a_cell_length_and_angle_together_are_refused() {
         let none = Units::default();
         let said = of_both(&["*.position=10 um", "*.position=1 deg"], &none).unwrap_err().to_string();
         assert_eq!(

@@ -147,7 +147,7 @@ fn moves_are_written_in_increments_without_what_is_default() {
 }
 
 #[test]
-fn a_position_is_told_to_a_tenth_decimal_and_read_to_a_2_32th() {
+fn position_is_written_with_ten_decimals_and_read_in_units_of_2_32() {
     let desk = Desk::new();
     let half = 1_i128 << 31;
     for (nearest, rest, text) in [
@@ -614,7 +614,7 @@ fn a_saia_verb_is_written_with_its_registers_and_flags_in_one_order() {
 }
 
 #[test]
-fn a_trajectory_tells_its_points_by_axis_and_what_is_left_out_is_none() {
+fn trajectory_points_are_written_by_axis_and_missing_values_are_none() {
     use lineshaft_core::trajectory::{Knot, OnExcess, Tolerance, Track, Trajectory, TrajectoryLimits};
     let knot = |position, velocity| Knot { position, velocity, acceleration: None };
     let none = Tolerance::default();

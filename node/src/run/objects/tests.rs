@@ -32,7 +32,7 @@ fn read(words: &str) -> SdoReadRequest {
 }
 
 #[test]
-fn what_is_wrong_with_a_request_is_said_before_a_device_is_asked() {
+fn invalid_request_is_refused_before_device_access() {
     let (desk, _service) = desk();
     let mut refused: Vec<(String, String)> = Vec::new();
     for (words, sentence) in [
@@ -126,7 +126,7 @@ fn a_simulated_bus_has_no_objects() {
 }
 
 #[test]
-fn who_waits_for_too_long_is_told_so_and_a_bus_that_ends_answers() {
+fn timeout_is_reported_and_an_ending_bus_answers() {
     let (mut desk, service) = desk();
     desk.patience = Duration::from_millis(20);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().expect("a runtime");

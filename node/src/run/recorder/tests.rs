@@ -123,7 +123,7 @@ fn verdict(path: &Path) -> Verdict {
 }
 
 #[test]
-fn cycles_that_find_no_room_are_counted_told_and_make_the_bag_unreplayable() {
+fn lost_cycles_are_counted_and_reported_and_prevent_a_replay() {
     let mut rig = Rig::new(true, None);
     rig.run(2100);
     rig.look();

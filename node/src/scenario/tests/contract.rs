@@ -29,7 +29,7 @@ fn load(folder: &tempfile::TempDir, text: &str) -> Result<Scenario, String> {
 }
 
 #[test]
-fn the_example_runs_and_is_refused_as_it_says() {
+fn example_has_the_documented_results_and_refusals() {
     let folder = folder();
     let scenario = load(&folder, &block(2)).unwrap();
     assert!(scenario.needs_simulation().unwrap().ends_with(":5:5: drive needs a simulated plant, run with --sim"));

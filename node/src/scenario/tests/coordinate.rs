@@ -12,7 +12,7 @@ fn running(rest: &str) -> String {
 }
 
 #[test]
-fn an_axis_at_a_velocity_gets_another_coordinate_and_goes_on() {
+fn set_position_of_a_moving_axis_keeps_its_velocity() {
     passes(&running(
         "- {at: 300, do: {set_position: {axis: x, position: -10 mm}}}\n\
          - {at: 400, do: {set_position: {axis: x, relative: true, position: 1.5 mm}}}\n\

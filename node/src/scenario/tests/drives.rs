@@ -52,7 +52,7 @@ fn a_later_start_takes_over_for_good_and_release_gives_the_signal_back_to_the_si
 }
 
 #[test]
-fn a_driven_memory_cell_wins_over_a_step_and_is_told_only_when_it_changes() {
+fn driven_memory_cell_has_priority_over_a_step_and_is_recorded_only_on_change() {
     let text = "drive: [{signal: feed, values: [1, 1, 2]}]\nsteps: [{at: 4, do: {set_memory: {feed: 9}}}]";
     assert_eq!(values("feed", 6, text).join(" "), "1 1 2 2 2 2");
     // 1, 2, then the 9 of the step and the restored value.

@@ -39,7 +39,7 @@ fn events_are_chosen_by_their_fields() {
 }
 
 #[test]
-fn a_mode_says_of_events_what_it_says_of_signals() {
+fn mode_has_the_same_meaning_for_events_and_signals() {
     holds("{event: {kind: latch, source: mark}, mode: eventually}");
     holds("{event: {kind: latch, source: mark}, to: 499, mode: never}");
     assert_eq!(
@@ -82,7 +82,7 @@ fn events_before_a_step_count_from_it() {
 }
 
 #[test]
-fn a_wrong_number_of_events_is_told_with_their_cycles() {
+fn wrong_number_of_events_is_reported_with_their_cycles() {
     assert_eq!(
         fails("{event: {kind: latch, source: mark}, from: 0, to: 0.6 s, count: 5}"),
         "event kind latch, source mark came 3 times from cycle 0 (0 s) to cycle 600 (0.6 s); 5 was expected; it came in \
@@ -108,7 +108,7 @@ fn a_wrong_number_of_events_is_told_with_their_cycles() {
 }
 
 #[test]
-fn what_is_wrong_with_an_event_is_told() {
+fn errors_of_an_event_are_reported() {
     let bad = |expectation: &str| problem("expect", expectation);
     assert_eq!(bad("{event: {kind: ^latches}}").split(", did").nth(1), Some(" you mean `latch`?"));
     assert_eq!(bad("{event: {source: ^marc}}"), "nothing is called `marc` in the cell, did you mean `mark`?");

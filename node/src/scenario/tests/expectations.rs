@@ -112,7 +112,7 @@ fn signals_are_added_and_subtracted() {
 }
 
 #[test]
-fn a_memory_cell_has_the_unit_of_the_position_beside_it() {
+fn memory_cell_has_the_unit_of_the_compared_position() {
     holds("{signal: feed, minus: x.actual.position, at: 7, is: 7}");
     // 1000 inc are 1 mm.
     holds("{signal: x.actual.position, minus: feed, at: 7, is: -7 um}");
@@ -149,7 +149,7 @@ fn a_value_at_one_cycle_is_exact_unless_within() {
 }
 
 #[test]
-fn a_window_is_judged_always_unless_a_mode_says_else() {
+fn default_mode_of_a_window_is_always() {
     holds("{signal: feed, min: 0, max: 999}");
     holds("{signal: feed, from: 10, to: 20, min: 10, max: 20}");
     holds("{signal: feed, from: 10, to: 20, is: 20, mode: eventually}");
@@ -284,7 +284,7 @@ fn what_came_before_a_step_counts_from_it() {
 }
 
 #[test]
-fn parameters_are_asked_as_they_are_set() {
+fn expected_parameters_have_the_names_and_units_of_set_parameters() {
     let set = "steps: [{at: 10, do: {set_parameters: {x.max_velocity: 80 mm/s, x.profile: s_ramp}}}]\nexpect:\n- ";
     let holds = |expectation: &str| passes(&format!("scenario: s\ncycles: 1000\n{set}{expectation}"));
     let fails = |expectation: &str| failure(&format!("{set}{expectation}"));
@@ -401,7 +401,7 @@ fn bad(expectation: &str) -> String {
 }
 
 #[test]
-fn what_is_wrong_with_an_expectation_is_told() {
+fn errors_of_an_expectation_are_reported() {
     let steps = "{scenario: s, cycles: 9, steps: [{name: running, at: 1, do: {halt: {}}}], expect: [\n";
     assert_eq!(
         problems(&format!("{steps}{{signal: feed, since: runing, is: 1}}]}}")),

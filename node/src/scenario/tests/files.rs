@@ -163,6 +163,6 @@ fn a_virtual_master_leads_and_follows() {
 }
 
 #[test]
-fn a_bus_that_goes_off_passes() {
+fn bus_off_scenario_passes() {
     passes_on("buses.yaml", "buses/bus_lost.yaml");
 }

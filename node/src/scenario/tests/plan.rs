@@ -105,7 +105,7 @@ fn plan_is_played_and_recorded_with_its_points() {
 }
 
 #[test]
-fn what_is_wrong_with_a_plan_is_told_with_its_file_and_line() {
+fn errors_of_a_plan_are_reported_with_file_and_line() {
     let wrong = |from: &str, to: &str| Bench::with(&ECHO.replacen(from, to, 1)).problems();
     assert_eq!(wrong("- x\n", "- z\n"), "plan.yaml:7:3: joint_names has the joint `z`; there are x, turret\n");
     assert_eq!(wrong("- turret\n", "- x\n"), "plan.yaml:7:3: joint_names has the joint `x` twice; once is expected\n");
@@ -173,7 +173,7 @@ fn plan_that_lacks_joints_of_its_group_is_refused_unless_that_is_allowed() {
 }
 
 #[test]
-fn plan_beside_what_it_says_and_files_that_are_none_are_refused() {
+fn plan_with_conflicting_keys_and_invalid_files_are_refused() {
     let bench = Bench::with(ECHO);
     assert_eq!(
         bench.read("{file: plan.yaml, joints: [x], units: si}", "").unwrap_err(),
@@ -193,7 +193,7 @@ fn plan_beside_what_it_says_and_files_that_are_none_are_refused() {
 }
 
 #[test]
-fn problems_of_a_plan_and_of_its_step_are_told_together() {
+fn problems_of_a_plan_and_its_step_are_reported_together() {
     let bench = Bench::with(&ECHO.replacen("  - 0.004\n", "  - x\n", 1));
     assert_eq!(
         bench.read("{file: plan.yaml, path_tolerance: {y: 1 mm}}", "").unwrap_err(),

@@ -39,7 +39,7 @@ expcet: []
 }
 
 #[test]
-fn what_is_wrong_with_a_place_is_told_there() {
+fn wrong_place_is_reported_at_its_location() {
     for (marked, sentence) in [
         ("set_position: {axis: x, position: ^5 deg}", "`5 deg` is an angle"),
         ("set_position: {axis: x, position: ^1e300}", "1e300"),
@@ -55,7 +55,7 @@ fn what_is_wrong_with_a_place_is_told_there() {
 }
 
 #[test]
-fn what_is_no_scenario_is_told() {
+fn file_that_is_no_scenario_is_reported() {
     assert_eq!(
         problems(""),
         "1:1: a scenario has no length; `for: 3 s` or `cycles: 3000` is expected\n\
@@ -75,7 +75,7 @@ fn what_is_no_scenario_is_told() {
 }
 
 #[test]
-fn what_needs_a_simulation_is_told_with_its_place() {
+fn step_that_needs_a_simulation_is_reported_with_its_place() {
     let needs = |text: &str| scenario(&format!("scenario: s\ncycles: 9\n{text}")).needs_simulation();
     assert_eq!(needs("steps: [{at: 1, do: {halt: {}}}]"), None);
     assert_eq!(
@@ -136,7 +136,7 @@ fn a_scenario_counts_from_its_own_start() {
 }
 
 #[test]
-fn a_scenario_that_is_ended_early_fails_and_blames_nothing_that_could_still_come() {
+fn interrupted_scenario_fails_without_reporting_pending_expectations() {
     let report = play(PLAYED, 200);
     assert_eq!(
         report.to_string(),
@@ -183,7 +183,7 @@ fn commands_that_a_cycle_has_no_room_for_wait_for_the_next_one() {
 
 /// Commands that would wait beyond the end of the scenario, and commands beyond 4096 waiting ones, are reported.
 #[test]
-fn a_flood_of_commands_is_told() {
+fn too_many_commands_are_reported() {
     let halts = |count: usize| "{halt: {}}, ".repeat(count);
     assert_eq!(
         failure(&format!("steps: [{{at: 0, do: [{}]}}]", halts(64 + 4096 + 1))),

@@ -38,7 +38,7 @@ fn a_save_without_a_change_puts_back_what_others_have_spoilt() {
 }
 
 #[test]
-fn a_trace_into_a_pipe_that_nobody_reads_is_refused_at_once() {
+fn trace_into_a_pipe_without_reader_is_refused_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("pipe");
     rustix::fs::mkfifoat(rustix::fs::CWD, &path, rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR).unwrap();

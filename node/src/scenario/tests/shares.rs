@@ -39,7 +39,7 @@ fn goals_and_words_in_the_axis_unit_follow_it() {
 }
 
 #[test]
-fn sentences_tell_values_in_the_axis_unit() {
+fn messages_show_values_in_the_axis_unit() {
     let report = report(
         "scenario: tenths\ncycles: 99\nsteps:\n\
          - {at: 0, do: {enable: {axes: [x]}}}\n\

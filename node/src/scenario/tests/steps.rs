@@ -15,7 +15,7 @@ fn set(value: &str) -> String {
 }
 
 #[test]
-fn at_steps_fire_in_their_cycle_whatever_their_order() {
+fn at_steps_fire_in_their_cycle_in_any_order() {
     let steps =
         format!("steps:\n- {{at: 7, {}}}\n- {{at: 2 ms, {}}}\n- {{at: 2.5 ms, {}}}", set("1"), set("2"), set("3"));
     assert_eq!(changes(10, &steps), "2:2.0 3:3.0 7:1.0");
@@ -138,7 +138,7 @@ fn a_step_that_never_fires_fails_the_scenario_unless_it_is_optional() {
 }
 
 #[test]
-fn what_is_wrong_with_a_step_is_told() {
+fn errors_of_a_step_are_reported() {
     let bad = |step: &str| problem("steps", step);
     assert_eq!(bad("^{do: {halt: {}}}"), "a step has no time; one of at, when is expected");
     assert_eq!(

@@ -12,7 +12,7 @@ fn steps(rest: &str) -> String {
 }
 
 #[test]
-fn a_touch_probe_records_where_the_axis_was_and_the_goal_goes_on() {
+fn touch_probe_records_the_position_and_the_goal_continues() {
     passes(&steps(
         "- {at: 50, do: {touch_probe: {axis: x, event: mark}}}\n\
          - {at: 301, do: {inject: {latch: {input: mark, age: 350 us}}}}\n\

@@ -58,7 +58,7 @@ fn a_move_takes_its_fields_by_ros_name_and_its_defaults() {
 }
 
 #[test]
-fn a_modulo_axis_turns_in_the_direction_that_is_asked() {
+fn modulo_axis_moves_in_the_requested_direction() {
     for (direction, end) in [("shortest", -9000), ("positive", 27_000), ("negative", -9000), ("current", -9000)] {
         passes(&enabled(&format!(
             "do: {{move_axis: {{axis: turret, position: 270 deg, direction: {direction}}}}}}}\nexpect:\n\
@@ -214,7 +214,7 @@ fn an_id_names_the_last_command_that_carried_it_and_a_goal_that_is_none_cannot_b
 
 /// The run assigns the number of a goal; the author of the scenario has only its ID.
 #[test]
-fn a_cancel_that_comes_too_late_is_told_by_the_id() {
+fn late_cancel_is_reported_with_the_id() {
     let steps = enabled(
         "do: {move_axis: {id: h, axis: x, mode: relative, position: 1 mm}}}\n\
          - {at: 800, do: {cancel: {id: h}}, refused: goal `h` is not active}\n\
@@ -273,7 +273,7 @@ fn the_plant_is_made_to_fail() {
 }
 
 #[test]
-fn more_latches_than_a_cycle_holds_are_told() {
+fn too_many_latches_in_a_cycle_are_reported() {
     let latches = "{inject: {latch: {input: mark}}}, ".repeat(17);
     assert_eq!(
         failure(&format!("steps: [{{at: 1, do: [{latches}]}}]")),
@@ -435,7 +435,7 @@ fn method_of_homing_without_its_scheme_is_refused_with_the_scheme() {
 }
 
 #[test]
-fn what_is_wrong_with_a_verb_is_told() {
+fn errors_of_a_verb_are_reported() {
     assert_eq!(bad("{^mov_axis: {axis: x}}"), "there is no verb `mov_axis`, did you mean `move_axis`?");
     assert!(bad("{^jump: {}}").starts_with("there is no verb `jump`, known are enable, disable, "));
     // Commands of the program, and function blocks of PLCopen.
@@ -625,7 +625,7 @@ fn saia_sets_registers_and_runs_commands() {
 }
 
 #[test]
-fn a_saia_verb_tells_what_it_does_not_know_and_what_is_known() {
+fn saia_verb_reports_unknown_names_and_lists_known_ones() {
     let known = "there are kprop, kint, kder, intl, sampi, mcfac, poser, destp, brkp, veloc, accel, stafrr, mcw";
     assert_eq!(bad("{saia: {axis: x, set: {^destq: 1}}}"), format!("no register is called `destq`; {known}"));
     let said = bad("{saia: {axis: x, commands: [fldda, ^fstrat]}}");
@@ -646,7 +646,7 @@ fn a_saia_verb_tells_what_it_does_not_know_and_what_is_known() {
 }
 
 #[test]
-fn setpoints_move_an_axis_for_as_long_as_they_come_or_were_asked_for() {
+fn setpoints_move_an_axis_while_streamed_or_for_their_duration() {
     // 20 mm/s after 40 ms at 500 mm/s^2. The axis stops 100 ms after the last setpoint, that of cycle 250.
     passes(&enabled(
         "every: 50, count: 5, do: {setpoints: {axes: {x: 20 mm/s, turret: {velocity: 10 deg/s, duration: 60 ms}}}}}\nexpect:\n\

@@ -26,7 +26,7 @@ fn change(key: &str, value: Set) -> Change {
 }
 
 #[test]
-fn the_axis_beside_the_arguments_is_the_axis_of_the_verb() {
+fn axis_key_of_a_step_is_the_axis_of_the_verb() {
     let axis_of = |result: Result<Action, String>| match result {
         Ok(Action::Vocabulary(request)) => request.axis(),
         other => panic!("{other:?}"),

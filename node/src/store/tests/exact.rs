@@ -51,7 +51,7 @@ proptest! {
     ///
     /// Proves: MACS-STO-04, MACS-STO-06, MACS-STO-07
     #[test]
-    fn whatever_was_set_is_read_as_it_was(before in sets(), after in sets()) {
+    fn values_round_trip_exactly(before in sets(), after in sets()) {
         let mut config = config();
         // The cell may have any values, too.
         let mut init: Vec<_> = config.axes.iter().map(|axis| axis.parameters).collect();

@@ -25,7 +25,7 @@ fn found(identified: Identified) -> Findings {
 }
 
 #[test]
-fn the_model_stands_in_increments_and_in_the_unit_of_the_axis() {
+fn model_is_shown_in_increments_and_in_the_axis_unit() {
     let text = found(of_velocities()).text();
     let expected = "\
 axis x, 2000 inc in 1 rev
@@ -107,7 +107,7 @@ fn what_is_good_needs_no_sentence() {
 }
 
 #[test]
-fn a_weak_model_is_told() {
+fn weak_model_is_reported() {
     let found = found(Identified { explained: 88.2, ..of_velocities() });
     assert_eq!(
         found.warnings(),
@@ -117,7 +117,7 @@ fn a_weak_model_is_told() {
 }
 
 #[test]
-fn a_figure_that_is_hardly_known_is_told_where_it_matters() {
+fn uncertain_value_is_reported_if_it_matters() {
     let good = of_velocities();
     let deviation = Deviation { time_constant: 0.9e-3, ..good.deviation };
     assert_eq!(
@@ -135,7 +135,7 @@ fn a_figure_that_is_hardly_known_is_told_where_it_matters() {
 }
 
 #[test]
-fn unstable_loops_and_a_design_that_is_refused_are_told() {
+fn unstable_loops_and_refused_designs_are_reported() {
     let mut loops = before();
     let PositionLaw::Pid { gains, .. } = &mut loops.position else { panic!() };
     gains.proportional = 20_000;
@@ -158,7 +158,7 @@ fn unstable_loops_and_a_design_that_is_refused_are_told() {
 }
 
 #[test]
-fn loops_that_suit_no_such_drive_are_told() {
+fn unsuitable_loops_are_reported() {
     let (_, loops) = cascade();
     let identified = of_velocities();
     let found = Findings::of(subject(), identified, &wish(), &loops, design(&identified.model, &wish()));

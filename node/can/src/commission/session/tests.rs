@@ -111,7 +111,7 @@ fn of(index: u16, sub: u8) -> Object {
 }
 
 #[test]
-fn what_a_device_answers_refuses_or_does_not_say_is_told_with_its_node() {
+fn read_returns_value_refusal_or_timeout_with_node() {
     let bus = Bus::default().with(3, &[(0x6064, 0, 7, 4)]);
     let mut session = bus.session();
     assert_eq!(session.read(node(3), of(0x6064, 0)).unwrap(), [7, 0, 0, 0]);
@@ -125,7 +125,7 @@ fn what_a_device_answers_refuses_or_does_not_say_is_told_with_its_node() {
 }
 
 #[test]
-fn a_scan_asks_everybody_and_finds_who_answers_or_lives() {
+fn scan_finds_nodes_that_answer_or_send_heartbeat() {
     let bus = Bus::default()
         .with(2, &[(0x1000, 0, 0x0002_0192, 4), (0x1018, 1, 0xAB, 4), (0x1008, 0, u32::from_le_bytes(*b"ABC\0"), 4)])
         .with(7, &[(0x1018, 4, 9, 4)]);
@@ -147,7 +147,7 @@ fn a_scan_asks_everybody_and_finds_who_answers_or_lives() {
 }
 
 #[test]
-fn a_state_command_goes_out_once_and_a_boot_up_is_heard() {
+fn nmt_command_is_sent_once_and_boot_up_is_received() {
     let bus = Bus::default();
     let mut session = bus.session();
     session.nmt(NmtCommand::ResetNode, Some(node(3))).unwrap();
@@ -190,7 +190,7 @@ fn values(values: &[(u16, u8, u32, usize)]) -> Vec<(Object, Vec<u8>)> {
 }
 
 #[test]
-fn only_what_differs_is_written_and_what_acts_is_left_out() {
+fn configure_writes_only_differing_objects_and_leaves_out_acting_ones() {
     let bus = drive();
     let given = values(&[
         (0x1003, 0, 0, 1),
@@ -215,7 +215,7 @@ fn only_what_differs_is_written_and_what_acts_is_left_out() {
 
 /// 6003h is a filter of a module (CiA 401) and the preset of an encoder (CiA 406). The second logical device has its own profile in 6FFFh.
 #[test]
-fn what_is_left_out_depends_on_the_profile_that_the_device_names() {
+fn left_out_objects_depend_on_profile_of_device() {
     let given = values(&[(0x6003, 1, 1, 1), (0x6200, 1, 0xFF, 1), (0x6200, 2, 0xFF, 1), (0x6840, 0, 6, 2)]);
     let configured = |types: &[(u16, u8, u32, usize)]| {
         let bus = Bus::default().with(3, &[(0x6003, 1, 0, 1), (0x6200, 1, 0, 1), (0x6200, 2, 0, 1), (0x6840, 0, 0, 2)]);
@@ -241,7 +241,7 @@ fn what_is_left_out_depends_on_the_profile_that_the_device_names() {
 }
 
 #[test]
-fn a_pdo_is_mapped_while_it_is_off() {
+fn pdo_is_mapped_while_disabled() {
     let bus = drive();
     let given = values(&[
         (0x1800, 1, 0x4000_0183, 4),
@@ -271,7 +271,7 @@ fn a_pdo_is_mapped_while_it_is_off() {
 
 /// A PDO that the file disables stays disabled.
 #[test]
-fn a_pdo_is_switched_off_with_one_write() {
+fn pdo_is_disabled_with_one_write() {
     let bus = drive();
     let given = values(&[(0x1800, 1, 0xC000_0183, 4)]);
     bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
@@ -279,7 +279,7 @@ fn a_pdo_is_switched_off_with_one_write() {
 }
 
 #[test]
-fn what_changes_only_while_something_is_off_waits_for_it() {
+fn objects_are_written_while_their_prerequisite_is_disabled() {
     let bus = drive().with(3, &[(0x1006, 0, 4000, 4)]);
     let given = values(&[(0x1014, 0, 0x93, 4), (0x1019, 0, 16, 1)]);
     bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap();
@@ -295,7 +295,7 @@ fn what_changes_only_while_something_is_off_waits_for_it() {
 }
 
 #[test]
-fn an_enabled_drive_another_device_and_a_refused_object_end_it() {
+fn configure_fails_for_enabled_drive_other_device_and_refused_object() {
     let given = values(&[(0x6083, 0, 200, 4)]);
     let bus = drive().with(3, &[(0x6041, 0, 0x0237, 2)]);
     let error = bus.session().configure(node(3), &given, &mut |_, _| {}).unwrap_err().to_string();
@@ -315,7 +315,7 @@ fn an_enabled_drive_another_device_and_a_refused_object_end_it() {
 
 /// A write-only object is written each time.
 #[test]
-fn an_object_that_cannot_be_read_is_written() {
+fn write_only_object_is_written() {
     let bus = drive().with(3, &[(0x2000, 0, 1, 4)]);
     bus.refuse(3, 0x2000, 0, 0x0601_0001);
     let error = bus.session().configure(node(3), &values(&[(0x2000, 0, 1, 4)]), &mut |_, _| {}).unwrap_err();
@@ -362,7 +362,7 @@ impl Transport for Layered {
 }
 
 #[test]
-fn a_device_is_set_by_its_identity_and_left_waiting() {
+fn lss_device_is_configured_by_identity_and_returned_to_waiting() {
     let device = Layered::default();
     let mut session = Session::new(Box::new(device.clone()), Duration::from_millis(30));
     let command = LssCommand::NodeId(node(9));

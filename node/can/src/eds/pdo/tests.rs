@@ -28,7 +28,7 @@ fn the_pdos_of_our_own_file_are_those_of_cia_402() {
 }
 
 #[test]
-fn what_the_dictionary_does_not_say_is_named() {
+fn incomplete_pdo_is_refused_with_reason() {
     let dictionary = parse(OWN, Some(5)).unwrap();
     let of = |number| dictionary.pdo_mapping(Direction::Receive, number).unwrap_err().to_string();
     assert_eq!(of(0), "PDO 0 does not exist: PDOs have the numbers 1 to 512");
@@ -55,7 +55,7 @@ fn pdo(cob_id: &str, count: &str, first: &str) -> Result<PdoMapping, PdoError> {
 }
 
 #[test]
-fn bits_beside_the_identifier_are_no_part_of_it() {
+fn flag_bits_are_not_part_of_identifier() {
     let cob_id = pdo("$NODEID+0x80000200", "0", "").unwrap().cob_id;
     assert_eq!((cob_id.is_valid(), cob_id.allows_remote(), cob_id.id()), (false, true, 0x201));
     let cob_id = pdo("0x7ABCDEF0", "0", "").unwrap().cob_id;
@@ -64,7 +64,7 @@ fn bits_beside_the_identifier_are_no_part_of_it() {
 }
 
 #[test]
-fn more_than_a_pdo_carries_is_refused() {
+fn mapping_beyond_64_bits_is_refused() {
     let of = |count, first| pdo("0x200", count, first).map_err(|error| error.to_string());
     assert_eq!(of("2", "0x60640120").unwrap().mapped[1], Mapped { object: Object { index: 0x6064, sub: 1 }, bits: 32 });
     assert_eq!(

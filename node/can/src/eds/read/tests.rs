@@ -74,7 +74,7 @@ fn without_a_node_its_values_are_not_known() {
 }
 
 #[test]
-fn a_node_id_of_the_call_goes_before_that_of_the_file() {
+fn given_node_id_overrides_that_of_file() {
     let file = b"[DeviceInfo]\n[DeviceComissioning]\nNodeID=2\nBaudrate=500\nLSS_SerialNumber=0x29001321\n\
         [1014]\nParameterName=COB-ID EMCY\nDataType=7\nAccessType=ro\nDefaultValue=$NODEID+0x80\n";
     let dictionary = parse(file, None).unwrap();
@@ -87,7 +87,7 @@ fn a_node_id_of_the_call_goes_before_that_of_the_file() {
 }
 
 #[test]
-fn a_value_of_the_configuration_goes_before_the_default() {
+fn parameter_value_overrides_default() {
     let dictionary = read(
         "[1017]\nParameterName=a\nDataType=0x6\nAccessType=RW\nDefaultValue=0\nParameterValue=100\n\
          [1018]\nParameterName=b\nDataType=0x7\nAccessType=ro\nParameterValue=0x000000FB\n",
@@ -99,7 +99,7 @@ fn a_value_of_the_configuration_goes_before_the_default() {
 }
 
 #[test]
-fn one_section_stands_for_many_objects_with_their_names_and_values() {
+fn compact_sub_obj_creates_objects_with_names_and_values() {
     let dictionary = read(
         "[3004]\nCompactSubObj=0x3\nParameterName=Sensor\nObjectType=8\nDataType=0x0006\nAccessType=rw\nDefaultValue=3\n\
          [3004Name]\nNrOfEntries=1\n2=Second\n[3004Value]\nNrOfEntries=2\n1=7\n3=9\n[3004ObjectLinks]\nObjectLinks=0\n",
@@ -116,7 +116,7 @@ fn one_section_stands_for_many_objects_with_their_names_and_values() {
 
 /// The device would keep another value, and no client would notice it.
 #[test]
-fn a_value_of_the_configuration_that_cannot_be_read_is_an_error() {
+fn unreadable_parameter_value_is_an_error() {
     assert_eq!(
         errors("[2000]\nParameterName=a\nDataType=0x5\nAccessType=rw\nDefaultValue=1\nParameterValue=256\n"),
         "line 7: [2000] ParameterValue=256: 256 is not within 0 and 255, as UNSIGNED8 is"
@@ -136,7 +136,7 @@ fn a_value_of_the_configuration_that_cannot_be_read_is_an_error() {
 /// An unreadable value of an object that a configuration does not write causes a warning: an object that the device only sends, or that
 /// ObjFlags excludes.
 #[test]
-fn an_unreadable_value_that_is_never_written_is_warned_of() {
+fn unreadable_value_that_is_not_written_is_a_warning() {
     let dictionary = read(
         "[2000]\nParameterName=a\nDataType=5\nAccessType=ro\nParameterValue=256\n\
          [2001]\nParameterName=a\nDataType=5\nAccessType=rw\nObjFlags=1\nParameterValue=x\n\
@@ -154,7 +154,7 @@ fn an_unreadable_value_that_is_never_written_is_warned_of() {
 }
 
 #[test]
-fn a_value_of_the_configuration_that_no_object_takes_is_an_error() {
+fn parameter_value_without_object_is_an_error() {
     let compact = "[3004]\nCompactSubObj=2\nParameterName=a\nObjectType=8\nDataType=6\nAccessType=rw\n";
     let of_keys = "no object takes the value; allowed are the subindices 1 to 2 that have no section of their own, in decimal digits";
     let of_index =
@@ -195,14 +195,14 @@ fn a_value_of_the_configuration_that_no_object_takes_is_an_error() {
 }
 
 #[test]
-fn the_greatest_compact_object_ends_at_254() {
+fn compact_object_has_at_most_254_subindices() {
     let dictionary =
         read("[1003]\nParameterName=a\nObjectType=0x8\nCompactSubObj=255\nDataType=0x0007\nAccessType=ro\n");
     assert_eq!(dictionary.entries_of(0x1003).last().unwrap().0, at(0x1003, 254));
 }
 
 #[test]
-fn a_wrong_value_costs_only_itself() {
+fn invalid_value_is_ignored_alone() {
     let dictionary = read(
         "[2000]\nParameterName=a\nDataType=0x5\nAccessType=rw\nDefaultValue=256\nLowLimit=x\nHighLimit=9 ; remark\nPDOMapping=2\n\
          [2001]\nParameterName=b\nDataType=0x2\nAccessType=rw\nDefaultValue=0x-80\nLowLimit=0x80\nHighLimit=0x7F\nPDOMapping=1\n\
@@ -237,7 +237,7 @@ fn a_value_of_the_node_fits_for_every_node_or_not_at_all() {
 }
 
 #[test]
-fn all_that_cannot_be_understood_is_told_at_once() {
+fn all_errors_are_reported_together() {
     assert_eq!(
         errors(
             "[1000]\nParameterName=a\nObjectType=3\nDataType=7\nAccessType=ro\nParameterValue=1\n\
@@ -255,7 +255,7 @@ fn all_that_cannot_be_understood_is_told_at_once() {
 
 /// Files of vendors have such keys. Only a configuration value would be lost with the object.
 #[test]
-fn an_object_that_cannot_be_understood_and_has_no_value_is_left_out() {
+fn invalid_object_without_parameter_value_is_left_out() {
     let good = "[2000]\nParameterName=a\nDataType=5\nAccessType=rw\n";
     let dictionary = read(&format!(
         "{good}[2001]\nParameterName=b\nDataType=5\nAccessType=UNKNOWN\nDefaultValue=1\n\
@@ -310,7 +310,7 @@ fn a_file_without_objects_and_one_that_is_too_large_are_refused() {
 }
 
 #[test]
-fn a_small_file_cannot_ask_for_many_objects() {
+fn number_of_objects_of_small_file_is_limited() {
     let one = |index: u32| {
         format!("[{index:04X}]\nParameterName=a\nObjectType=8\nDataType=5\nAccessType=ro\nCompactSubObj=254\n")
     };
@@ -383,7 +383,7 @@ fn all_keys_of_a_device_and_of_its_place_are_read() {
 }
 
 #[test]
-fn missing_keys_have_the_value_that_harms_least() {
+fn missing_keys_have_safe_defaults() {
     let dictionary = read(
         "[2000]\nDataType=5\n[2001]\nParameterName=a\nAccessType=rw\n[2002]\nParameterName=Data\nObjectType=2\n\
          [2003sub1]\nParameterName=b\nDataType=5\nAccessType=ro\n[2004]\nParameterName=c\nObjectType=8\nDataType=8\n",
@@ -407,7 +407,7 @@ fn missing_keys_have_the_value_that_harms_least() {
 }
 
 #[test]
-fn lists_that_lie_are_named_and_not_believed() {
+fn wrong_object_lists_are_reported_and_ignored() {
     let dictionary = read(
         "[MandatoryObjects]\nSupportedObjects=0x7FFFFFFF\n1=0x1000\n2=0x1001\n[ManufacturerObjects]\nSupportedObjects=0\n1=x\n\
          [1000]\nParameterName=a\nDataType=7\nAccessType=ro\n[2000]\nParameterName=a\nDataType=7\nAccessType=ro\n",
@@ -434,7 +434,7 @@ fn latin_1_and_windows_lines_make_no_difference() {
 }
 
 #[test]
-fn what_the_file_says_beside_the_objects_is_kept() {
+fn file_and_device_information_is_kept() {
     let dictionary = read(
         "[Comments]\nLines=3\nLine1=| Don't panic |\nLine10=c\nLine2=\n[DummyUsage]\nDummy0001=0\nDummy0003=1\nDummy0005=1\n\
          [ToolInfos]\nToolVersion=1\n[1000]\nDataType=7\n",
@@ -474,7 +474,7 @@ fn lines_as_vendors_write_them_are_understood() {
 }
 
 #[test]
-fn a_type_of_canfestival_is_the_one_that_it_names() {
+fn canfestival_type_definition_is_resolved() {
     let dictionary = read(
         "[A0]\nParameterName=limits\n[A0sub1]\nDefaultValue=0x3\n[2000]\nParameterName=a\nDataType=0x00A0\nAccessType=rw\nDefaultValue=-3\n\
          [2001]\nParameterName=b\nDataType=0x40\nAccessType=rw\nDefaultValue=0x0\n",

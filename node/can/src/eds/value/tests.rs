@@ -46,7 +46,7 @@ fn texts_become_little_endian_bytes_of_their_type() {
 }
 
 #[test]
-fn every_bound_of_the_integers_holds_and_the_next_number_does_not() {
+fn integer_bounds_are_exact() {
     let rows = [
         (DataType::Boolean, "0", "1", "-1", "2"),
         (DataType::Integer8, "-128", "127", "-129", "128"),
@@ -78,7 +78,7 @@ fn every_bound_of_the_integers_holds_and_the_next_number_does_not() {
 }
 
 #[test]
-fn sentences_say_what_is_allowed() {
+fn errors_contain_allowed_range() {
     let of = |data_type, text| Value::parse(data_type, text).unwrap_err().to_string();
     assert_eq!(of(DataType::Integer8, "200"), "200 is not within -128 and 127, as INTEGER8 is");
     assert_eq!(of(DataType::Unsigned8, "abc"), "\"abc\" is no number: decimal (12), hexadecimal (0x0C) or octal (014)");
@@ -94,7 +94,7 @@ fn sentences_say_what_is_allowed() {
 }
 
 #[test]
-fn zeros_before_a_number_are_octal_in_a_file_and_refused_of_a_person() {
+fn leading_zeros_are_octal_in_file_and_refused_from_user() {
     assert_eq!(Value::read(DataType::Unsigned8, "010"), Ok(Value::Unsigned(8)));
     assert_eq!(Value::read(DataType::Integer8, "-010"), Ok(Value::Integer(-8)));
     for text in ["010", "-010", "00", "+08"] {
@@ -137,14 +137,14 @@ fn data_type() -> impl Strategy<Value = DataType> {
 
 proptest! {
     #[test]
-    fn bytes_that_are_a_value_come_back(data_type in data_type(), bytes in proptest::collection::vec(any::<u8>(), 0..9)) {
+    fn decoded_bytes_are_encoded_unchanged(data_type in data_type(), bytes in proptest::collection::vec(any::<u8>(), 0..9)) {
         if let Ok(value) = Value::from_bytes(data_type, &bytes) {
             prop_assert_eq!(value.to_bytes(data_type), Ok(bytes));
         }
     }
 
     #[test]
-    fn texts_that_are_a_value_come_back(data_type in data_type(), text in "[-+0-9a-fxX. ]{0,12}|.{0,12}") {
+    fn parsed_texts_are_written_unchanged(data_type in data_type(), text in "[-+0-9a-fxX. ]{0,12}|.{0,12}") {
         if let Ok(value) = Value::read(data_type, &text) {
             prop_assert_eq!(Value::parse(data_type, &value.to_string()), Ok(value.clone()));
             let bytes = value.to_bytes(data_type).unwrap();
@@ -153,7 +153,7 @@ proptest! {
     }
 
     #[test]
-    fn reals_come_back_by_their_text(bits in any::<u32>(), wide in any::<u64>()) {
+    fn reals_are_parsed_from_their_text(bits in any::<u32>(), wide in any::<u64>()) {
         let (single, double) = (f32::from_bits(bits), f64::from_bits(wide));
         if single.is_finite() {
             prop_assert_eq!(Value::parse(DataType::Real32, &Value::Real32(single).to_string()), Ok(Value::Real32(single)));

@@ -58,13 +58,13 @@ fn comes_back(file: &[u8], node_id: Option<u8>) {
 }
 
 #[test]
-fn our_own_file_comes_back() {
+fn written_file_is_read_unchanged() {
     comes_back(OWN.as_bytes(), Some(5));
     comes_back(OWN.as_bytes(), None);
 }
 
 #[test]
-fn what_is_compact_or_strange_comes_back() {
+fn compact_and_unusual_files_are_read_unchanged() {
     comes_back(
         b"[DeviceInfo]\nVendorNumber=0xFB\nBaudRate_100=1\nBaudRate_800=0\nCompactPDO=23\n[DeviceComissioning]\nNodeID=2\nNodeName=x = y;\n\
           [Comments]\nLines=9\nLine3=\nLine1=[a]\n[DummyUsage]\nDummy0005=1\nDummy001B=1\n\
@@ -125,7 +125,7 @@ fn values_that_no_device_or_no_file_takes_are_refused() {
 }
 
 #[test]
-fn a_tool_keeps_from_objects_that_are_flagged_and_from_those_that_only_read() {
+fn flagged_and_read_only_objects_are_not_written() {
     let file = "[DeviceInfo]\n[1010]\nDataType=7\nAccessType=rw\nObjFlags=1\nParameterValue=1\n\
         [1018]\nDataType=7\nAccessType=ro\nParameterValue=1\n[2000]\nDataType=7\nAccessType=rw\nParameterValue=$NODEID+1\n";
     assert_eq!(
@@ -152,7 +152,7 @@ proptest! {
     }
 
     #[test]
-    fn our_own_file_with_strange_lines_is_read_or_refused(
+    fn file_with_random_lines_is_read_or_refused(
         changes in proptest::collection::vec((0..2114_usize, 0..LINES.len() + 2, "\\PC{0,20}"), 1..40),
     ) {
         let mut lines: Vec<String> = OWN.lines().map(str::to_owned).collect();
@@ -204,7 +204,7 @@ fn rewritten(line: &str, how: u16) -> String {
 proptest! {
     /// Case, blanks, comments, notations of numbers, order of sections and line ends do not change the meaning.
     #[test]
-    fn the_same_file_in_other_words_means_the_same(
+    fn equivalent_notation_gives_same_dictionary(
         ways in proptest::collection::vec(any::<u16>(), 1..200),
         first in any::<prop::sample::Index>(),
         is_of_windows: bool,

@@ -130,7 +130,7 @@ impl Rig {
 }
 
 #[test]
-fn objects_are_read_up_to_the_longest_and_refusals_are_told() {
+fn objects_are_read_up_to_maximum_length_and_refusals_are_returned() {
     let mut rig = Rig::new();
     let long: Vec<u8> = (0..LONGEST).map(|at| at as u8).collect();
     rig.has(0x2000, &long);
@@ -148,7 +148,7 @@ fn objects_are_read_up_to_the_longest_and_refusals_are_told() {
 }
 
 #[test]
-fn a_silent_node_is_answered_for_and_leaves_others_their_turn() {
+fn silent_node_times_out_and_does_not_block_others() {
     let mut rig = Rig::new();
     rig.has(0x2002, &[1, 2]);
     rig.ask(9, 0x2002, Access::Read).expect("there is room");
@@ -160,7 +160,7 @@ fn a_silent_node_is_answered_for_and_leaves_others_their_turn() {
 }
 
 #[test]
-fn a_write_meets_no_drive_under_power_where_it_must_not() {
+fn write_is_refused_while_drive_is_under_power() {
     let mut rig = Rig::new();
     for (status, refused) in [
         (0x0637_u16, Some(DriveState::Enabled)),
@@ -187,7 +187,7 @@ fn a_write_meets_no_drive_under_power_where_it_must_not() {
 }
 
 #[test]
-fn what_was_taken_back_is_never_done_and_what_is_done_cannot_be_taken_back() {
+fn cancelled_request_is_never_started_and_started_one_cannot_be_cancelled() {
     let mut rig = Rig::new();
     rig.has(0x2002, &[1, 2]);
     let ticket = rig.ask(3, 0x2002, Access::Write { data: vec![1], without_power: false }).expect("there is room");
@@ -199,7 +199,7 @@ fn what_was_taken_back_is_never_done_and_what_is_done_cannot_be_taken_back() {
 }
 
 #[test]
-fn a_full_line_a_lost_way_and_a_closed_bus_answer_at_once() {
+fn full_queue_lost_connection_and_closed_bus_answer_at_once() {
     let mut rig = Rig::new();
     for _ in 0..MOST_WAITING {
         rig.ask(3, 0x2002, Access::Read).expect("there is room");

@@ -162,7 +162,7 @@ fn hex(frame: &Frame) -> String {
 
 /// 6040h, 607Ah and 6060h to each drive, then SYNC: setpoints of a cycle take effect at its SYNC.
 #[test]
-fn drives_are_asked_before_sync() {
+fn setpoints_are_sent_before_sync() {
     let mut rig = Rig::running(Monitoring::None);
     rig.outputs.drive[0] =
         DriveOutput { position: 0x1_2345_6789, control: control::ENABLE, mode: Mode::Position, ..Default::default() };
@@ -174,7 +174,7 @@ fn drives_are_asked_before_sync() {
 
 /// A device receives no process data before it is configured, and after a boot-up.
 #[test]
-fn a_drive_that_is_not_configured_is_told_nothing() {
+fn unconfigured_drive_receives_no_process_data() {
     let mut rig = Rig::new(Monitoring::None);
     rig.cycle();
     assert_eq!(rig.sent().iter().map(hex).collect::<Vec<_>>(), ["080#"]);
@@ -192,7 +192,7 @@ fn a_drive_that_is_not_configured_is_told_nothing() {
 
 /// A device that boots during its configuration has lost it.
 #[test]
-fn a_drive_that_boots_under_its_configuration_does_not_begin() {
+fn drive_that_boots_during_configuration_does_not_start() {
     let mut rig = Rig::new(Monitoring::None);
     rig.order(Order::Prepare { device: 1 });
     rig.cycle();
@@ -208,7 +208,7 @@ fn a_drive_that_boots_under_its_configuration_does_not_begin() {
 
 /// Process data is fresh in the cycle after the SYNC that it answers; otherwise the last values stay.
 #[test]
-fn words_are_fresh_in_the_cycle_in_which_they_have_come() {
+fn process_data_is_fresh_in_cycle_of_reception() {
     let mut rig = Rig::running(Monitoring::None);
     rig.cycle();
     assert_eq!(rig.is_online(), [false; 2], "nobody has answered yet");
@@ -227,7 +227,7 @@ fn words_are_fresh_in_the_cycle_in_which_they_have_come() {
 
 /// MACS-CAN-06 for a heartbeat: the drive is silent for longer than the monitoring time.
 #[test]
-fn a_silent_drive_goes_offline_alone() {
+fn only_silent_drive_goes_offline() {
     let mut rig = Rig::running(Monitoring::Heartbeat { time_ns: 30_000_000 });
     rig.comes(0x703, &[0x05]);
     rig.answer(0x0250, 0, 0);
@@ -251,7 +251,7 @@ fn a_silent_drive_goes_offline_alone() {
 
 /// Heartbeats that repeatedly report a state other than operational.
 #[test]
-fn a_drive_that_left_operation_takes_part_no_longer() {
+fn drive_that_leaves_operational_is_removed_from_cycles() {
     let mut rig = Rig::new(Monitoring::Heartbeat { time_ns: 10_000_000_000 });
     rig.comes(0x703, &[0x7F]);
     rig.cycle();
@@ -267,7 +267,7 @@ fn a_drive_that_left_operation_takes_part_no_longer() {
 /// Motion of the drive while its data was not received counts as motion. After a boot-up or a lost bus connection, its coordinate system is
 /// a new one.
 #[test]
-fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
+fn counts_continue_after_absence_unless_drive_has_booted() {
     let mut rig = Rig::running(Monitoring::Heartbeat { time_ns: 1_000_000_000 });
     let back = |rig: &mut Rig| {
         rig.order(Order::Prepare { device: 0 });
@@ -299,7 +299,7 @@ fn a_drive_that_was_away_has_counted_on_unless_it_has_booted() {
 }
 
 #[test]
-fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
+fn lost_transport_is_reported_once_and_all_drives_are_offline() {
     let mut rig = Rig::running(Monitoring::None);
     rig.answer(0x0250, 7, 0);
     rig.cycle();
@@ -323,7 +323,7 @@ fn a_way_that_is_lost_is_reported_once_and_leaves_all_drives_offline() {
 
 /// The error code of a fault comes from the emergency message. The message is reported in one cycle only.
 #[test]
-fn an_emergency_stands_in_one_cycle_and_gives_the_fault_its_code() {
+fn emergency_is_reported_in_one_cycle_and_sets_error_code() {
     let mut rig = Rig::running(Monitoring::None);
     rig.comes(0x083, &[0x11, 0x86, 0x21, 1, 2, 3, 4, 5]);
     rig.answer(0x0218, 0, MODE_CSP);
@@ -353,7 +353,7 @@ fn confirm(rig: &Rig, number: u16, sent: &[Frame]) {
 
 /// 6098h, 6099h and 609Ah are written first, then mode 6 is commanded. A newly attained zero starts a new coordinate system.
 #[test]
-fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
+fn homing_objects_are_written_before_mode_6_and_zero_starts_new_epoch() {
     let mut rig = Rig::running(Monitoring::None);
     rig.outputs.drive[0] = DriveOutput { control: control::ENABLE, mode: Mode::Position, ..Default::default() };
     rig.answer(0x1637, 1000, MODE_CSP);
@@ -382,7 +382,7 @@ fn homing_is_set_up_before_mode_6_and_gives_a_new_coordinate() {
 /// Bit 12 is still 1 from the previous homing, as with methods 35 and 37 of some drives, or rises after the new zero. A step above 4 *
 /// 50,000 counts/s in a cycle of 1 ms, plus 100 counts, is not motion; a smaller step is motion of the homing.
 #[test]
-fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
+fn zero_without_rising_bit_12_is_not_motion() {
     for before in [0x1637, 0x0237] {
         let mut rig = Rig::running(Monitoring::None);
         let control = control::ENABLE | control::START_HOMING;
@@ -407,7 +407,7 @@ fn a_zero_that_comes_without_a_rise_of_bit_12_is_no_motion() {
 
 /// Position and count of probe 1 in TPDO 2 become a latch of the axis, once; probe 2 captures the index.
 #[test]
-fn what_a_probe_catches_is_a_latch_of_the_axis() {
+fn probe_capture_becomes_latch_of_axis() {
     let known = crate::eds::parse(include_bytes!("../../../../../launch-configs/can/cia402_sim.eds"), Some(3)).unwrap();
     let mut config = drive(0, 3, Monitoring::None);
     let probes = [Some(Probe::Rising), Some(Probe::Index)];
@@ -462,7 +462,7 @@ fn transfers_do_not_disturb_each_other() {
 
 /// Node 3 never answers.
 #[test]
-fn a_silent_server_ends_a_transfer_and_the_set_up_of_a_homing() {
+fn silent_sdo_server_ends_transfer_and_homing_setup() {
     let mut rig = Rig::running(Monitoring::None);
     rig.outputs.drive[0].mode = Mode::Homing(HOME);
     rig.cycle();
@@ -487,7 +487,7 @@ fn frames_without_room_are_counted_and_not_sent_later() {
 
 /// Cycles with all kinds of received frames, and transfers in progress.
 #[test]
-fn a_cycle_takes_no_memory() {
+fn cycle_allocates_no_memory() {
     let mut rig = Rig::running(Monitoring::Heartbeat { time_ns: 2_000_000 });
     // Frames are recorded as well, but not fetched.
     let _frames = rig.bus.frames();
@@ -520,7 +520,7 @@ fn a_cycle_takes_no_memory() {
 /// In mode pp (1), which the axis sees as csp (8), the setpoint is late after 500 cycles without bit 12 of the status word; in csp it is
 /// not.
 #[test]
-fn a_setpoint_that_is_not_acknowledged_is_an_error_of_its_drive() {
+fn unacknowledged_setpoint_is_reported_as_drive_error() {
     let mut rig = Rig::running(Monitoring::None);
     let mut pp = drive(0, 3, Monitoring::None);
     as_drive(&mut pp).mode = DriveMode::Pp;
@@ -610,7 +610,7 @@ fn random_frames_never_enable_a_drive() {
 
 /// Sent and received frames are counted; frames without room are not.
 #[test]
-fn frames_that_go_and_come_are_counted() {
+fn sent_and_received_frames_are_counted() {
     let mut rig = Rig::running(Monitoring::None);
     let mut meter = BusLoadMeter::new();
     let begin = Instant::now();

@@ -184,7 +184,7 @@ fn device(change: impl FnOnce(&mut Device)) -> Arc<Mutex<Device>> {
 /// Values of the cell, according to CiA 301 and 402: heartbeat of 100 ms, 300 ms for node 127, period of 4 ms, RPDO 1 and TPDO 1 with SYNC,
 /// the other PDOs disabled.
 #[test]
-fn a_drive_is_told_its_startup_its_watch_and_its_pdos() {
+fn drive_receives_startup_monitoring_and_pdo_configuration() {
     let (device, config) = (device(|_| ()), config());
     assert!(run(&device, &config).is_ok());
     let found = device.lock().unwrap();
@@ -214,7 +214,7 @@ fn a_drive_is_told_its_startup_its_watch_and_its_pdos() {
 }
 
 #[test]
-fn a_drive_that_is_as_it_should_be_is_written_nothing_but_that_it_is_off() {
+fn configured_drive_is_only_disabled() {
     let (device, config) = (device(|_| ()), config());
     assert!(run(&device, &config).is_ok_and(|written| written > 0));
     assert_eq!(run(&device, &config), Ok(0));
@@ -244,7 +244,7 @@ fn a_drive_that_verifies_its_configuration_is_not_compared() {
 
 /// Quick stop first, then disable voltage, and only then other writes.
 #[test]
-fn a_drive_that_runs_is_stopped_before_it_is_told_anything() {
+fn enabled_drive_is_stopped_before_configuration() {
     let (device, config) = (device(|device| drop(device.objects.insert((0x6041, 0), vec![0x37, 0x02]))), config());
     assert!(run(&device, &config).is_ok());
     assert_eq!(device.lock().unwrap().written[..2], [(0x6040, 0, 2), (0x6040, 0, 0)]);
@@ -267,7 +267,7 @@ fn the_sync_counter_is_set_while_the_period_is_0() {
 }
 
 #[test]
-fn what_is_not_as_the_cell_says_is_refused_by_both_values() {
+fn mismatch_with_cell_is_refused_with_both_values() {
     let identity = |identity| {
         let mut config = config();
         config.devices[0].identity = identity;
@@ -334,7 +334,7 @@ fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers(
 ///
 /// Proves: MACS-CAN-11
 #[test]
-fn a_mapping_of_somebody_else_has_the_lengths_of_its_type() {
+fn user_mapping_with_wrong_lengths_is_refused() {
     let mut config = config();
     let of_type = DriveType::decode(-11).unwrap();
     config.devices[0].layout = of_type.layout(config.devices[0].node).unwrap();
@@ -469,7 +469,7 @@ fn pdo_with_its_identifier_that_can_neither_be_switched_off_nor_mapped_is_refuse
 
 /// Process data of each cycle requires transmission type 1.
 #[test]
-fn pdo_of_each_cycle_has_no_other_transmission_type() {
+fn cyclic_pdo_requires_transmission_type_1() {
     let device = device(|device| device.denies = vec![(0x1800, 2, 1)]);
     let refused = run(&device, &config()).unwrap_err();
     assert!(refused.starts_with("1800h:02: the device refuses"), "{refused}");

@@ -68,7 +68,7 @@ fn longer_values_go_in_segments() {
 }
 
 #[test]
-fn what_a_device_answers_wrongly_is_aborted() {
+fn invalid_answer_is_aborted() {
     let begun = |first: [u8; 8]| {
         let mut client = client();
         client.upload(OBJECT, Vec::with_capacity(32), false, 0).unwrap();
@@ -139,7 +139,7 @@ fn blocks_that_do_not_fit_are_aborted() {
 }
 
 #[test]
-fn a_silent_device_is_given_up_and_its_late_answer_taken_for_nothing() {
+fn silent_device_times_out_and_late_answer_is_ignored() {
     let mut client = client();
     client.upload(OBJECT, Vec::with_capacity(8), false, 0).unwrap();
     sent(&mut client);
@@ -157,7 +157,7 @@ fn a_silent_device_is_given_up_and_its_late_answer_taken_for_nothing() {
 }
 
 #[test]
-fn a_refusal_says_why() {
+fn refusal_contains_abort_code() {
     let mut client = client();
     let object = Object { index: 0x6040, sub: 3 };
     client.download(object, vec![1], false, 0).unwrap();
@@ -358,7 +358,7 @@ proptest! {
 
     /// Any answers: no panic, the transfer ends, and it never has more bytes than its buffer.
     #[test]
-    fn anything_may_be_answered(
+    fn random_answers_cause_no_panic(
         answers in prop::collection::vec(any::<[u8; 8]>(), 0..300),
         leads in prop::collection::vec(prop::sample::select(vec![0x60, 0x41, 0xC6, 0xA4, 0xA2, 0x20, 0x30, 0x80, 0xC1]), 0..300),
         upload: bool,

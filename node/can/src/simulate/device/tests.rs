@@ -79,7 +79,7 @@ fn another_node_is_not_reset_and_a_reset_boots() {
 
 /// Drives that are enabled and off: 300 ms without the heartbeat of the master.
 #[test]
-fn a_drive_that_is_not_off_notices_that_its_master_is_gone() {
+fn enabled_drive_detects_loss_of_master() {
     for (status, is_lost) in [(0x0037_u16, true), (0x0040, false)] {
         let mut device = device();
         device.table.set(objects::STATUS_WORD, status.into());
@@ -148,7 +148,7 @@ fn targets_follow_counts_beyond_32_bits() {
 }
 
 #[test]
-fn a_fault_is_an_emergency_message_and_so_is_its_end() {
+fn fault_and_its_end_send_emergency_messages() {
     let mut device = device();
     let show = |device: &mut Device, fault| {
         let drive = DriveInput { fault, ..DriveInput::default() };

@@ -50,7 +50,7 @@ fn a_frame_is_the_datagram_that_python_can_writes() {
 }
 
 #[test]
-fn integers_have_any_width_keys_any_order_and_what_is_missing_a_default() {
+fn any_integer_width_and_key_order_is_read_and_missing_keys_have_defaults() {
     let standard = ("is_extended_id", &[0xC2][..]);
     let widths: [&[u8]; 9] = [
         &[0x05],
@@ -96,7 +96,7 @@ fn frames_that_canopen_does_not_use_are_none() {
 }
 
 #[test]
-fn what_python_can_refuses_is_no_frame() {
+fn datagram_refused_by_python_can_is_invalid() {
     let standard = ("is_extended_id", &[0xC2][..]);
     let refused = [
         map(&[("priority", &[1])]),
@@ -142,7 +142,7 @@ proptest! {
 
     /// A few bytes of a valid datagram are changed, and its end is cut off.
     #[test]
-    fn no_change_is_too_odd(changes in prop::collection::vec((0_usize..150, any::<u8>()), 1..4), length in 0_usize..=150) {
+    fn damaged_datagrams_cause_no_panic(changes in prop::collection::vec((0_usize..150, any::<u8>()), 1..4), length in 0_usize..=150) {
         let mut bytes = sample();
         for (at, byte) in changes {
             bytes[at] = byte;

@@ -62,7 +62,7 @@ fn received(bus: &mut SocketCan, number: usize) -> Vec<Frame> {
 
 #[test]
 #[ignore = "needs a kernel with vcan: tests/socketcan.sh"]
-fn others_hear_a_frame_and_extended_ones_stay_away() {
+fn frame_is_received_and_extended_frames_are_filtered() {
     let interface = Interface::up("vcan1");
     let (mut first, mut second) = (interface.open(), interface.open());
     let remote = Frame::remote(Id::new(0x705).unwrap(), 1).unwrap();
@@ -105,7 +105,7 @@ fn the_controller_tells_how_the_bus_does() {
 
 #[test]
 #[ignore = "needs a kernel with vcan: tests/socketcan.sh"]
-fn an_interface_that_goes_down_or_away_is_lost_and_told_when_opened() {
+fn interface_down_or_removed_is_lost_and_refused_when_opened() {
     let interface = Interface::up("vcan3");
     let mut bus = interface.open();
     interface.set("down");
@@ -140,7 +140,7 @@ fn an_interface_that_goes_down_or_away_is_lost_and_told_when_opened() {
 /// The queue of the interface has room for 4 frames, each delayed by 2 ms: further frames are sent later in their order.
 #[test]
 #[ignore = "needs a kernel with vcan and sch_netem: tests/socketcan.sh"]
-fn what_a_full_interface_does_not_take_goes_later() {
+fn full_interface_queues_frames() {
     let interface = Interface::up("vcan4");
     run("tc", "qdisc add dev vcan4 root netem limit 4 delay 2ms");
     let (mut sends, mut hears) = (interface.open(), interface.open());

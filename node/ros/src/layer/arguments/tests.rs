@@ -19,7 +19,7 @@ fn ros_arguments_are_taken_and_the_rest_is_left() {
 }
 
 #[test]
-fn of_the_rules_for_a_node_the_first_counts() {
+fn first_matching_node_rule_is_used() {
     assert_eq!(node(""), "/cell/lineshaft");
     assert_eq!(node("-r __name:=a --ros-args -r __node:=b"), "/cell/a");
     assert_eq!(node("-r other:__node:=a -r lineshaft:__node:=b"), "/cell/b");
@@ -45,7 +45,7 @@ fn switches_and_levels_are_taken() {
 }
 
 #[test]
-fn of_several_values_the_last_counts_wherever_it_stands() {
+fn last_of_several_values_is_used() {
     let folder = std::env::temp_dir().join(format!("lineshaft-arguments-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let file = folder.join("p.yaml");
@@ -60,7 +60,7 @@ fn of_several_values_the_last_counts_wherever_it_stands() {
 }
 
 #[test]
-fn what_cannot_be_followed_is_named() {
+fn invalid_arguments_are_named() {
     let error = |line: &str| take(&format!("--ros-args {line}")).unwrap_err().to_string();
     assert!(error("--parms-file p.yaml").starts_with(r#"ROS argument "--parms-file" is not known"#));
     assert!(error("x").starts_with(r#"ROS argument "x" is not known"#));

@@ -325,7 +325,7 @@ mod tests {
 
     /// Times of writing are in ticks of the sender's clock, arrivals in ns of the host clock.
     #[test]
-    fn requests_that_come_together_have_the_order_in_which_their_sender_wrote_them() {
+    fn requests_that_arrive_together_are_ordered_by_time_of_writing() {
         const MS: u64 = 1_000_000;
         let one = |written, came_ns| Origin::of(1, Some(written), came_ns);
         // The later request has overtaken the other one.
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_for_another_life_or_has_waited_too_long_is_refused() {
+    fn request_for_earlier_instance_or_too_old_is_refused() {
         let timeout = Some(Duration::from_secs(2));
         let origin = |age: Duration, is_stale| Origin {
             is_stale,

@@ -29,7 +29,7 @@ fn sample() -> Sample {
 }
 
 #[tokio::test]
-async fn a_new_side_is_told_all_that_counts() {
+async fn new_side_receives_complete_state() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
     let stream = registry.open_writer("rt/stream", T, Qos::STREAM);
@@ -72,7 +72,7 @@ async fn a_new_side_is_told_all_that_counts() {
 }
 
 #[tokio::test]
-async fn samples_are_taken_as_fast_as_they_are_read() {
+async fn samples_are_forwarded_at_rate_of_reader() {
     let registry = Arc::new(Registry::default());
     let orders = registry.begin(join());
     let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
@@ -86,7 +86,7 @@ async fn samples_are_taken_as_fast_as_they_are_read() {
 }
 
 #[test]
-fn what_a_side_does_not_take_is_bounded() {
+fn queue_of_blocked_side_is_bounded() {
     let registry = Arc::new(Registry::default());
     let orders = registry.begin(join());
     let (stream, latched) =
@@ -109,7 +109,7 @@ fn sample_of(number: i64, is_stale: bool) -> Result<Sample, String> {
 }
 
 #[tokio::test]
-async fn a_side_hands_over_all_that_is_open() {
+async fn handover_transfers_open_state() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
     let stream = registry.open_writer("rt/stream", T, Qos::STREAM);
@@ -204,7 +204,7 @@ async fn a_next_side_that_fails_changes_nothing() {
 proptest! {
     /// Both sides receive all samples of a writer from some number, at different times; the first side until it has ended.
     #[test]
-    fn a_sample_that_two_sides_hear_is_passed_on_once(
+    fn sample_received_by_two_sides_is_forwarded_once(
         heard in prop::collection::vec((any::<bool>(), 1..30_i64), 0..80), handover in 0..80_usize,
     ) {
         let registry = Arc::new(Registry::default());

@@ -103,7 +103,7 @@ fn deactivation_halts_the_axes_of_the_active_groups_once() {
 }
 
 #[test]
-fn a_trajectory_that_waits_for_its_cycle_is_cancelled_as_a_halt_overtakes_it() {
+fn waiting_trajectory_is_cancelled_because_halt_overtakes_it() {
     let all = arm_and_hand();
     for number in [3, 4] {
         all.while_active(0, || (), |()| Some(number)).unwrap();
@@ -155,7 +155,7 @@ fn unknown_names_are_refused_by_strict_and_skipped_by_best_effort() {
 }
 
 #[test]
-fn what_cannot_be_meant_is_refused() {
+fn invalid_switch_request_is_refused() {
     let all = arm_and_hand();
     for strictness in [Asked::BEST_EFFORT, Asked::STRICT] {
         let both = request(&["hand", "arm"], &["arm"], strictness);

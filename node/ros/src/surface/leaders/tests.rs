@@ -86,7 +86,7 @@ fn raw(state: &LeaderState) -> i128 {
 }
 
 #[test]
-fn all_that_leads_is_told_in_the_order_of_its_message() {
+fn all_masters_are_published_in_order() {
     let mut shaft = Shaft::new();
     let told = shaft.cycle([Some(5), Some(7)], vec![]);
     let names: Vec<_> = told.leaders.iter().map(|leader| (leader.name.as_str(), leader.has_scale)).collect();
@@ -123,7 +123,7 @@ fn each_leader_has_its_units() {
 
 /// The position stays, and all sums that depend on the encoder become invalid.
 #[test]
-fn a_lost_encoder_takes_the_sums_with_it() {
+fn lost_encoder_invalidates_sums() {
     let mut shaft = Shaft::new();
     let _ = shaft.cycle([Some(0), Some(0)], vec![]);
     let _ = shaft.cycle([Some(9), Some(0)], vec![]);

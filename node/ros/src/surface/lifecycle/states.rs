@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_label_counts_before_an_id_and_both_only_from_the_present_state() {
+    fn label_has_precedence_over_id() {
         assert_eq!(ask(UNCONFIGURED, 1, ""), Some((1, "configuring")));
         assert_eq!(ask(UNCONFIGURED, 0, "configure"), Some((1, "configuring")));
         assert_eq!(ask(INACTIVE, 2, "activate"), Some((3, "activating")));

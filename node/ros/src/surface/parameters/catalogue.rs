@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shown_is_taken_as_it_is_of_no_other_type() {
+    fn shown_value_is_accepted_with_its_type_only() {
         let config = fake::config();
         let (catalogue, image) = (Catalogue::new(&config), fake::image(&config));
         for declared in catalogue.all() {
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn what_ros2_param_load_makes_of_a_file_is_understood() {
+    fn values_of_ros2_param_load_are_interpreted() {
         let config = fake::config();
         let catalogue = Catalogue::new(&config);
         let text = |text: &str| ParameterValue {

@@ -154,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_that_are_left_out_gaps_and_what_is_missing_stand_in_words() {
+    fn constraints_describe_gaps_and_missing_values() {
         let low = descriptor("x.min_position");
         assert_eq!(low.additional_constraints, "left out: no limit");
         assert!(low.dynamic_typing, "it may be without a value");

@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn all_that_is_wrong_is_told_at_once() {
+    fn all_errors_are_reported_in_one_message() {
         let config = fake::config();
         let error = start_commands(&config, &mut given("x.max_speed:=1 x.profile:=1 x.posfact_z:=2 x.rampmin:=20"))
             .unwrap_err();
@@ -146,7 +146,7 @@ mod tests {
 
     /// Proves: MACS-VM-02, MACS-VM-04
     #[test]
-    fn a_start_of_the_program_is_none_of_the_virtual_master() {
+    fn start_does_not_move_virtual_master() {
         let config = fake::config();
         let mut all = given("machine.pulsvel:=0 machine.setsys_15:=0 machine.pulsacc:=7");
         let commands = start_commands(&config, &mut all).unwrap();
@@ -183,7 +183,7 @@ mod tests {
 
     /// Values of a dump: a part of the cell with the value of the cell, and values that follow from others.
     #[test]
-    fn what_is_read_only_may_be_said_again() {
+    fn read_only_values_may_be_repeated() {
         let config = fake::config();
         let image = image_after(&config, Vec::new()).unwrap();
         let catalogue = Catalogue::new(&config);

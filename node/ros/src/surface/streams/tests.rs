@@ -61,7 +61,7 @@ fn a_jog_in_metres_per_second_for_a_while() {
 }
 
 #[test]
-fn setpoints_are_the_same_by_another_name() {
+fn setpoints_equal_jog_with_object_names() {
     let message = msg::Setpoints { axes: vec!["y".to_owned()], velocities: vec![0.05], ..msg::Setpoints::default() };
     let set = judged(setpoints(message), 0).unwrap();
     assert_eq!(set.axes, [None, Some(Setpoint { velocity: 50_000.0, duration: None })]);
@@ -71,7 +71,7 @@ fn setpoints_are_the_same_by_another_name() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_as_a_whole_with_a_sentence() {
+fn invalid_message_is_refused_as_a_whole() {
     let with = |change: fn(&mut JointJog)| {
         let mut message = joint_jog(&["x", "y"], &[0.01, 0.01]);
         change(&mut message);
@@ -138,7 +138,7 @@ fn a_jog_names_joints_and_setpoints_name_objects() {
 
 /// 150 deg/s are 2.6179939 rad/s, but 2.617994 in a URDF. Here 0.1 m/s.
 #[test]
-fn a_velocity_that_was_rounded_beyond_the_limit_is_the_limit() {
+fn rounded_velocity_above_limit_is_limited() {
     let (config, image) = machine();
     for (velocity, limited) in
         [(0.100_000_9, 100_000.0), (-0.100_000_9, -100_000.0), (0.1, 100_000.0), (0.05, 50_000.0)]
@@ -156,7 +156,7 @@ fn a_velocity_that_was_rounded_beyond_the_limit_is_the_limit() {
 }
 
 #[test]
-fn a_message_is_no_older_than_its_axes_allow() {
+fn message_older_than_setpoint_timeout_is_refused() {
     let both = || jog(joint_jog(&["x", "y"], &[0.01, 0.01]));
     let only_x = || jog(joint_jog(&["x"], &[0.01]));
     assert!(judged(both(), 20_000_000).is_ok() && judged(only_x(), 100_000_000).is_ok());
@@ -171,7 +171,7 @@ fn a_message_is_no_older_than_its_axes_allow() {
 }
 
 #[test]
-fn of_many_refusals_one_in_a_second_is_told_with_the_number_of_the_others() {
+fn refusals_are_reported_once_per_second_with_count() {
     let (mut refusals, start) = (RefusalLimit::default(), Instant::now());
     assert_eq!(refusals.say(start).as_deref(), Some(""));
     assert!((1..100).all(|ms| refusals.say(start + Duration::from_millis(ms)).is_none()));
@@ -182,7 +182,7 @@ fn of_many_refusals_one_in_a_second_is_told_with_the_number_of_the_others() {
 proptest! {
     /// With any message, only numbers within the limits reach the machine.
     #[test]
-    fn nothing_but_allowed_velocities_of_known_axes_passes(
+    fn only_allowed_velocities_of_known_axes_are_accepted(
         names in prop::collection::vec(prop::sample::select(vec!["x", "y", "w", ""]), 0..4),
         velocities in prop::collection::vec(prop_oneof![any::<f64>(), -0.11..0.11_f64], 0..4),
         displacements in prop::collection::vec(any::<f64>(), 0..2),

@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn each_joint_goes_by_the_mean_velocity() {
+    fn positions_are_integrated_with_mean_velocity() {
         let mut goal =
             goal(vec![point(0, &[], &[1.0, 0.4]), point(2, &[5.0, 6.0], &[0.0, 1.0]), point(4, &[], &[0.0, 0.0])]);
         assert!(has_points_to_integrate(&goal));

@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_of_one_trajectory_and_those_that_stand_are_an_answer() {
+    fn answer_contains_moving_and_resting_joints() {
         let config = super::super::tests::config();
         let scales = || config.axes.iter().map(|axis| axis.scale);
         let si = |rate| config.axes[0].scale.rate_to_si(rate);

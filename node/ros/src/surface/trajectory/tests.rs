@@ -44,7 +44,7 @@ pub(super) fn joints_called(names: &JointNames) -> Joints {
 }
 
 #[test]
-fn a_trajectory_begins_at_its_stamp_whatever_reading_took() {
+fn start_of_trajectory_is_independent_of_read_time() {
     let rest = PointRequest { positions: vec![0.0], ..PointRequest::default() };
     let request = TrajectoryRequest { axes: vec!["x".to_owned()], points: vec![rest], ..TrajectoryRequest::default() };
     let trajectory = config().resolve_trajectory(&request).expect("a sound request");

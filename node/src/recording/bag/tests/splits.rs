@@ -7,7 +7,7 @@ fn names(summary: &Summary) -> Vec<String> {
 }
 
 #[test]
-fn each_file_begins_at_a_key_cycle_and_stands_for_itself() {
+fn each_file_begins_at_a_key_cycle_and_replays_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a b: c");
     let options = BagOptions { max_duration_ns: Some(1_500_000_000), ..at(path.clone()) };

@@ -141,7 +141,7 @@ fn a_signal_that_never_changes_is_drawn_where_it_is_named() {
 }
 
 #[test]
-fn nothing_but_constants_is_told_in_a_sentence() {
+fn only_constant_signals_are_reported_as_text() {
     let signals = vec![sampled("x.homed", "", Kind::Bit, 2000, |_| 1.0)];
     let problem = draw(&figure(&signals, &[]), Target::Svg).unwrap_err();
     assert_eq!(
@@ -151,7 +151,7 @@ fn nothing_but_constants_is_told_in_a_sentence() {
 }
 
 #[test]
-fn only_the_time_asked_for_is_drawn() {
+fn only_the_requested_time_is_drawn() {
     let (signals, marks) = (run(), events());
     let svg = svg(&Figure { from: Some(0.9), to: Some(1.2), ..figure(&signals, &marks) });
     let texts = texts(&svg);
@@ -206,7 +206,7 @@ fn a_fraction_is_drawn_where_it_is_named_or_nothing_else_is() {
 }
 
 #[test]
-fn signals_of_one_name_are_told_apart_by_their_topics() {
+fn signals_with_equal_names_are_distinguished_by_topic() {
     let mut signals: Vec<Series> = ["/left/joint_states", "/right/joint_states"]
         .map(|topic| Series {
             topic: topic.to_owned(),
@@ -297,7 +297,7 @@ fn the_same_figure_makes_the_same_bytes() {
 }
 
 #[test]
-fn a_png_has_the_size_that_was_asked_for() {
+fn png_has_the_requested_size() {
     let signals = run();
     let file = draw(&Figure { width: 900, height: Some(700), ..figure(&signals, &[]) }, Target::Png).unwrap();
     let reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();

@@ -44,7 +44,7 @@ fn a_changed_byte_is_noticed_or_changes_no_message() {
 
 /// Damage after the data affects no message but is still reported.
 #[test]
-fn a_damaged_index_and_bytes_behind_the_end_are_told() {
+fn damaged_index_and_trailing_bytes_are_reported() {
     let bytes = small(crate::recording::test_bags::options());
     let flaws = |bytes: &[u8]| {
         let disk = disk(bytes);

@@ -36,7 +36,7 @@ fn description(files: &str, more: &str) -> String {
 }
 
 #[test]
-fn a_description_says_which_files_in_which_order() {
+fn metadata_gives_the_files_and_their_order() {
     let listed = description("    - run_1.mcap\n    - run_0.mcap\n", "");
     let (first, second, other) = (bag(&[1, 2]), bag(&[3, 4]), bag(&[9]));
     let files: [(&str, &[u8]); 4] =

@@ -70,7 +70,7 @@ fn a_gap_of_one_axis_is_seen() {
 }
 
 #[test]
-fn a_bag_that_was_cut_off_is_told() {
+fn truncated_bag_is_reported() {
     let folder = tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let bytes = |samples: u64| {

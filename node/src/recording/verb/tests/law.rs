@@ -577,7 +577,7 @@ proptest! {
     }
 
     #[test]
-    fn what_no_number_is_never_becomes_a_command(
+    fn non_finite_number_never_becomes_a_command(
         value in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e39]), units in units(), field in 0..5
     ) {
         let mut request = MoveRequest { axis: "x".into(), units, ..MoveRequest::default() };

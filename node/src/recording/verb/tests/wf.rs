@@ -109,7 +109,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(3000))]
 
     #[test]
-    fn every_verb_comes_back(request in request()) {
+    fn every_verb_round_trips(request in request()) {
         let action = wf(request);
         let json = DESK.write(&action);
         let read = DESK.read(&json);

@@ -5,7 +5,7 @@ use super::*;
 /// A module with 16 inputs and 8 outputs, an analog input and an analog output, at node 3. Its outputs are sent in each cycle, and its
 /// inputs are the last received ones. They are invalid until both of its PDOs have arrived, and after a boot-up.
 #[test]
-fn a_module_is_inputs_and_outputs_of_the_machine() {
+fn module_maps_inputs_and_outputs_of_machine() {
     let terminal = |place, address| Terminal { place, address };
     let analog =
         |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
@@ -44,7 +44,7 @@ fn a_module_is_inputs_and_outputs_of_the_machine() {
 
 /// An encoder starts a new coordinate system after a boot-up, and counts on after a silence.
 #[test]
-fn an_encoder_that_has_booted_has_another_coordinate() {
+fn booted_encoder_starts_new_epoch() {
     let mut config = drive(0, 3, Monitoring::None);
     config.role = Role::Encoder;
     config.layout = Layout::encoder(node(3)).unwrap();
@@ -73,7 +73,7 @@ fn an_encoder_that_has_booted_has_another_coordinate() {
 
 /// Efforts are per mille of rated torque, as 16 bits in both directions.
 #[test]
-fn a_drive_of_torques_takes_and_tells_them_per_mille() {
+fn torque_drive_uses_per_mille_of_rated_torque() {
     let mut config = drive(0, 3, Monitoring::None);
     config.layout = Layout::plan(node(3), DriveMode::Cst, Extras::default(), &config.terminals, None).unwrap();
     as_drive(&mut config).mode = DriveMode::Cst;
@@ -103,7 +103,7 @@ fn a_drive_of_torques_takes_and_tells_them_per_mille() {
 /// 100 counts per cycle: while process data is missing, the position stays or is extrapolated, for the configured number of cycles. One per
 /// mille of rated torque is 2 mNm.
 #[test]
-fn missing_words_are_held_or_extrapolated() {
+fn missing_process_data_is_held_or_extrapolated() {
     for (extrapolates, expected) in [(false, [200; 4]), (true, [300, 400, 500, 500])] {
         let mut config = drive(0, 3, Monitoring::None);
         let extras = Extras { torque: true, ..Extras::default() };
@@ -132,7 +132,7 @@ fn missing_words_are_held_or_extrapolated() {
 
 /// Bits of 60FDh and 60FEh:01 of a drive, and its counts as an encoder of the machine.
 #[test]
-fn a_drive_has_terminals_as_well() {
+fn drive_inputs_and_outputs_are_terminals() {
     let terminal = |place, address| Terminal { place, address };
     let terminals = Terminals {
         digital_inputs: vec![terminal(0, 17)],

@@ -101,7 +101,7 @@ fn drive_in_another_mode_is_not_enabled() {
 
 /// Only 6060h cannot be mapped: 6061h is in TPDO 1.
 #[test]
-fn mode_that_a_pdo_reports_is_written_alone() {
+fn mapped_mode_display_is_not_read_by_sdo_in_cycles() {
     let (mut rig, mut server) = (by_sdo(&["6060"]), Server::default());
     rig.outputs.drive[0].control = control::ENABLE;
     let sent = [(); 3].map(|()| {
@@ -115,7 +115,7 @@ fn mode_that_a_pdo_reports_is_written_alone() {
 
 /// Only 6061h cannot be mapped: 6060h is in RPDO 1.
 #[test]
-fn mode_that_a_pdo_commands_is_read_alone() {
+fn mapped_mode_is_not_written_by_sdo() {
     let (mut rig, mut server) = (by_sdo(&["6061"]), Server { mode: 8, ..Server::default() });
     let shown = [(); 4].map(|()| {
         server.turn(&mut rig, 0x0233, 0);
@@ -172,7 +172,7 @@ fn refused_mode_is_reported_once() {
 /// The axis sees homing attained only once the drive is in mode 8 again, so that it cannot move before. Then bits 10 and 12 are reported,
 /// with mode 6.
 #[test]
-fn homing_by_sdo_is_over_once_the_drive_is_back_in_its_mode() {
+fn homing_by_sdo_ends_after_return_to_cyclic_mode() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
     rig.outputs.drive[0].control = control::ENABLE;
     (0..4).for_each(|_| assert_eq!(server.turn(&mut rig, 0x1237, 1000), 15));
@@ -207,7 +207,7 @@ fn homing_by_sdo_is_over_once_the_drive_is_back_in_its_mode() {
 
 /// 8 is commanded again before 6 was confirmed. The 8 that was read before is not reported, because the drive may be in 6; it is disabled.
 #[test]
-fn drive_whose_homing_is_ended_is_disabled_until_it_is_back_in_its_mode() {
+fn aborted_homing_disables_drive_until_return_to_cyclic_mode() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
     rig.outputs.drive[0].control = control::ENABLE;
     (0..4).for_each(|_| assert_eq!(server.turn(&mut rig, 0x1237, 0), 15));
@@ -245,7 +245,7 @@ fn drive_in_csv_has_target_velocity_zero_while_a_homing_is_set_up() {
 }
 
 #[test]
-fn exchange_of_the_mode_takes_no_memory() {
+fn mode_exchange_allocates_no_memory() {
     let (mut rig, mut server) = (by_sdo(&["6060", "6061"]), Server::default());
     server.written.reserve(100);
     let before = violation_count();

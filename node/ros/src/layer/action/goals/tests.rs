@@ -90,7 +90,7 @@ fn an_id_is_used_once() {
 }
 
 #[test]
-fn results_are_forgotten_when_their_time_is_over() {
+fn results_expire_after_timeout() {
     let (mut goals, now) = executing(&[1, 2]);
     goals.end(id(1), End::Succeeded, "one", now);
     let before = now + KEEP - Duration::from_nanos(1);
@@ -105,7 +105,7 @@ fn results_are_forgotten_when_their_time_is_over() {
 }
 
 #[test]
-fn of_too_many_ended_goals_the_first_to_end_is_forgotten() {
+fn oldest_ended_goal_is_removed_above_maximum() {
     let (mut goals, now) = executing(&[1, 2, 3, 4, 5, 6]);
     let later = |s| now + Duration::from_secs(s);
     for (after, n) in [2u8, 1, 3, 4].iter().enumerate() {
@@ -134,7 +134,7 @@ fn a_canceled_goal_may_still_end_in_any_way() {
 }
 
 #[test]
-fn what_nobody_canceled_does_not_end_canceled() {
+fn goal_without_cancel_request_does_not_end_canceled() {
     let (mut goals, now) = executing(&[1]);
     assert_eq!(goals.end(id(1), End::Canceled, "", now), Some((Status::Aborted, vec![])));
     assert_eq!(goals.cancel(&[id(1)]), [], "and an ended goal is not canceled");
@@ -163,7 +163,7 @@ fn cancel_by_time_includes_the_time_itself() {
 }
 
 #[test]
-fn cancel_by_id_and_time_means_that_one_and_the_older_ones() {
+fn cancel_by_id_and_time_selects_that_goal_and_older_ones() {
     let (mut goals, now) = executing(&[1, 2, 3, 4]);
     goals.end(id(1), End::Succeeded, "", now);
     assert_eq!(selected(&mut goals, id(4), at(2, 0), now), (NONE, vec![id(2), id(4)]));
@@ -171,7 +171,7 @@ fn cancel_by_id_and_time_means_that_one_and_the_older_ones() {
 }
 
 #[test]
-fn of_too_many_who_wait_the_first_to_ask_is_forgotten() {
+fn oldest_result_request_is_dropped_above_maximum() {
     let (mut goals, now) = executing(&[1]);
     for asker in 0..1000 {
         assert_eq!(goals.request_result(id(1), asker, now), ResultAnswer::Waits);

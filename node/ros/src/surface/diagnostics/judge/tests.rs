@@ -66,7 +66,7 @@ fn value<'a>(status: &'a DiagnosticStatus, key: &str) -> &'a str {
 }
 
 #[test]
-fn a_cycle_stands_after_100_ms_and_10_cycles_without_a_new_one() {
+fn cycle_is_stale_after_100_ms_and_10_cycles() {
     let mut bench = Bench::new();
     assert_eq!(bench.levels(0), [OK, OK, OK]);
     assert_eq!(bench.levels(100), [OK, OK, OK]);
@@ -102,7 +102,7 @@ fn missed_cycles_are_warned_of_for_a_second() {
 }
 
 #[test]
-fn each_trouble_of_a_drive_has_its_level_and_its_words() {
+fn each_drive_problem_has_level_and_message() {
     for (signals, level, message) in [
         (&[("x.state", 1), ("x.drive_state", 4)][..], OK, "STANDSTILL"),
         (&[("x.drive_state", 7)], ERROR, "the drive is in fault"),
@@ -146,7 +146,7 @@ fn values_have_their_units() {
 }
 
 #[test]
-fn an_axis_with_two_drives_tells_of_both() {
+fn gantry_status_reports_both_drives() {
     let mut config = fake::config();
     config.axes[1].second = config.axes[1].drive;
     config.axes[1].parameters.gantry.max_skew = Some(200);
@@ -160,7 +160,7 @@ fn an_axis_with_two_drives_tells_of_both() {
 }
 
 #[test]
-fn the_recorder_is_judged_by_what_it_says() {
+fn recorder_status_follows_its_answer() {
     let mut bench = Bench::new();
     let status = |recording, lost| {
         Recorder::Status(RecordResponse {
@@ -182,7 +182,7 @@ fn the_recorder_is_judged_by_what_it_says() {
 }
 
 #[test]
-fn a_machine_in_error_says_so_whatever_was_missed() {
+fn machine_error_has_precedence_over_missed_cycles() {
     let mut bench = Bench::new();
     bench.set("machine.state", 2);
     bench.set("machine.overruns", 9);
@@ -191,7 +191,7 @@ fn a_machine_in_error_says_so_whatever_was_missed() {
 
 /// A backend is stale before its start, and in error with each of its messages; its status is between those of the drives and the recorder.
 #[test]
-fn a_backend_tells_its_problems_and_its_values() {
+fn backend_status_reports_problems_and_values() {
     let mut bench = Bench::new();
     let backend = |health| BackendHealth { name: "bus0".to_owned(), hardware: "socketcan:can0".to_owned(), health };
     let health = |problems: &[&str]| {

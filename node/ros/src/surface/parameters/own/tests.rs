@@ -53,7 +53,7 @@ fn value(own: &OwnParameters, name: &str) -> ParameterValue {
 }
 
 #[test]
-fn what_was_given_takes_the_place_of_the_default_whoever_declares() {
+fn override_replaces_default() {
     let own = given("share:=1 list:=[1,2] use_sim_time:=true");
     declare(&own);
     own.check().unwrap();
@@ -67,7 +67,7 @@ fn what_was_given_takes_the_place_of_the_default_whoever_declares() {
 }
 
 #[test]
-fn what_cannot_be_is_told_once_all_are_declared() {
+fn invalid_overrides_are_reported_after_all_declarations() {
     let refused = |line: &str| {
         let own = given(line);
         declare(&own);
@@ -83,7 +83,7 @@ fn what_cannot_be_is_told_once_all_are_declared() {
 }
 
 #[test]
-fn clients_are_held_to_type_range_and_read_only() {
+fn set_checks_type_range_and_read_only() {
     let own = OwnParameters::default();
     declare(&own);
     let ask = |name: &str, value: ParameterValue| own.fitting(name, &value);
@@ -103,7 +103,7 @@ fn clients_are_held_to_type_range_and_read_only() {
 }
 
 #[test]
-fn a_name_that_stands_for_another_parameter_is_refused_with_that_one() {
+fn misleading_name_is_refused_with_intended_name() {
     let sentence = "parameter `part` has not been declared; by the joint name it is `share`";
     let own = given("part:=0.25");
     declare(&own);

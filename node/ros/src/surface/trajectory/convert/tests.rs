@@ -59,7 +59,7 @@ fn refused_by_core(change: impl FnOnce(&mut Goal), sentence: &str) {
 }
 
 #[test]
-fn a_plain_goal_starts_now_and_has_the_usual_tolerances() {
+fn plain_goal_starts_now_with_default_tolerances() {
     let stands = ToleranceRequest { velocity: Some(0.01), ..ToleranceRequest::default() };
     let point =
         |time_ns, positions: &[f64]| PointRequest { time_ns, positions: positions.to_vec(), ..PointRequest::default() };
@@ -90,7 +90,7 @@ fn joints_may_stand_in_any_order() {
 }
 
 #[test]
-fn what_points_carry_is_kept_and_what_they_do_not_stays_empty() {
+fn missing_fields_of_points_stay_empty() {
     let mut goal = goal();
     goal.trajectory.points[0].velocities = vec![0.5, -0.5];
     goal.trajectory.points[1].velocities = vec![0.0, 0.0];
@@ -202,7 +202,7 @@ fn parameters_that_are_very_large_are_no_limit_and_refuse_no_goal() {
 }
 
 #[test]
-fn a_goal_says_its_own_tolerances() {
+fn goal_tolerances_override_parameters() {
     let settings =
         Settings { goal_time: 1.5, stopped: 0.01, joints: vec![[0.1, 0.2, 0.0], [0.0; 3]], ..Settings::default() };
     let mut goal = goal();
@@ -224,7 +224,7 @@ fn a_goal_says_its_own_tolerances() {
 }
 
 #[test]
-fn what_is_wrong_in_itself_is_told() {
+fn invalid_goals_are_refused_with_reason() {
     refused(|goal| goal.trajectory.joint_names.clear(), "joint_names is empty; one or more of x, y are expected");
     refused(
         |goal| goal.trajectory.joint_names[1] = "line".to_owned(),
@@ -278,7 +278,7 @@ fn what_is_wrong_in_itself_is_told() {
 }
 
 #[test]
-fn tolerances_that_mean_nothing_are_told() {
+fn invalid_tolerances_are_refused_with_reason() {
     refused(
         |goal| goal.path_tolerance = vec![tolerance("elbow", 1.0, 0.0, 0.0)],
         "path_tolerance has the joint `elbow`; there are x, y",
@@ -304,7 +304,7 @@ fn tolerances_that_mean_nothing_are_told() {
 }
 
 #[test]
-fn joint_names_stand_for_their_axes_and_object_names_are_refused_with_them() {
+fn joint_names_select_axes_and_object_names_are_refused() {
     let joints = joints_called(&JointNames::new(["line", "Shoulder_Pan", "left/arm_1"].map(str::to_owned).to_vec()));
     let read = |change: &dyn Fn(&mut Goal)| {
         let mut goal = goal();

@@ -74,7 +74,7 @@ fn any_settings() -> impl Strategy<Value = Settings> {
 
 proptest! {
     #[test]
-    fn any_goal_is_refused_with_a_sentence_or_keeps_its_promises(
+    fn any_goal_is_refused_with_message_or_valid(
         goal in any_goal(), settings in any_settings(), now in 0..i64::MAX,
     ) {
         let request = match request(&joints(), &settings, &goal, now) {
