@@ -50,14 +50,14 @@ pub trait Service: Send {
 
     /// Does pending work for a moment between start and stop while no cycle runs, for example while other backends
     /// start or stop.
-    fn idle(&mut self) {
+    fn poll_without_cycle(&mut self) {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
 
     /// Does pending work during the cycles, on its own thread. It may wait for its hardware.
     ///
     /// Each problem is logged once when it occurs and once when it ends; it stops nothing.
-    fn look(&mut self) -> Health;
+    fn update(&mut self) -> Health;
 
     /// Puts its drives into a safe state.
     fn stop(&mut self);

@@ -12,7 +12,7 @@ use crate::document::{Allowed, Map, Value};
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::inputs;
 use lineshaft_core::parameter::{AxisParameters, Polarity};
-use lineshaft_core::sim::{Fixtures, Index, Mechanics, Sign, Wire};
+use lineshaft_core::sim::{Fixtures, Index, Mechanics, SignOutputs, SwitchWiring};
 use lineshaft_core::unit::Dimension;
 
 /// Inputs that switches are wired to, by their places in section `io`.
@@ -122,13 +122,13 @@ pub(super) fn load(map: &mut Map<'_>, travel: &Travel) -> Option<f64> {
 }
 
 /// The outputs that tell the drive the sign of its reference, as REVERS says.
-pub(super) fn sign(parameters: &AxisParameters) -> Option<Sign> {
+pub(super) fn sign(parameters: &AxisParameters) -> Option<SignOutputs> {
     match parameters.reversing().polarity {
         Polarity::Bipolar => None,
-        Polarity::Direction(output) => Some(Sign::Direction(usize::from(output).checked_sub(1)?)),
+        Polarity::Direction(output) => Some(SignOutputs::Direction(usize::from(output).checked_sub(1)?)),
         Polarity::Enables(output) => {
             let first = usize::from(output).checked_sub(1)?;
-            Some(Sign::Enables(first, first + 1))
+            Some(SignOutputs::Enables(first, first + 1))
         }
     }
 }
@@ -176,7 +176,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// The reference switch: where it is actuated, and its wire.
-    fn home(&mut self, value: &Value<'d>) -> Option<((i64, i64), Option<Wire>)> {
+    fn home(&mut self, value: &Value<'d>) -> Option<((i64, i64), Option<SwitchWiring>)> {
         let mut map = value.map("home_switch")?;
         let lower = map.required("from");
         let from = lower.as_ref().and_then(|value| self.place(value));
@@ -194,7 +194,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// A limit switch: from where on it is actuated, and its wire.
-    fn end(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<Wire>)> {
+    fn end(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<SwitchWiring>)> {
         let mut map = value.map(key)?;
         let at = map.required("at").and_then(|value| self.place(&value));
         let wire = self.wire(&mut map, bit);
@@ -203,7 +203,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// Keys `input` and `normally_closed`.
-    fn wire(&mut self, map: &mut Map<'d>, switch: u32) -> Option<Option<Wire>> {
+    fn wire(&mut self, map: &mut Map<'d>, switch: u32) -> Option<Option<SwitchWiring>> {
         let closed = map.optional("normally_closed");
         let normally_closed = closed.as_ref().map_or(Some(false), Value::boolean);
         let Some(value) = map.optional("input") else {
@@ -232,6 +232,6 @@ impl<'d> Reader<'_, 'd> {
             return None;
         }
         let input = (0..place).filter(|other| kind(*other) == Some(IoKind::DigitalInput)).count();
-        Some(Some(Wire { switch, input, normally_closed: normally_closed? }))
+        Some(Some(SwitchWiring { switch, input, normally_closed: normally_closed? }))
     }
 }

@@ -137,7 +137,7 @@ fn of_way(map: &mut Map<'_>, whole: &Value<'_>, travel: &Travel) -> Option<Marks
         width: width?,
         jitter: jitter?,
         stretch: stretch?,
-        lost: lost?,
+        missing_share: lost?,
         extra: extra?,
         seed: seed?,
     };

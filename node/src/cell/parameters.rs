@@ -6,9 +6,9 @@ use super::row::{refuse_range, refuse_type, whole};
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
 pub(crate) use agree::{contradictions, double_views, turned_views};
-use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
+use lineshaft_core::axis::{may_output_sign, may_turn_loop};
 use lineshaft_core::code::{Code, not_built_here};
-use lineshaft_core::config::highest_of;
+use lineshaft_core::config::max_of_row;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::encoder::source::AbsoluteSources;
 use lineshaft_core::parameter::{
@@ -94,7 +94,7 @@ pub(super) fn read<'d>(
     Axis { who, law, has_two, absolute, cycle_ns }: Axis,
 ) -> (AxisParameters, Given<'d>) {
     // With no limit given, nothing else must seem to lie above it.
-    let mut parameters = AxisParameters::new(MOST, MOST).reading(absolute);
+    let mut parameters = AxisParameters::new(MOST, MOST).with_sources(absolute);
     let mut given = Given::new();
     let mut set = Vec::new();
     for row in ROWS.iter().filter(|row| row.storage != Storage::Cell) {
@@ -139,7 +139,7 @@ pub(crate) fn refuse_senses(
     if !may_turn_loop(interface, parameters) {
         refuse("posdrct", parameters.macs.posdrct, Code::LOOP_IN_DRIVE);
     }
-    if !may_tell_sign(interface, parameters) {
+    if !may_output_sign(interface, parameters) {
         refuse("revers", parameters.macs.revers, Code::REVERSING_BY_POSITION);
     }
 }
@@ -224,7 +224,7 @@ impl Reader<'_, '_> {
 
     /// Highest velocity (inc/s) that the row may have, where the cycle sets one.
     fn highest_velocity(&self) -> Option<f64> {
-        self.cycle_ns.and_then(|cycle_ns| highest_of(self.row, cycle_ns))
+        self.cycle_ns.and_then(|cycle_ns| max_of_row(self.row, cycle_ns))
     }
 
     fn is_too_fast(&self, value: parameter::Value) -> bool {

@@ -17,7 +17,7 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
     let defaults = AxisParameters::new(0.0, 0.0);
     // Reading the text begins with the sense of rotation.
     let before = |index: usize, row: &Row, other: &AxisParameters| match image.effective.get(index) {
-        Some(now) if row.key != "posdrct" => row.value(&other.in_sense_of(now)),
+        Some(now) if row.key != "posdrct" => row.value(&other.with_direction_of(now)),
         _ => row.value(other),
     };
     let text = lines(config, &image.effective, |index, row| {
@@ -61,7 +61,7 @@ fn machine_lines(now: &MachineParameters, takes: impl Fn(&Row) -> bool) -> Strin
 fn lines(config: &MachineConfig, parameters: &[AxisParameters], takes: impl Fn(usize, &Row) -> bool) -> String {
     let mut text = String::new();
     for (index, (axis, parameters)) in config.axes.iter().zip(parameters).enumerate() {
-        for row in ROWS.iter().filter(|row| row.applies.to(axis) && parameters.gives(row) && takes(index, row)) {
+        for row in ROWS.iter().filter(|row| row.applies.to(axis) && parameters.is_given_by(row) && takes(index, row)) {
             // Writing to a text cannot fail.
             let _ = writeln!(text, "{}.{}: {}", axis.name, row.key, exact_text(row, parameters));
         }

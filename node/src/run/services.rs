@@ -126,7 +126,7 @@ fn beside<T>(started: &mut [Box<dyn Service>], this: impl FnOnce() -> T) -> T {
         for service in started {
             scope.spawn(|| {
                 while !is_over.load(Ordering::Relaxed) {
-                    service.idle();
+                    service.poll_without_cycle();
                 }
             });
         }
@@ -149,7 +149,7 @@ impl Drop for Over<'_> {
 fn look_after(service: &mut dyn Service, is_over: &AtomicBool, show: impl Fn(Health)) {
     let mut told: Vec<String> = Vec::new();
     while !is_over.load(Ordering::Relaxed) {
-        let health = service.look();
+        let health = service.update();
         let (name, found) = (service.name(), &health.problems);
         for problem in found.iter().filter(|problem| !told.contains(problem)) {
             tracing::warn!("backend {name}: {problem}");
@@ -220,12 +220,12 @@ mod tests {
             "nothing".to_owned()
         }
 
-        fn idle(&mut self) {
+        fn poll_without_cycle(&mut self) {
             self.idled.fetch_add(1, Ordering::Relaxed);
             std::thread::sleep(Duration::from_millis(1));
         }
 
-        fn look(&mut self) -> Health {
+        fn update(&mut self) -> Health {
             let notes = vec![Note { code: Code::NODE_CHANGED, number: 7 }];
             Health { problems: vec!["slow".to_owned()], notes, ..Health::default() }
         }

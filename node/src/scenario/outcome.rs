@@ -11,7 +11,7 @@ use lineshaft_core::code::Code;
 use lineshaft_core::event::{Event, Number};
 use lineshaft_core::object::Object;
 use lineshaft_core::parameter::ROWS;
-use lineshaft_core::text::sentence;
+use lineshaft_core::text::message;
 use lineshaft_core::unit::excerpt;
 
 /// How a command was answered.
@@ -57,7 +57,7 @@ fn names(event: &Event, wanted: &Refusal, deed: Option<&Deed>, plan: &Plan) -> b
     let code = Code::rows().find(|row| row.code == event.code);
     let names = [row.map_or("", |row| row.key), code.map_or("", |row| row.name)];
     let by_id = by_id(event, deed, plan).unwrap_or_default();
-    wanted.fits(event.code, &[&sentence(event, &plan.config), &by_id], &names)
+    wanted.fits(event.code, &[&message(event, &plan.config), &by_id], &names)
 }
 
 /// Whose outcome it is: an act of a step, or an entry of `drive`.
@@ -77,7 +77,7 @@ impl<'a> Source<'a> {
         match plan.acts.get(index) {
             Some(act) => {
                 let step = plan.steps.iter().find(|step| step.acts.contains(&index));
-                let refusal = if let Deed::Refused(sentence) = &act.deed { Some(sentence.as_str()) } else { None };
+                let refusal = if let Deed::Refused(sentence) = &act.deed { Some(message.as_str()) } else { None };
                 let wanted = step.and_then(|step| step.refused.as_ref());
                 Self { place: act.place, verb: &act.verb, deed: Some(&act.deed), refusal, wanted }
             }
@@ -130,7 +130,7 @@ impl Outcome {
             }
         };
         let sentence = format!("{said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.wrong_times));
-        Some(Failure { place: source.place, sentence })
+        Some(Failure { place: source.place, message })
     }
 
     /// The refusal that was expected.
@@ -138,13 +138,13 @@ impl Outcome {
         let (cycle, event) = self.refused.as_ref()?;
         let (verb, said) = (source.verb, said(event, source, plan));
         let sentence = format!("{verb}: {said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.refused_times));
-        Some(Failure { place: source.place, sentence })
+        Some(Failure { place: source.place, message })
     }
 }
 
 fn said(event: &Event, source: &Source<'_>, plan: &Plan) -> String {
     let own = source.refusal.map(str::to_owned).or_else(|| by_id(event, source.deed, plan));
-    own.unwrap_or_else(|| sentence(event, &plan.config))
+    own.unwrap_or_else(|| message(event, &plan.config))
 }
 
 /// A goal that is not active has the number that the run gave it; the scenario knows it by its id.
@@ -153,7 +153,7 @@ fn by_id(event: &Event, deed: Option<&Deed>, plan: &Plan) -> Option<String> {
     let id = plan.ids.get(*place).filter(|_| event.code == Code::UNKNOWN_GOAL)?;
     let Number::Count(goal) = event.asked else { return None };
     let number = format!("goal {goal} ");
-    Some(sentence(event, &plan.config).replacen(&number, &format!("goal `{}` ", excerpt(id)), 1))
+    Some(message(event, &plan.config).replacen(&number, &format!("goal `{}` ", excerpt(id)), 1))
 }
 
 fn again(times: u64) -> String {

@@ -177,7 +177,7 @@ impl Player {
                     continue;
                 }
                 Deed::Stream(setpoints) => {
-                    self.stream.take(setpoints);
+                    self.stream.merge(setpoints);
                     continue;
                 }
             };

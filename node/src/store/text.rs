@@ -77,13 +77,13 @@ pub(super) fn body_with(
 /// Rows that a store has to hold.
 fn saved_rows<'a>(axis: &'a AxisConfig, user: &'a AxisParameters) -> impl Iterator<Item = &'static Row> + 'a {
     // Reading begins from the cell in the saved sense of rotation.
-    let turned = axis.parameters.in_sense_of(user);
+    let turned = axis.parameters.with_direction_of(user);
     // The same value given by another row is not the same: it follows from others.
     let differs = move |row: &&Row| {
         let init = if row.key == "posdrct" { &axis.parameters } else { &turned };
-        row.value(user) != row.value(init) || !init.gives(row)
+        row.value(user) != row.value(init) || !init.is_given_by(row)
     };
-    ROWS.iter().filter(|row| row.applies.to(axis) && user.gives(row)).filter(differs)
+    ROWS.iter().filter(|row| row.applies.to(axis) && user.is_given_by(row)).filter(differs)
 }
 
 /// What one increment means, exactly: increments per m, or per revolution.

@@ -5,7 +5,7 @@
 //! Refuses  anything else by line and column: NaN, fractions, a header, `;`, a decimal comma, places that do not rise, more than [`MOST`] points
 
 use crate::document::Place;
-use lineshaft_core::table::{Form, MOST, Table};
+use lineshaft_core::table::{Form, MAX_NUMBERS, Table};
 use lineshaft_core::unit::excerpt;
 use lineshaft_ros::layer::open_file;
 use std::fmt::Write as _;
@@ -59,8 +59,8 @@ pub(crate) fn parse(text: &str, form: Form) -> Result<Numbers, Refused> {
         if row.data.trim().is_empty() {
             continue;
         }
-        if y.len() == MOST {
-            return Err(row.refused(row.data, format!("this is point {}; {MOST} are possible", MOST + 1)));
+        if y.len() == MAX_NUMBERS {
+            return Err(row.refused(row.data, format!("this is point {}; {MAX_NUMBERS} are possible", MAX_NUMBERS + 1)));
         }
         let mut fields = row.data.split(',');
         let (first, second, third) = (fields.next().unwrap_or_default(), fields.next(), fields.next());
@@ -292,7 +292,7 @@ mod tests {
         let long = vec![b'0'; 64 << 20 | 1];
         assert_eq!(load_of(&long).expect_err("long").sentence, "it is longer than 67108864 bytes");
         // The longest numbers there are, with as many digits behind the point, fit.
-        assert!("-2147483648.0000000000,-2147483648.0000000000\r\n".len() * MOST <= 64 << 20);
+        assert!("-2147483648.0000000000,-2147483648.0000000000\r\n".len() * MAX_NUMBERS <= 64 << 20);
     }
 
     proptest! {

@@ -16,7 +16,7 @@ use lineshaft_core::parameter::{AxisParameters, Range, Row};
 use lineshaft_core::regulator::PidGains;
 use lineshaft_tune::{
     Bode, Design, DesignError, Identified, LoopError, Loops, Margins, Model, Move, PositionLaw, Record, Refusal, Trace,
-    Wish, bode, check_fit, design, identify, regimes, simulate, velocity_bode,
+    DesignSpec, bode, check_fit, design, identify, regimes, simulate, velocity_bode,
 };
 use serde::Serialize;
 
@@ -120,7 +120,7 @@ pub struct Findings {
     /// The record is that of an axis with play, or of another one that the model does not know.
     pub is_misfit: bool,
     /// What was wished.
-    pub wish: Wish,
+    pub wish: DesignSpec,
     /// The step of both answers.
     pub step: Move,
     /// The move of both answers.
@@ -157,7 +157,7 @@ impl Findings {
     ///
     /// # Errors
     /// Why there is no model.
-    pub fn find(subject: Subject, record: &Record, wish: &Wish, before: &Loops) -> Result<Self, Refusal> {
+    pub fn find(subject: Subject, record: &Record, wish: &DesignSpec, before: &Loops) -> Result<Self, Refusal> {
         let identified = identify(record)?;
         let designed = design(&identified.for_design(wish.inertia_ratio), wish);
         let mut found = Self::of(subject, identified, wish, before, designed);
@@ -174,7 +174,7 @@ impl Findings {
     pub fn of(
         subject: Subject,
         identified: Identified,
-        wish: &Wish,
+        wish: &DesignSpec,
         before: &Loops,
         designed: Result<Design, DesignError>,
     ) -> Self {

@@ -13,7 +13,7 @@ use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
-use lineshaft_tune::{Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets, Wish};
+use lineshaft_tune::{Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets, DesignSpec};
 
 /// What the user bounds; none: as the axis has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -179,7 +179,7 @@ pub struct Setting {
     /// The loops as they are.
     pub before: Loops,
     /// What to design.
-    pub wish: Wish,
+    pub wish: DesignSpec,
 }
 
 impl Setting {
@@ -202,7 +202,7 @@ impl Setting {
             return Err(Unfit::TwoEncoders { axis: name.to_owned(), number: p.amplifier.encoder.number });
         }
         let (before, wish) = loops(axis, &p, config.cycle_ns, takes)?;
-        let wish = Wish { inertia_ratio: inertia_ratio(config, axis, &p, takes, bounds)?, ..wish };
+        let wish = DesignSpec { inertia_ratio: inertia_ratio(config, axis, &p, takes, bounds)?, ..wish };
         Ok(Self {
             axis: u16::try_from(place).unwrap_or(u16::MAX),
             level: if takes == Takes::Effort { Level::Effort } else { Level::Setpoint },
@@ -278,7 +278,7 @@ fn takes(axis: &AxisConfig) -> Result<Takes, Unfit> {
 }
 
 /// As they are, and what to design.
-fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> Result<(Loops, Wish), Unfit> {
+fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> Result<(Loops, DesignSpec), Unfit> {
     let timer = u32::try_from(p.pid.period_ms).unwrap_or(1);
     let (position, law) = match axis.law {
         Law::Pid => {
@@ -295,7 +295,7 @@ fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> 
     let before = Loops { position, velocity: inner, max_velocity, max_acceleration };
     let targets = Targets::default();
     let velocity = inner.map(|inner| inner.method);
-    Ok((before, Wish { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }))
+    Ok((before, DesignSpec { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }))
 }
 
 /// 0: none is told.
@@ -356,7 +356,7 @@ fn permitted(
     let duration = judge("duration", bounds.duration.unwrap_or(DURATION), DURATIONS, "s")?;
     let command = match takes {
         Takes::Velocity => BEYOND * velocity / p.max_velocity,
-        Takes::Effort => effort * p.amplifier.most(),
+        Takes::Effort => effort * p.amplifier.max_output(),
     };
     Ok(Permitted {
         cycle: cycle_ns as f64 / 1e9,

@@ -319,12 +319,12 @@ impl Service for CanService {
         self.config.transport.to_string()
     }
 
-    fn idle(&mut self) {
+    fn poll_without_cycle(&mut self) {
         self.port.set_in_cycles(false);
         self.port.step();
     }
 
-    fn look(&mut self) -> Health {
+    fn update(&mut self) -> Health {
         self.port.set_in_cycles(true);
         self.hear();
         self.reopen();

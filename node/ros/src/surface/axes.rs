@@ -83,7 +83,7 @@ pub(super) async fn perform(
 
 /// Waits until each axis has reported the end of the command.
 async fn ends(hub: &Hub, given: Result<Answers, Busy>, axes: usize) -> Result<(), String> {
-    let sentence = |event: &Event| text::sentence(event, hub.host.config());
+    let sentence = |event: &Event| text::message(event, hub.host.config());
     let mut answers = given.map_err(|busy| busy.to_string())?;
     let (mut is_accepted, mut ended, mut failures) = (false, 0, Vec::new());
     while ended < axes || !is_accepted {

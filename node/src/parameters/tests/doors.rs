@@ -1,7 +1,7 @@
 //! One value, every door: a cell, a scenario, an import, `~/vocabulary`, the machine itself. The catalogue decides; the doors agree.
 
 use super::rig::{DRIVES, Door, Rig};
-use lineshaft_core::config::{highest_of, highest_velocity};
+use lineshaft_core::config::{max_of_row, max_velocity_of_cycle};
 use lineshaft_core::parameter::{Applies, Change, MACHINE, Measure, ROWS, Range, Row, Storage, Value};
 use lineshaft_core::text::{allowed_text, value_text};
 use lineshaft_core::unit::Scale;
@@ -94,7 +94,7 @@ fn law(row: &Row, rig: &Rig, object: &str, value: Value) -> bool {
     let mut parameters = axis.parameters;
     row.change(&mut parameters, value).is_ok()
         && parameters.check().is_ok()
-        && parameters.max_velocity <= highest_velocity(rig.config().cycle_ns)
+        && parameters.max_velocity <= max_velocity_of_cycle(rig.config().cycle_ns)
 }
 
 fn change(rig: &Rig, object: &str, row: &Row, value: Value) -> Change {
@@ -163,7 +163,7 @@ fn every_row_refuses_what_lies_beyond_its_range_at_every_door() {
         let text = |value| value_text(row, value, &scale);
         for value in beyond(row) {
             let said = rig.give_change(object, change(&rig, object, row, value)).expect_err(row.key);
-            let range = allowed_text(row, &scale, highest_of(row, rig.config().cycle_ns));
+            let range = allowed_text(row, &scale, max_of_row(row, rig.config().cycle_ns));
             assert_eq!(said, format!("{object}: {} is {}; {range} is allowed", row.key, text(value)));
             let written = written(row, value);
             for door in TEXT_DOORS.into_iter().filter(|door| has(*door, row)) {

@@ -2,7 +2,7 @@
 
 use super::functions::{self, OfFunction};
 use super::own::type_name;
-use lineshaft_core::config::{MachineConfig, highest_velocity};
+use lineshaft_core::config::{MachineConfig, max_velocity_of_cycle};
 use lineshaft_core::parameter::{
     Applies, BorderType, BorderValue, MACHINE, ParameterImage, ParameterInput, ROWS, Row, Storage, Value,
 };
@@ -36,13 +36,13 @@ impl Catalogue {
     pub(super) fn new(config: &MachineConfig) -> Self {
         // Values that the source publishes in a register are signals here.
         let rows = || ROWS.iter().filter(|row| !matches!(row.storage, Storage::Signal(_)));
-        let highest_velocity = highest_velocity(config.cycle_ns);
+        let highest_velocity = max_velocity_of_cycle(config.cycle_ns);
         let of_machine = rows().filter(|row| row.applies == Applies::Machine).map(|row| Declared {
             name: format!("machine.{}", row.key),
             axis: MACHINE,
             row,
             scale: Scale::increments(),
-            highest_velocity,
+            max_velocity_of_cycle,
         });
         let of_axes = config.axes.iter().zip(0..).flat_map(|(axis, index)| {
             rows().filter(|row| row.applies.to(axis)).map(move |row| Declared {
@@ -50,7 +50,7 @@ impl Catalogue {
                 axis: index,
                 row,
                 scale: axis.scale,
-                highest_velocity,
+                max_velocity_of_cycle,
             })
         });
         let mut all: Vec<Declared> = of_machine.chain(of_axes).collect();
@@ -98,7 +98,7 @@ impl Declared {
     /// Returns the value in an image, as a message.
     pub(super) fn message(&self, image: &ParameterImage) -> ParameterValue {
         let value = ParameterValue::default();
-        match self.row.shown(&self.scale, self.value(image)) {
+        match self.row.to_border(&self.scale, self.value(image)) {
             BorderValue::Unset => value,
             BorderValue::Switch(bool_value) => {
                 ParameterValue { r#type: ParameterType::PARAMETER_BOOL, bool_value, ..value }
@@ -176,7 +176,7 @@ impl Declared {
 
     /// Returns true if the parameter has this value in an image.
     pub(super) fn is(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
-        match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
+        match (self.said(value), self.row.to_border(&self.scale, self.value(image))) {
             (Said::Nothing, BorderValue::Unset) => true,
             (Said::Switch(given), BorderValue::Switch(shown)) => given == shown,
             (Said::Integer(given), BorderValue::Integer(shown)) => given == shown,
@@ -189,7 +189,7 @@ impl Declared {
 
     /// Returns true if the parameter has this number in an image, apart from rounding.
     pub(super) fn is_nearly(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
-        match (self.said(value), self.row.shown(&self.scale, self.value(image))) {
+        match (self.said(value), self.row.to_border(&self.scale, self.value(image))) {
             (Said::Real(given), BorderValue::Real(shown)) => (given - shown).abs() <= 1e-9 * shown.abs(),
             _ => false,
         }
