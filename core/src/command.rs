@@ -477,7 +477,7 @@ pub enum MasterPosition {
 
 /// Position at which a coupling ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LeaveAt {
+pub enum DisengageAt {
     /// In the cycle of the command.
     Now,
     /// At this position of the leader (inc), within its turn if it has one.
@@ -518,7 +518,7 @@ pub struct GearOut {
     /// Index of the following axis.
     pub axis: u16,
     /// Position of the end.
-    pub at: LeaveAt,
+    pub at: DisengageAt,
     /// Behaviour after the end; `None`: as given when the coupling was commanded.
     pub disengage: Option<Disengage>,
 }
@@ -666,7 +666,7 @@ impl Setpoints {
     }
 
     /// Merges newer setpoints, which replace older ones.
-    pub fn take(&mut self, newer: &Self) {
+    pub fn merge(&mut self, newer: &Self) {
         if !newer.is_empty() {
             self.source = newer.source;
         }

@@ -10,9 +10,9 @@ mod slots;
 mod switches;
 
 pub use error::{AnalogProblem, ConfigError, GantryProblem, PitchProblem};
-pub use functions::{Function, OutputShared, Switcher};
+pub use functions::{Function, OutputShared, OutputOwner};
 pub use masters::{MAX_MASTERS, MAX_MEMBERS, SumConfig, SumProblem, sums};
-pub use numbers::{IoCounts, NoSuchIo, names_no_io};
+pub use numbers::{IoCounts, NoSuchIo, missing_io_text};
 pub use slots::{
     FUEL, Line, MAX_FACTOR, MAX_FUEL, MAX_SLOTS, MAX_WINDOW, ProgramConfig, SinkConfig, SlotConfig, SlotProblem,
     SourceConfig, TableConfig,
@@ -20,7 +20,7 @@ pub use slots::{
 
 use crate::axis::{
     AxisSetup, BrakeConfig, ENABLE_TIMEOUT_NS, MISSED_CYCLES, Safety, Wired, may_be_analog, may_carry, may_close_loop,
-    may_find_velocity, may_name, may_read, may_tell_sign, may_turn_loop,
+    may_find_velocity, may_name, may_read, may_output_sign, may_turn_loop,
 };
 use crate::code::Code;
 use crate::drive::{AnalogWiring, Capabilities, Interface, SpeedOutputs};
@@ -38,14 +38,14 @@ use drives::{check_drive, check_gantry};
 const MOST_PER_CYCLE: f64 = (1_u64 << 31) as f64;
 
 /// Returns the maximum velocity for that cycle time (inc/s).
-pub fn highest_velocity(cycle_ns: u64) -> f64 {
+pub fn max_velocity_of_cycle(cycle_ns: u64) -> f64 {
     MOST_PER_CYCLE * 1e9 / cycle_ns as f64
 }
 
 /// Returns the upper limit of a parameter row for that cycle time (inc/s); `None` for rows that are no limit of a
 /// velocity.
-pub fn highest_of(row: &Row, cycle_ns: u64) -> Option<f64> {
-    row.is_bound_by_cycle().then(|| highest_velocity(cycle_ns))
+pub fn max_of_row(row: &Row, cycle_ns: u64) -> Option<f64> {
+    row.is_bound_by_cycle().then(|| max_velocity_of_cycle(cycle_ns))
 }
 
 /// Kind of an input or output.
@@ -335,7 +335,7 @@ impl MachineConfig {
                 parameters.check().map_err(|contradiction| match contradiction {
                     Contradiction::Above(low, high) => ConfigError::Contradiction { axis: name(), low, high },
                     Contradiction::OutOfRange(key) => ConfigError::Derived { axis: name(), key },
-                    Contradiction::NotBuilt(key, code) => ConfigError::NotBuilt { axis: name(), key, code },
+                    Contradiction::NotBuilt(key, code) => ConfigError::NotImplemented { axis: name(), key, code },
                 })?;
                 may_read(axis.wired, self.encoders.len(), axis.drive.map(|_| axis.interface), &parameters)
                     .and_then(|()| {
@@ -346,16 +346,16 @@ impl MachineConfig {
                         may_find_velocity(place, interface, sources, axis.second.is_some(), &parameters)
                     })
                     .and_then(|()| may_name(place, self.axes.len(), self.encoders.len(), &parameters))
-                    .map_err(|(key, code)| ConfigError::NotBuilt { axis: name(), key, code })?;
+                    .map_err(|(key, code)| ConfigError::NotImplemented { axis: name(), key, code })?;
                 if !may_turn_loop(axis.drive.map(|_| axis.interface), &parameters) {
-                    return Err(ConfigError::NotBuilt { axis: name(), key: "posdrct", code: Code::LOOP_IN_DRIVE });
+                    return Err(ConfigError::NotImplemented { axis: name(), key: "posdrct", code: Code::LOOP_IN_DRIVE });
                 }
-                if !may_tell_sign(axis.drive.map(|_| axis.interface), &parameters) {
+                if !may_output_sign(axis.drive.map(|_| axis.interface), &parameters) {
                     let code = Code::REVERSING_BY_POSITION;
-                    return Err(ConfigError::NotBuilt { axis: name(), key: "revers", code });
+                    return Err(ConfigError::NotImplemented { axis: name(), key: "revers", code });
                 }
                 if axis.second.is_some() {
-                    may_carry(axis.wired, &parameters).map_err(|(key, code)| ConfigError::NotBuilt {
+                    may_carry(axis.wired, &parameters).map_err(|(key, code)| ConfigError::NotImplemented {
                         axis: name(),
                         key,
                         code,
@@ -372,12 +372,12 @@ impl MachineConfig {
     }
 
     /// Sets in the parameters of each axis which of its sources are absolute.
-    pub(crate) fn tell_sources(&mut self) {
+    pub(crate) fn set_absolute_sources(&mut self) {
         for axis in &mut self.axes {
             let entry = |place| self.encoders.get(usize::from(place)).map(|encoder: &EncoderConfig| encoder.form);
             let sources = axis.wired.absolute_sources(entry);
-            axis.parameters = axis.parameters.reading(sources);
-            axis.saved = axis.saved.map(|saved| saved.reading(sources));
+            axis.parameters = axis.parameters.with_sources(sources);
+            axis.saved = axis.saved.map(|saved| saved.with_sources(sources));
         }
     }
 
@@ -478,7 +478,7 @@ impl MachineConfig {
     }
 
     /// Returns the axes whose homing searches for a switch without any limit of time or distance.
-    pub fn endless_searches(&self) -> impl Iterator<Item = &AxisConfig> {
+    pub fn unlimited_searches(&self) -> impl Iterator<Item = &AxisConfig> {
         self.axes.iter().filter(|axis| {
             let p = &axis.parameters;
             let seeks = crate::axis::homing_methods::seeks_switch(p.homing.method);

@@ -23,7 +23,7 @@ mod trajectories;
 mod trajectory_lag;
 mod virtual_master;
 
-use crate::axis::{Axis, Context, Edges, Fault, MAX_WAITING, MOST_RECORDS, Pace};
+use crate::axis::{Axis, Context, Edges, ErrorSnapshot, MAX_WAITING, MOST_RECORDS, Pace};
 use crate::code::Code;
 use crate::command::{Command, Commands, Setpoints};
 use crate::config::{ConfigError, IoKind, MachineConfig, SlotConfig};
@@ -36,10 +36,10 @@ use crate::parameter::AxisParameters;
 use crate::profile::Motion;
 use crate::signal::{Board, Directory};
 use crate::sync::{Leads, OfAxis, VirtualMaster, VirtualSource};
-use crate::vocabulary::Latched;
+use crate::vocabulary::LatchView;
 use analog::AnalogPlace;
 use lineshaft_program::Module;
-use order::Ways;
+use order::Dependencies;
 use panel::Panel;
 use signals::Signals;
 pub use state::{State, StateError};
@@ -52,7 +52,7 @@ pub const MAX_COMMANDS: usize = 64;
 
 /// Inputs of a cycle apart from its commands.
 #[derive(Clone, Copy)]
-struct Told<'a> {
+struct CycleInputs<'a> {
     inputs: &'a Inputs,
     /// New streamed setpoints.
     stream: Option<&'a Setpoints>,
@@ -71,7 +71,7 @@ pub struct Machine {
     /// Buffer for the parameters of the axes while a set of changes is checked.
     candidates: Vec<AxisParameters>,
     /// Latches of this cycle.
-    latched: Vec<Latched>,
+    latched: Vec<LatchView>,
     /// Indices of the digital inputs in section `io`.
     digital_inputs: Vec<u16>,
     /// Whether a coupling was requested in this cycle.
@@ -86,7 +86,7 @@ pub struct Machine {
     /// Drives without a bus.
     analog_places: Vec<AnalogPlace>,
     /// Axes on whose commands sinks and sums of masters depend.
-    ways: Ways,
+    ways: Dependencies,
     /// Connections of the slots.
     wires: Vec<Wires>,
     /// Buffer for two parameter sets of a function.
@@ -108,7 +108,7 @@ impl Machine {
     /// # Errors
     /// The configuration is incomplete or invalid.
     pub fn new(mut config: MachineConfig) -> Result<Self, ConfigError> {
-        config.tell_sources();
+        config.set_absolute_sources();
         config.check()?;
         let mut directory = Directory::default();
         let signals = Signals::new(&mut directory, &config);
@@ -157,7 +157,7 @@ impl Machine {
             virtual_master: VirtualMaster::new(&config.global.power_on()),
             panel: Panel::new(&config),
             gantries: config.gantries(),
-            analogs: analog::at_rest(&config),
+            analogs: analog::initial_states(&config),
             axes,
             encoders,
             slots,
@@ -181,10 +181,10 @@ impl Machine {
             seen: Inputs::default(),
             joined: Inputs::default(),
             analog_places: config.analog_places().collect(),
-            ended_by_errors: functions::ended_by_errors(&wires),
+            ended_by_errors: functions::slots_ended_by_axis_errors(&wires),
             failed: Vec::with_capacity(wires.len()),
-            movers: functions::movers(&wires),
-            ways: Ways::of(&config),
+            movers: functions::slots_that_move_watched_axes(&wires),
+            ways: Dependencies::of(&config),
             wires,
             room: vec![0; 2 * widest.unwrap_or(0)],
             #[cfg(test)]
@@ -231,7 +231,7 @@ impl Machine {
     pub fn cycle(&mut self, inputs: &Inputs, commands: Commands<'_>, outputs: &mut Outputs) {
         self.events.begin(self.state.cycle, self.state.next_event);
         self.count_overruns(inputs);
-        let admitted = self.admit(commands);
+        let admitted = self.handle_machine_commands(commands);
         // `take` leaves empty lists, which own no memory.
         let mut room = std::mem::take(&mut self.seen);
         let read = self.signals.virtual_inputs(&self.state.board);
@@ -242,14 +242,14 @@ impl Machine {
             Some(joined) => {
                 joined.copy_from(inputs);
                 self.join_drives(inputs, joined);
-                self.tell_analog(joined);
+                self.write_analog_inputs(joined);
                 joined
             }
         };
-        self.run_cycle(Told { inputs, stream: commands.stream }, commands, admitted, outputs);
+        self.run_cycle(CycleInputs { inputs, stream: commands.stream }, commands, admitted, outputs);
         if let Some(joined) = joined {
-            self.lead_seconds(outputs);
-            self.lead_analog(outputs);
+            self.write_second_drives(outputs);
+            self.write_analog_references(outputs);
             self.joined = joined;
         }
         self.seen = room;
@@ -260,13 +260,13 @@ impl Machine {
         !self.state.gantries.is_empty() || !self.analog_places.is_empty()
     }
 
-    fn run_cycle(&mut self, told: Told<'_>, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {
+    fn run_cycle(&mut self, told: CycleInputs<'_>, commands: Commands<'_>, admitted: u64, outputs: &mut Outputs) {
         self.read_inputs(told.inputs, commands, admitted);
         let (is_calm, is_shown) = self.begin_axes(told);
         if !self.failed.is_empty() {
-            self.fail_moved(told);
+            self.report_failed_functions(told);
         }
-        for command in live(commands, admitted) {
+        for command in commands_for_axes(commands, admitted) {
             self.carry_out(told, command);
         }
         if !is_shown {
@@ -278,8 +278,8 @@ impl Machine {
             self.stop_others(told);
             self.reset_failed(told);
             self.share_shifts();
-            self.judge_trajectories(told);
-            self.state.panel.follow(&self.state.axes);
+            self.monitor_trajectories(told);
+            self.state.panel.update_output_functions(&self.state.axes);
         }
         if std::mem::take(&mut self.couples) {
             // New couplings apply to the order from the next cycle; this cycle still ran in the previous order.
@@ -310,12 +310,12 @@ impl Machine {
             if let Some(output) = axis.drive().and_then(|drive| outputs.drive.get_mut(drive)) {
                 *output = axis.output();
             }
-            if switches && let Some(wiring) = axis.wiring() {
+            if switches && let Some(wiring) = axis.speed_outputs() {
                 self.signals.publish_switching(board, wiring, axis.switching(), outputs);
             }
             if axis.pace() == Pace::Full {
                 let input = axis.drive().and_then(|drive| inputs.drive.get(drive));
-                axis.note_rhythm(input, &shown.command, count);
+                axis.decide_pace(input, &shown.command, count);
             }
         }
     }
@@ -326,7 +326,7 @@ impl Machine {
         if self.steps_all {
             return false;
         }
-        commands.is_empty() && inputs.latch.is_empty() && self.state.panel.has_read(&inputs.digital)
+        commands.is_empty() && inputs.latch.is_empty() && self.state.panel.equals_previous(&inputs.digital)
     }
 
     fn count_overruns(&mut self, inputs: &Inputs) {
@@ -358,8 +358,8 @@ impl Machine {
         for (axis, of) in axes.iter_mut().zip(&mut leads.of_axes) {
             let drive = axis.drive().and_then(|drive| inputs.drive.get(drive));
             match axis.begin_cycle(is_quiet, drive) {
-                Pace::Passed => continue,
-                Pace::Calm => axis.sense_calmly(drive),
+                Pace::Skipped => continue,
+                Pace::Reduced => axis.sense_reduced(drive),
                 Pace::Full => {
                     axis.sense(drive, encoders, &inputs.encoder);
                     axis.read_switches(inputs);
@@ -371,28 +371,28 @@ impl Machine {
         self.step_slots(inputs);
         let edges = self.state.panel.edges(inputs);
         if edges != Edges::default() {
-            self.state.axes.iter_mut().for_each(|axis| axis.take_edges(edges));
+            self.state.axes.iter_mut().for_each(|axis| axis.set_edges(edges));
             if edges.interrupts {
                 self.stop_virtual_master(None);
             }
         }
-        self.take_latches(inputs);
+        self.report_latches(inputs);
     }
 
     /// Runs all axes up to their commands, a leader before its followers, with the virtual master among them. Returns
     /// whether no axis runs a full cycle, and whether the signals of all axes are published.
     #[inline]
-    fn begin_axes(&mut self, told: Told<'_>) -> (bool, bool) {
+    fn begin_axes(&mut self, told: CycleInputs<'_>) -> (bool, bool) {
         if self.state.virtual_master.source() != VirtualSource::Off {
             return self.begin_around_virtual_master(told);
         }
-        self.begin_some(0..self.state.order.len(), told)
+        self.begin_axes_at(0..self.state.order.len(), told)
     }
 
     /// Does the same as [`begin_axes`](Self::begin_axes) for the axes at these places of the order.
     // Inlined because a second call, in addition to those around a virtual master, costs 50 instructions in each cycle.
     #[inline(always)]
-    fn begin_some(&mut self, places: Range<usize>, told: Told<'_>) -> (bool, bool) {
+    fn begin_axes_at(&mut self, places: Range<usize>, told: CycleInputs<'_>) -> (bool, bool) {
         // A machine without axes has no axis that reports when its outputs must be checked.
         let (mut is_calm, mut is_shown) = (!self.state.axes.is_empty(), true);
         for place in places {
@@ -400,11 +400,11 @@ impl Machine {
             let index = order.get(place).map_or(0, |index| usize::from(*index));
             let Some(axis) = axes.get_mut(index) else { continue };
             match axis.pace() {
-                Pace::Passed => axis.pass_over(),
-                Pace::Calm if axis.step_calmly(*cycle, leads, tables) => {
-                    note_command(leads, index, axis);
+                Pace::Skipped => axis.skip_cycle(),
+                Pace::Reduced if axis.step_reduced(*cycle, leads, tables) => {
+                    update_command_lead(leads, index, axis);
                     // Its master may follow in the order.
-                    if axis.sees_a_master() {
+                    if axis.has_displayed_master() {
                         is_shown = false;
                     } else {
                         axis.publish_motion(board, leads);
@@ -412,7 +412,7 @@ impl Machine {
                 }
                 _ => {
                     self.with_axis(index, told, Axis::begin_step);
-                    self.note_lead(index);
+                    self.update_lead(index);
                     (is_calm, is_shown) = (false, false);
                 }
             }
@@ -421,16 +421,16 @@ impl Machine {
     }
 
     /// Runs the rest of the full cycles, after the commands, and publishes the signals that are not published yet.
-    fn end_axes(&mut self, told: Told<'_>) {
+    fn end_axes(&mut self, told: CycleInputs<'_>) {
         for place in 0..self.state.order.len() {
             let State { axes, order, board, leads, .. } = &mut self.state;
             let index = order.get(place).map_or(0, |index| usize::from(*index));
             let Some(axis) = axes.get_mut(index) else { continue };
             match axis.pace() {
-                Pace::Calm if axis.sees_a_master() => axis.publish_motion(board, leads),
+                Pace::Reduced if axis.has_displayed_master() => axis.publish_motion(board, leads),
                 Pace::Full => {
                     self.with_axis(index, told, Axis::end_step);
-                    self.note_zero(index);
+                    self.apply_new_zero(index);
                     self.state.axes[index].publish(&mut self.state.board, &self.state.leads);
                 }
                 _ => {}
@@ -442,7 +442,7 @@ impl Machine {
     fn with_axis<T>(
         &mut self,
         index: usize,
-        told: Told<'_>,
+        told: CycleInputs<'_>,
         act: impl FnOnce(&mut Axis, &mut Context<'_>) -> T,
     ) -> Option<T> {
         let State { axes, gantries, cycle, leads, encoders, runs, tables, parameter_version, .. } = &mut self.state;
@@ -472,34 +472,34 @@ impl Machine {
     fn act_on<T>(
         &mut self,
         index: usize,
-        told: Told<'_>,
+        told: CycleInputs<'_>,
         act: impl FnOnce(&mut Axis, &mut Context<'_>) -> T,
     ) -> Option<T> {
-        self.state.axes.get_mut(index)?.disturb();
+        self.state.axes.get_mut(index)?.require_full_cycle();
         self.with_axis(index, told, act)
     }
 
     /// Applies a new zero of an axis to its leader signals, so that its followers see no motion.
     #[inline]
-    fn note_zero(&mut self, index: usize) {
+    fn apply_new_zero(&mut self, index: usize) {
         if self.state.axes[index].has_moved() {
-            self.move_leads(index);
+            self.shift_leads(index);
         }
     }
 
-    fn move_leads(&mut self, index: usize) {
+    fn shift_leads(&mut self, index: usize) {
         let moved = self.state.axes[index].take_moved();
         if let Some(of) = self.state.leads.of_axes.get_mut(index) {
             of.command.position += moved;
             of.actual = self.state.axes[index].actual();
         }
-        self.count_on(index, moved);
+        self.keep_master_positions(index, moved);
     }
 
     /// Updates the leader signals of an axis.
-    fn note_lead(&mut self, index: usize) {
-        self.note_zero(index);
-        note_command(&mut self.state.leads, index, &self.state.axes[index]);
+    fn update_lead(&mut self, index: usize) {
+        self.apply_new_zero(index);
+        update_command_lead(&mut self.state.leads, index, &self.state.axes[index]);
     }
 
     /// Returns the number of the next cycle, which equals the number of cycles that have run.
@@ -528,7 +528,7 @@ impl Machine {
     }
 
     /// Returns the recorded state of an axis at its last error.
-    pub fn fault(&self, axis: u16) -> Option<&Fault> {
+    pub fn fault(&self, axis: u16) -> Option<&ErrorSnapshot> {
         self.state.axes.get(usize::from(axis)).map(Axis::fault)
     }
 
@@ -540,7 +540,7 @@ impl Machine {
 
 /// Updates the command values in the leader signals of an axis for this cycle.
 #[inline]
-fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
+fn update_command_lead(leads: &mut Leads, index: usize, axis: &Axis) {
     let Some(of) = leads.of_axes.get_mut(index) else { return };
     let Motion { position, velocity, .. } = axis.command();
     of.command = Lead { position, change: position - of.command.position, velocity, uneven: 0.0, valid: true };
@@ -552,7 +552,7 @@ fn note_command(leads: &mut Leads, index: usize, axis: &Axis) {
 }
 
 /// Returns the commands that are left for the axes.
-fn live(commands: Commands<'_>, admitted: u64) -> impl Iterator<Item = &Command> {
+fn commands_for_axes(commands: Commands<'_>, admitted: u64) -> impl Iterator<Item = &Command> {
     let is_live = move |(place, command): (usize, _)| (admitted >> place & 1 == 1).then_some(command);
     commands.iter().take(MAX_COMMANDS).enumerate().filter_map(is_live)
 }

@@ -74,7 +74,7 @@ impl Modulo {
 
     /// Returns the position that is shown as `wanted` within its turn and that `now` has last reached or passed, with
     /// its last change.
-    pub fn last_passed(self, wanted: Position, now: Position, change: Position) -> Position {
+    pub fn last_reached(self, wanted: Position, now: Position, change: Position) -> Position {
         let direction = if change < Position::ZERO { Direction::Positive } else { Direction::Negative };
         self.target(wanted, now, now, direction, 0.0)
     }

@@ -112,12 +112,12 @@ impl AxisSet {
     }
 
     /// Returns the union of both sets.
-    pub fn with(&self, other: &Self) -> Self {
+    pub fn union(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|word| self.word(word) | other.word(word)))
     }
 
     /// Returns the axes that are not in the other set.
-    pub fn without(&self, other: &Self) -> Self {
+    pub fn difference(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|word| self.word(word) & !other.word(word)))
     }
 
@@ -175,8 +175,8 @@ mod tests {
         assert_eq!((set.len(), set.contains(1), set.contains(600)), (4, false, false));
         assert_eq!(AxisSet::first(600).len(), MAX_AXES);
         let (low, other) = (AxisSet::first(64), AxisSet::one(511));
-        assert_eq!(set.without(&low).iter().collect::<Vec<_>>(), [64, 511]);
-        assert_eq!(set.with(&AxisSet::one(7)).without(&other).iter().collect::<Vec<_>>(), [0, 7, 63, 64]);
+        assert_eq!(set.difference(&low).iter().collect::<Vec<_>>(), [64, 511]);
+        assert_eq!(set.union(&AxisSet::one(7)).difference(&other).iter().collect::<Vec<_>>(), [0, 7, 63, 64]);
         let mut rest = set;
         assert_eq!(std::iter::from_fn(|| rest.pop()).collect::<Vec<_>>(), [0, 63, 64, 511]);
         assert!(rest.is_empty());

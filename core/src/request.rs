@@ -29,10 +29,10 @@ pub use rates::Rates;
 pub use setpoints::SetpointRequest;
 pub use synchronize::{CamRequest, SynchronizeRequest, factor};
 pub use touch_probe::{AbortTriggerRequest, TouchProbeRequest};
-pub use trajectory::{MAX_START_NS, NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest};
+pub use trajectory::{MAX_START_NS, ZERO_VELOCITY_TOLERANCE, PointRequest, ToleranceRequest, TrajectoryRequest};
 
 use crate::command::{Move, MoveMode, Probe, ProbeEdge};
-use crate::config::{AxisConfig, IoKind, MachineConfig, highest_of};
+use crate::config::{AxisConfig, IoKind, MachineConfig, max_of_row};
 use crate::object::{AxisSet, Leader, Object, VIRTUAL_MASTER};
 use crate::parameter::{self, Applies, Change, ConvertError, MACHINE, ParameterInput, Row, Word};
 use crate::text::{allowed_text, expected_text};
@@ -258,7 +258,7 @@ impl MachineConfig {
             ConvertError::Unit(UnitError::RateTooHigh { given, .. }) => RequestError::BadParameter {
                 name: name.to_owned(),
                 value: given.to_string(),
-                allowed: allowed_text(entry, &scale, highest_of(entry, self.cycle_ns)),
+                allowed: allowed_text(entry, &scale, max_of_row(entry, self.cycle_ns)),
             },
             error => error.named(name, entry, &scale),
         })?;

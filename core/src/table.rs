@@ -8,15 +8,15 @@ mod cam;
 mod pitch;
 mod shape;
 
-pub use cam::{CamError, CamSetting, CamShape, Interpolation, MOST_LENGTH, MOST_VALUE};
-pub use pitch::{PitchError, STEEPEST};
-pub use shape::{CurveError, Shape};
+pub use cam::{CamError, CamSetting, CamShape, Interpolation, MAX_LENGTH, MAX_VALUE};
+pub use pitch::{PitchError, MAX_SLOPE_DIVISOR};
+pub use shape::{CurveError, CurveShape};
 
 use crate::law::Spline;
 use serde::{Deserialize, Serialize};
 
 /// Maximum points or words of one table.
-pub const MOST: usize = 1_000_000;
+pub const MAX_NUMBERS: usize = 1_000_000;
 
 /// Meaning of the numbers of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -89,7 +89,7 @@ pub struct Table {
     x: Box<[i64]>,
     y: Box<[i64]>,
     #[serde(skip_serializing)]
-    shape: Result<Shape, CurveError>,
+    shape: Result<CurveShape, CurveError>,
     setting: CamSetting,
     #[serde(skip_serializing)]
     cam: Result<CamShape, CamError>,
@@ -119,7 +119,7 @@ impl TryFrom<Numbers> for Table {
 
 /// Returns the index, from 0, of the first position that does not exceed the previous one, and the message of the cell
 /// and of requests.
-pub fn falling_place(x: &[i64]) -> Option<(usize, String)> {
+pub fn first_non_rising(x: &[i64]) -> Option<(usize, String)> {
     let mut pairs = x.iter().zip(x.iter().skip(1)).zip(1..);
     let ((before, place), number) = pairs.find(|((before, place), _)| before >= place)?;
     Some((number, format!("place {place} is not after {before}, the one before it; places rise")))
@@ -131,7 +131,7 @@ impl Table {
     /// # Errors
     /// The first problem of the numbers.
     pub fn new(form: Form, x: &[i64], y: &[i64]) -> Result<Self, TableError> {
-        if y.is_empty() || y.len() > MOST {
+        if y.is_empty() || y.len() > MAX_NUMBERS {
             return Err(TableError::Count(y.len()));
         }
         match form {
@@ -151,7 +151,7 @@ impl Table {
                 return Err(TableError::Wide { list, place, value });
             }
         }
-        let (shape, setting) = (Shape::of(form, x, y), CamSetting::default());
+        let (shape, setting) = (CurveShape::of(form, x, y), CamSetting::default());
         let cam = CamShape::of(form, x, y, setting);
         let pitch = pitch::check(form, x, y);
         Ok(Self { form, x: x.into(), y: y.into(), shape, setting, cam, pitch, spline: None })
@@ -210,7 +210,7 @@ impl Table {
     ///
     /// # Errors
     /// The problem of the points.
-    pub fn shape(&self) -> Result<Shape, CurveError> {
+    pub fn shape(&self) -> Result<CurveShape, CurveError> {
         self.shape
     }
 

@@ -23,7 +23,7 @@ pub use trajectory::pair_in_si;
 use reason::reason;
 
 /// Returns the message of an event.
-pub fn sentence(event: &Event, config: &MachineConfig) -> String {
+pub fn message(event: &Event, config: &MachineConfig) -> String {
     let name = config.name(event.source);
     let text = match event.kind {
         Kind::Accepted => "accepted".to_owned(),
@@ -172,13 +172,13 @@ mod tests {
     fn a_limit_and_what_exceeds_it_have_as_many_digits_as_tell_them_apart() {
         let config = crate::machine::rig::config(0);
         let event = Event::new(Severity::Warn, Kind::Refused, Object::Axis(1), Code::VELOCITY_TOO_HIGH);
-        let of = |asked| sentence(&event.with(Number::Velocity(asked), Number::Velocity(100_000.0)), &config);
+        let of = |asked| message(&event.with(Number::Velocity(asked), Number::Velocity(100_000.0)), &config);
         assert_eq!(of(100_000.000_1), "x: velocity 100.0000001 mm/s exceeds max_velocity 100 mm/s");
         assert_eq!(of(120_000.0), "x: velocity 120 mm/s exceeds max_velocity 100 mm/s");
         assert_eq!(of(100_000.0), "x: velocity 100 mm/s exceeds max_velocity 100 mm/s");
         let event = Event::new(Severity::Warn, Kind::Refused, Object::Axis(1), Code::PARAMETERS_CONTRADICT);
         let event = Event { parameter: Some(Row::place("default_velocity")), ..event };
-        let of = |asked| sentence(&event.with(Number::Velocity(asked), Number::Velocity(100_000.0)), &config);
+        let of = |asked| message(&event.with(Number::Velocity(asked), Number::Velocity(100_000.0)), &config);
         assert_eq!(of(100_000.000_1), "x: default_velocity 100.0000001 mm/s must not exceed max_velocity 100 mm/s");
     }
 
@@ -203,7 +203,7 @@ mod tests {
         let mut seen = std::collections::BTreeSet::new();
         for row in Code::rows().filter(|row| !row.code.is_none() && row.code != Code::OVERRUN) {
             let (name, event) = (row.name, Event::new(Severity::Warn, Kind::Refused, Object::Machine, row.code));
-            let sentence = sentence(&event, &config);
+            let sentence = message(&event, &config);
             assert!(!sentence.contains("code "), "{name}: {sentence}");
             assert!(seen.insert(sentence.clone()), "{name} says the same as another: {sentence}");
         }
@@ -213,7 +213,7 @@ mod tests {
     fn what_the_recorder_notes_is_told_with_its_number() {
         let text = |code, number| {
             let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, code);
-            sentence(&event.with(Number::Count(number), Number::None), &MachineConfig::default())
+            message(&event.with(Number::Count(number), Number::None), &MachineConfig::default())
         };
         let missing = "missing, the recorder or the disk did not keep up; no replay goes beyond them";
         assert_eq!(text(Code::RECORD_LOST, 12), format!("machine: recording: 12 cycles are {missing}"));
@@ -238,7 +238,7 @@ mod tests {
     fn step_of_the_system_clock_is_reported_with_direction_and_size() {
         let text = |step_ns| {
             let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::CLOCK_STEPPED);
-            sentence(&event.with(Number::Count(step_ns), Number::None), &MachineConfig::default())
+            message(&event.with(Number::Count(step_ns), Number::None), &MachineConfig::default())
         };
         for (step_ns, size) in [
             (3_600_000_499_999, "forward by 3600.000 s"),
@@ -258,7 +258,7 @@ mod tests {
         let text = |code, key, asked, limit| {
             let event = Event::new(Severity::Warn, Kind::Refused, Object::Machine, code).with(asked, limit);
             let parameter = Row::find(key).map(|(row, _)| row);
-            sentence(&Event { parameter, ..event }, &MachineConfig::default())
+            message(&Event { parameter, ..event }, &MachineConfig::default())
         };
         let (speed, ramp) = (Number::Velocity(2.0), Number::Acceleration(2e15));
         assert_eq!(
@@ -285,7 +285,7 @@ mod tests {
         for limit in [Number::None, Number::Velocity(2_147_483_648_000.0)] {
             let event = Event { parameter, ..event.with(Number::Velocity(2e15), limit) };
             assert_eq!(
-                sentence(&event, &config),
+                message(&event, &config),
                 "machine: max_velocity is 2000000000000000 inc/s; more than 0 up to 2147483648000 inc/s is allowed"
             );
         }
@@ -294,6 +294,6 @@ mod tests {
     #[test]
     fn a_drive_fault_shows_its_603f_code() {
         let event = Event::new(Severity::Error, Kind::Error, Object::Machine, Code::drive_fault(0x8611));
-        assert_eq!(sentence(&event, &MachineConfig::default()), "machine: drive fault 8611h");
+        assert_eq!(message(&event, &MachineConfig::default()), "machine: drive fault 8611h");
     }
 }

@@ -7,7 +7,7 @@
 mod program;
 mod tree;
 
-use program::{behind_item, is_test_only, tokens};
+use program::{end_of_item, is_test_only, tokens};
 use std::collections::BTreeSet;
 use tree::{files, read};
 
@@ -47,7 +47,7 @@ fn named(text: &str) -> (Vec<(usize, String)>, Vec<String>) {
     let (mut found, mut tests, mut at) = (Vec::new(), Vec::new(), 0);
     while let Some((line, word)) = tokens.get(at) {
         if is_test_only(&tokens, at) {
-            let end = behind_item(&tokens, at + 7);
+            let end = end_of_item(&tokens, at + 7);
             let module = (at..end).find(|at| tokens[*at].1 == "mod").and_then(|at| tokens.get(at + 1));
             tests.extend(module.map(|(_, name)| name.clone()));
             at = end;

@@ -21,7 +21,7 @@ use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::parameter::{Change, Layer, Row, Value};
 use lineshaft_core::position::Length;
 use lineshaft_core::sim::{Fixtures, Index, Plant};
-use lineshaft_core::table::{Form as Numbering, MOST, Table};
+use lineshaft_core::table::{Form as Numbering, MAX_NUMBERS, Table};
 use lineshaft_core::vocabulary;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -109,7 +109,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
     let mut plant = Plant::new(&config, &models);
     let index = Some(Index { every: 2_000, at: 300 });
     let fixtures = Fixtures { index, home: Some((2_000, 4_000)), ..Fixtures::default() };
-    (0..7).for_each(|drive| plant.drive(drive).expect("a drive of each axis but the first").fit(fixtures));
+    (0..7).for_each(|drive| plant.drive(drive).expect("a drive of each axis but the first").install_fixtures(fixtures));
     let mut machine = Machine::new(config).expect("a legal machine");
     let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
     let mut kept = machine.state().clone();
@@ -191,13 +191,13 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
             && let Some(drive) = plant.drive(numbers.below(7) as usize)
         {
             // Limit switches change.
-            drive.stick(3, numbers.below(16).saturating_sub(12) as u32);
+            drive.set_stuck_inputs(3, numbers.below(16).saturating_sub(12) as u32);
         }
         if numbers.below(600) == 0
             && let Some(drive) = plant.drive(numbers.below(7) as usize)
         {
             // Some values of its encoder are bad.
-            drive.disturb(1 << numbers.below(16), numbers.below(5) as u32);
+            drive.invert_bits(1 << numbers.below(16), numbers.below(5) as u32);
         }
         // The emergency stop is pressed from time to time.
         plant.set_digital(0, numbers.below(3_000) != 0);
@@ -312,7 +312,7 @@ fn homing_takes_no_memory() {
     let mut plant = Plant::new(&config, &models);
     let index = Some(Index { every: 2_000, at: 300 });
     let fixtures = Fixtures { index, home: Some((2_000, 4_000)), positive: Some(30_000), ..Fixtures::default() };
-    plant.drive(1).unwrap().fit(fixtures);
+    plant.drive(1).unwrap().install_fixtures(fixtures);
     // The contact of the emergency stop is closed.
     plant.set_digital(0, true);
     let mut machine = Machine::new(config).unwrap();
@@ -354,7 +354,7 @@ fn homing_takes_no_memory() {
 /// A table is passed by its pointer, whatever its length: its numbers are neither copied nor freed in the cycle.
 #[test]
 fn a_million_points_change_hands_without_memory() {
-    let numbers: Vec<i64> = (0..MOST as i64).collect();
+    let numbers: Vec<i64> = (0..MAX_NUMBERS as i64).collect();
     let points = |form, x: &[i64]| Arc::new(Table::new(form, x, &numbers).expect("as many as a table may have"));
     let tables = [table(1), points(Numbering::Y, &[]), points(Numbering::Xy, &numbers)];
     let tables = ["w", "y", "xy"].iter().zip(tables).map(|(name, table)| TableConfig { name: (*name).into(), table });
@@ -372,7 +372,7 @@ fn a_million_points_change_hands_without_memory() {
     // The sender of tables keeps them as long as the machine may have them.
     let mut given = Vec::new();
     for turn in 1..4 {
-        let loaded = [long_table(turn, MOST), points(Numbering::Y, &[]), points(Numbering::Xy, &numbers)];
+        let loaded = [long_table(turn, MAX_NUMBERS), points(Numbering::Y, &[]), points(Numbering::Xy, &numbers)];
         let action = |(index, table): (u16, &Arc<Table>)| Action::LoadTable { index, table: Arc::clone(table) };
         let commands: Vec<Command> =
             (0..).zip(&loaded).map(action).map(|action| Command { sequence: 2, source: Source::Ros, action }).collect();

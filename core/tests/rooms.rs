@@ -36,7 +36,7 @@ struct Named {
 }
 
 /// The production files of a folder, by their module.
-struct House {
+struct Folders {
     folder: &'static str,
     /// Path of the folder's own module.
     own: Module,
@@ -133,7 +133,7 @@ fn named(text: &str, module: &Module) -> Named {
     named
 }
 
-impl House {
+impl Folders {
     fn new(folder: &'static str, own: &[&str]) -> Self {
         let own: Module = own.iter().map(|name| (*name).to_owned()).collect();
         let below = files(&[".rs"]).into_iter().filter_map(|file| {
@@ -164,7 +164,7 @@ impl House {
     }
 
     /// Returns each import that leads out of its room but not out of the folder: place, room, imported path.
-    fn arrows(&self) -> Vec<(String, &str, &Module)> {
+    fn imports_between_rooms(&self) -> Vec<(String, &str, &Module)> {
         let mut found = Vec::new();
         for (module, (file, imports)) in &self.files {
             // The root module may import anything.
@@ -193,7 +193,7 @@ impl House {
                 found.push(format!("{PAGE}: {}/{room} is no room, or stands twice", self.folder));
             }
         }
-        for (line, room, path) in self.arrows() {
+        for (line, room, path) in self.imports_between_rooms() {
             // Items that are in no room belong to the root module.
             let is_below = |other: &str| rooms.contains(other) && place(other) < place(room);
             if !self.room(path).is_some_and(is_below) {
@@ -206,7 +206,7 @@ impl House {
 
     /// Returns the largest import cycle of files in one room, the room first: each file reaches each other one by
     /// imports.
-    fn circle(&self) -> (String, Vec<&str>) {
+    fn import_cycle(&self) -> (String, Vec<&str>) {
         let modules: Vec<&Module> = self.files.keys().collect();
         let file_of = |path: &Module| {
             (0..=path.len()).rev().find_map(|end| modules.iter().position(|module| **module == path[..end]))
@@ -248,8 +248,8 @@ fn no_room_imports_one_that_stands_above_it() {
     let page = read(PAGE);
     let mut faults = Vec::new();
     for (folder, own, least) in HOUSES {
-        let house = House::new(folder, own);
-        let count = house.arrows().len();
+        let house = Folders::new(folder, own);
+        let count = house.imports_between_rooms().len();
         assert!(count >= least, "{folder} has {count} imports between rooms");
         faults.extend(house.faults(&order(&page, folder).rooms));
     }
@@ -260,8 +260,8 @@ fn no_room_imports_one_that_stands_above_it() {
 fn no_circle_of_files_is_larger_than_the_page_says() {
     let page = read(PAGE);
     for (folder, own, _) in HOUSES {
-        let house = House::new(folder, own);
-        let ((room, files), (named, most)) = (house.circle(), order(&page, folder).circle);
+        let house = Folders::new(folder, own);
+        let ((room, files), (named, most)) = (house.import_cycle(), order(&page, folder).circle);
         println!("{folder}: {} files of {room} import each other", files.len());
         let fits = files.len() <= most && (room == named || files.len() < most);
         let list = files.join("\n");
@@ -269,19 +269,19 @@ fn no_circle_of_files_is_larger_than_the_page_says() {
     }
 }
 
-fn house(texts: &[(&str, &str)]) -> House {
+fn folders(texts: &[(&str, &str)]) -> Folders {
     let module = |path: &str| path.split('/').filter(|part| !part.is_empty()).map(str::to_owned).collect::<Module>();
     let files = texts.iter().map(|(path, text)| {
         let module = module(path);
         let imports = named(text, &module).imports;
         (module, (format!("{path}.rs"), imports))
     });
-    House { folder: "src", own: Module::new(), files: files.collect() }
+    Folders { folder: "src", own: Module::new(), files: files.collect() }
 }
 
 #[test]
 fn an_arrow_upwards_is_named_with_its_place() {
-    let house = house(&[
+    let house = folders(&[
         ("", "use b::B;"),
         ("a", "use crate::b::{B, c};\n\n/// [`b`](crate::b)\nfn f() { crate::e::g(\"crate::b\") }"),
         ("b", "use crate::a::A;\npub use super::a;\npub(in crate::e) fn f() {}"),
@@ -324,7 +324,7 @@ fn what_tests_alone_import_is_no_arrow() {
 
 #[test]
 fn files_that_import_each_other_round_a_corner_are_a_circle() {
-    let house = house(&[
+    let house = folders(&[
         ("a", "mod b; mod c; use b::B;"),
         ("a/b", "use crate::a::c::C;"),
         ("a/c", "use super::A;"),
@@ -332,7 +332,7 @@ fn files_that_import_each_other_round_a_corner_are_a_circle() {
         ("e", "use crate::f;"),
         ("f", "use crate::e;"),
     ]);
-    assert_eq!(house.circle(), ("a".to_owned(), vec!["a.rs", "a/b.rs", "a/c.rs"]));
+    assert_eq!(house.import_cycle(), ("a".to_owned(), vec!["a.rs", "a/b.rs", "a/c.rs"]));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use lineshaft_core::config::{
 };
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::encoder::Form;
-use lineshaft_core::function::{Kind, Need, Order, Room, TYPES};
+use lineshaft_core::function::{Kind, Requirement, Order, MemorySize, TYPES};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::parameter::AxisParameters;
@@ -88,11 +88,11 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
             _ => SourceConfig::Signal(format!("w{}", numbers.below(WORDS.into()))),
         };
         slot.source = match (row.source, row.kind) {
-            (Need::Never, _) => SourceConfig::None,
+            (Requirement::Never, _) => SourceConfig::None,
             (_, Kind::Imes) => SourceConfig::Lead(Leader::Encoder(0)),
             _ => source,
         };
-        if row.sink != Need::Never && numbers.below(2) == 0 {
+        if row.sink != Requirement::Never && numbers.below(2) == 0 {
             slot.sink = free_words.pop().map_or(SinkConfig::None, SinkConfig::Memory);
         }
         for line in slot.inputs.iter_mut().take(row.inputs) {
@@ -108,7 +108,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
         }
         slot.tables[0] = (row.tables > 0 && row.kind != Kind::Sidiff).then_some(0);
         slot.program = (row.kind == Kind::Apsf).then_some(0);
-        slot.room = Room { mean: 64, cams: 0 };
+        slot.room = MemorySize { mean: 64, cams: 0 };
         for (name, value) in [
             ("m1", 12_345),
             ("m2", -777),

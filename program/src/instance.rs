@@ -83,7 +83,7 @@ impl Instance {
         let result = run::call(module, &mut self.memory, &mut self.globals, &mut self.stack, &mut left);
         let used = fuel - left;
         match result {
-            Ok(()) if self.is_of(module) => Ok(used),
+            Ok(()) if self.belongs_to(module) => Ok(used),
             Ok(()) => Err((Trap::ImageOverwritten, used)),
             Err(trap) => Err((trap, used)),
         }
@@ -95,7 +95,7 @@ impl Instance {
     }
 
     /// Returns true if the state belongs to that module.
-    pub fn is_of(&self, module: &Module) -> bool {
+    pub fn belongs_to(&self, module: &Module) -> bool {
         let fits = |(value, (_, is_long)): (&u64, &(u64, bool))| *is_long || u32::try_from(*value).is_ok();
         self.memory.len() == module.pages * PAGE
             && self.globals.len() == module.globals.len()
@@ -130,7 +130,7 @@ impl Clone for Instance {
 /// Serialized form: memory up to the last byte that is not 0.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Instance")]
-struct Written<M> {
+struct SerializedInstance<M> {
     /// Reserved pages.
     room: u8,
     pages: u8,
@@ -144,13 +144,13 @@ impl Serialize for Instance {
         let count = |pages: usize| u8::try_from(pages).unwrap_or(u8::MAX);
         let memory = self.memory.get(..used).unwrap_or_default();
         let (room, pages) = (count(self.room), count(self.memory.len() / PAGE));
-        Written { room, pages, memory, globals: self.globals.clone() }.serialize(serializer)
+        SerializedInstance { room, pages, memory, globals: self.globals.clone() }.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Instance {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let written = Written::<Vec<u8>>::deserialize(deserializer)?;
+        let written = SerializedInstance::<Vec<u8>>::deserialize(deserializer)?;
         let (room, pages) = (usize::from(written.room), usize::from(written.pages));
         let most = crate::module::MOST_PAGES;
         let is_good = pages <= room

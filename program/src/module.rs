@@ -65,7 +65,7 @@ impl From<BinaryReaderError> for Refused {
 }
 
 /// Returns the beginning of a name.
-fn cut(name: &str) -> String {
+fn shorten(name: &str) -> String {
     name.chars().take(MOST_TEXT).collect()
 }
 
@@ -110,7 +110,7 @@ impl PartialEq for Module {
 
 /// State of loading a module.
 #[derive(Default)]
-struct Reading {
+struct ModuleLoader {
     kinds: Vec<FuncType>,
     /// First type of each group of equal types.
     known: BTreeMap<FuncType, u32>,
@@ -149,7 +149,7 @@ impl Module {
     /// Returns a valid module without an entry and an image, and its exports.
     pub(crate) fn read(bytes: &[u8]) -> Result<(Self, Exports), Refused> {
         let mut validator = Validator::new_with_features(FEATURES);
-        let mut reading = Reading::default();
+        let mut reading = ModuleLoader::default();
         for payload in Parser::new(0).parse_all(bytes) {
             let payload = payload?;
             if let ValidPayload::Func(function, body) = validator.payload(&payload)? {
@@ -262,8 +262,8 @@ fn refuse_by_name(bytes: &[u8]) -> Result<(), Refused> {
                     let import = import?;
                     return refuse(format!(
                         "it imports `{}` of `{}`; a program has no imports: no timers, no calls, no stop of the machine",
-                        cut(import.name),
-                        cut(import.module)
+                        shorten(import.name),
+                        shorten(import.module)
                     ));
                 }
             }
@@ -277,7 +277,7 @@ fn refuse_by_name(bytes: &[u8]) -> Result<(), Refused> {
     Ok(())
 }
 
-impl Reading {
+impl ModuleLoader {
     fn take(&mut self, payload: Payload<'_>) -> Result<(), Refused> {
         match payload {
             Payload::TypeSection(section) => {
@@ -361,7 +361,7 @@ impl Reading {
                 let number = self.bodies.len();
                 let kind = self.functions.get(number).copied().unwrap_or_default();
                 let place = |sentence: Refused| Refused(format!("function {number}: {sentence}"));
-                let known = translate::Known {
+                let known = translate::ModuleItems {
                     kinds: &self.kinds,
                     canonical: &self.canonical,
                     functions: &self.functions,

@@ -98,7 +98,7 @@ pub(crate) fn max<F: Float>(a: F, b: F) -> u64 {
 
 /// Truncates a float to a whole number between two exclusive limits; exact, because every f32 and each limit is an f64.
 #[inline(always)]
-pub(crate) fn cut<F: Float>(value: F, above: f64, below: f64) -> Result<f64, Trap> {
+pub(crate) fn truncate<F: Float>(value: F, above: f64, below: f64) -> Result<f64, Trap> {
     let value = value.widened();
     if value > above && value < below {
         Ok(value)

@@ -7,7 +7,7 @@
 use crate::code::{Code, Function};
 use crate::image::MOST_KEPT;
 use crate::module::{Module, PAGE};
-use crate::number::{Float, I32, I64, U32, U64, cut, max, min, result};
+use crate::number::{Float, I32, I64, U32, U64, truncate, max, min, result};
 use crate::trap::Trap;
 use std::fmt;
 use std::ops::Range;
@@ -96,7 +96,7 @@ fn range(from: u32, length: u32, memory: &[u8]) -> Result<Range<usize>, Trap> {
 
 /// Consumes fuel.
 #[inline(always)]
-fn burn(fuel: &mut u32, by: u32) -> Result<(), Trap> {
+fn consume(fuel: &mut u32, by: u32) -> Result<(), Trap> {
     match fuel.checked_sub(by) {
         Some(left) => {
             *fuel = left;
@@ -115,7 +115,7 @@ fn enter<'s>(function: &Function, slots: &'s mut [u64], base: usize, fuel: &mut 
     let end = base + usize::from(function.slots);
     let frame = slots.get_mut(base..end).ok_or(Trap::StackOverflow)?;
     if let Some(locals) = frame.get_mut(function.parameters.into()..function.locals.into()) {
-        burn(fuel, moved(8 * locals.len()))?;
+        consume(fuel, fuel_of_move(8 * locals.len()))?;
         locals.fill(0);
     }
     Ok(frame)
@@ -123,7 +123,7 @@ fn enter<'s>(function: &Function, slots: &'s mut [u64], base: usize, fuel: &mut 
 
 /// Returns the additional fuel for moving that number of bytes; a frame has at most 32 KiB.
 #[inline(always)]
-fn moved(bytes: usize) -> u32 {
+fn fuel_of_move(bytes: usize) -> u32 {
     u32::try_from(bytes).unwrap_or(u32::MAX) / BYTES_PER_FUEL
 }
 
@@ -144,7 +144,7 @@ pub(crate) fn call(
     loop {
         let Some(op) = ops.get(at) else { return Err(Trap::Unreachable) };
         at += 1;
-        burn(fuel, 1)?;
+        consume(fuel, 1)?;
         macro_rules! u64 {
             ($slot:expr) => {
                 frame.get(usize::from($slot)).copied().unwrap_or_default()
@@ -217,7 +217,7 @@ pub(crate) fn call(
             }
             Code::Return => {
                 let from = usize::from(op.a);
-                burn(fuel, moved(8 * op.imm as usize))?;
+                consume(fuel, fuel_of_move(8 * op.imm as usize))?;
                 if from > 0 {
                     for nth in 0..op.imm as usize {
                         let value = frame.get(from + nth).copied().unwrap_or_default();
@@ -266,13 +266,13 @@ pub(crate) fn call(
             }
             Code::MemoryCopy => {
                 let length = u32!(op.to);
-                burn(fuel, length / BYTES_PER_FUEL)?;
+                consume(fuel, length / BYTES_PER_FUEL)?;
                 let (from, to) = (range(u32!(op.b), length, memory)?, range(u32!(op.a), length, memory)?);
                 memory.copy_within(from, to.start);
             }
             Code::MemoryFill => {
                 let length = u32!(op.to);
-                burn(fuel, length / BYTES_PER_FUEL)?;
+                consume(fuel, length / BYTES_PER_FUEL)?;
                 let value = u32!(op.b) as u8;
                 let to = range(u32!(op.a), length, memory)?;
                 memory.get_mut(to).ok_or(Trap::MemoryOutOfBounds)?.fill(value);
@@ -387,21 +387,21 @@ pub(crate) fn call(
             Code::F64Copysign => set!(f64!(op.a).copysign(f64!(op.b)).bits()),
             Code::F64Min => set!(min(f64!(op.a), f64!(op.b))),
             Code::F64Max => set!(max(f64!(op.a), f64!(op.b))),
-            Code::I32TruncF32S => set!(u64::from((cut(f32!(op.a), I32.0, I32.1)? as i32).cast_unsigned())),
+            Code::I32TruncF32S => set!(u64::from((truncate(f32!(op.a), I32.0, I32.1)? as i32).cast_unsigned())),
             Code::I32TruncSatF32S => set!(u64::from((f32!(op.a) as i32).cast_unsigned())),
-            Code::I32TruncF32U => set!(u64::from(cut(f32!(op.a), U32.0, U32.1)? as u32)),
+            Code::I32TruncF32U => set!(u64::from(truncate(f32!(op.a), U32.0, U32.1)? as u32)),
             Code::I32TruncSatF32U => set!(u64::from(f32!(op.a) as u32)),
-            Code::I32TruncF64S => set!(u64::from((cut(f64!(op.a), I32.0, I32.1)? as i32).cast_unsigned())),
+            Code::I32TruncF64S => set!(u64::from((truncate(f64!(op.a), I32.0, I32.1)? as i32).cast_unsigned())),
             Code::I32TruncSatF64S => set!(u64::from((f64!(op.a) as i32).cast_unsigned())),
-            Code::I32TruncF64U => set!(u64::from(cut(f64!(op.a), U32.0, U32.1)? as u32)),
+            Code::I32TruncF64U => set!(u64::from(truncate(f64!(op.a), U32.0, U32.1)? as u32)),
             Code::I32TruncSatF64U => set!(u64::from(f64!(op.a) as u32)),
-            Code::I64TruncF32S => set!((cut(f32!(op.a), I64.0, I64.1)? as i64).cast_unsigned()),
+            Code::I64TruncF32S => set!((truncate(f32!(op.a), I64.0, I64.1)? as i64).cast_unsigned()),
             Code::I64TruncSatF32S => set!((f32!(op.a) as i64).cast_unsigned()),
-            Code::I64TruncF32U => set!(cut(f32!(op.a), U64.0, U64.1)? as u64),
+            Code::I64TruncF32U => set!(truncate(f32!(op.a), U64.0, U64.1)? as u64),
             Code::I64TruncSatF32U => set!(f32!(op.a) as u64),
-            Code::I64TruncF64S => set!((cut(f64!(op.a), I64.0, I64.1)? as i64).cast_unsigned()),
+            Code::I64TruncF64S => set!((truncate(f64!(op.a), I64.0, I64.1)? as i64).cast_unsigned()),
             Code::I64TruncSatF64S => set!((f64!(op.a) as i64).cast_unsigned()),
-            Code::I64TruncF64U => set!(cut(f64!(op.a), U64.0, U64.1)? as u64),
+            Code::I64TruncF64U => set!(truncate(f64!(op.a), U64.0, U64.1)? as u64),
             Code::I64TruncSatF64U => set!(f64!(op.a) as u64),
             Code::F32ConvertI32S => set!((u32!(op.a).cast_signed() as f32).bits()),
             Code::F32ConvertI32U => set!((u32!(op.a) as f32).bits()),

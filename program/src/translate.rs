@@ -14,7 +14,7 @@ const MOST_SLOTS: usize = 4096;
 const MOST_OPS: usize = 1 << 20;
 
 /// Items that a body refers to.
-pub(crate) struct Known<'a> {
+pub(crate) struct ModuleItems<'a> {
     pub kinds: &'a [FuncType],
     pub canonical: &'a [u32],
     pub functions: &'a [u32],
@@ -62,7 +62,7 @@ impl Open {
 /// State of the translation of one body.
 struct Body<'a> {
     to: &'a mut Translated,
-    known: &'a Known<'a>,
+    known: &'a ModuleItems<'a>,
     locals: usize,
     operands: Vec<Operand>,
     open: Vec<Open>,
@@ -79,7 +79,7 @@ impl Translated {
         &mut self,
         body: &FunctionBody<'_>,
         kind: u32,
-        known: &Known<'_>,
+        known: &ModuleItems<'_>,
     ) -> Result<Function, Refused> {
         let Some(signature) = known.kinds.get(kind as usize) else { return refuse("its type is unknown") };
         let (parameters, results) = (signature.params().len(), signature.results().len());
@@ -161,7 +161,7 @@ impl Body<'_> {
     }
 
     /// Copies the operand at that depth to its slot.
-    fn settle(&mut self, depth: usize) -> Result<(), Refused> {
+    fn store_to_slot(&mut self, depth: usize) -> Result<(), Refused> {
         let to = self.slot(depth);
         match self.operands.get_mut(depth).map(|operand| std::mem::replace(operand, Operand::Slot)) {
             Some(Operand::Local(a)) => drop(self.emit(Op { a, to, ..Op::new(Code::Copy) })?),
@@ -175,9 +175,9 @@ impl Body<'_> {
     }
 
     /// Copies the topmost operands to their slots.
-    fn settle_top(&mut self, count: usize) -> Result<(), Refused> {
+    fn store_top_to_slots(&mut self, count: usize) -> Result<(), Refused> {
         let height = self.operands.len();
-        (height.saturating_sub(count)..height).try_for_each(|depth| self.settle(depth))
+        (height.saturating_sub(count)..height).try_for_each(|depth| self.store_to_slot(depth))
     }
 
     /// Returns the number of operands, from the bottom, that are in their slots: those below the innermost block.
@@ -186,14 +186,14 @@ impl Body<'_> {
     }
 
     fn settle_all(&mut self) -> Result<(), Refused> {
-        (self.settled()..self.operands.len()).try_for_each(|depth| self.settle(depth))
+        (self.settled()..self.operands.len()).try_for_each(|depth| self.store_to_slot(depth))
     }
 
     /// Pops the topmost operand. Returns the slot from which it can be read.
     fn pop(&mut self) -> Result<u16, Refused> {
         let depth = self.operands.len().saturating_sub(1);
         if let Some(Operand::Constant(_)) = self.operands.last() {
-            self.settle(depth)?;
+            self.store_to_slot(depth)?;
         }
         match self.operands.pop() {
             Some(Operand::Local(local)) => Ok(local),
@@ -235,7 +235,7 @@ impl Body<'_> {
     fn set(&mut self, local: u16) -> Result<(), Refused> {
         for depth in self.settled()..self.operands.len().saturating_sub(1) {
             if self.operands.get(depth) == Some(&Operand::Local(local)) {
-                self.settle(depth)?;
+                self.store_to_slot(depth)?;
             }
         }
         let depth = self.operands.len().saturating_sub(1);
@@ -266,7 +266,7 @@ impl Body<'_> {
     }
 
     /// Marks a position at which branches join.
-    fn meet(&mut self) -> usize {
+    fn mark_join(&mut self) -> usize {
         self.label = self.to.ops.len();
         self.label
     }
@@ -294,13 +294,13 @@ impl Body<'_> {
     fn begin(&mut self, kind: BlockType, is_loop: bool, to_else: Option<usize>) -> Result<(), Refused> {
         let (parameters, results) = self.signature(kind)?;
         let height = self.operands.len().saturating_sub(parameters);
-        let begin = if is_loop { self.meet() } else { self.to.ops.len() };
+        let begin = if is_loop { self.mark_join() } else { self.to.ops.len() };
         self.open.push(Open { is_loop, height, parameters, results, begin, to_end: Vec::new(), to_else });
         Ok(())
     }
 
     /// Sets the operands to those at a join.
-    fn stand_at(&mut self, height: usize) {
+    fn set_operands_at_join(&mut self, height: usize) {
         self.operands.truncate(height);
         while self.operands.len() < height {
             self.push(Operand::Slot);
@@ -313,12 +313,12 @@ impl Body<'_> {
         let is_dead = self.dead.take().is_some();
         let Some(block) = self.open.pop() else { return refuse("it ends once too often") };
         if !is_dead {
-            self.settle_top(block.results)?;
+            self.store_top_to_slots(block.results)?;
         }
-        let at = self.meet();
+        let at = self.mark_join();
         self.aim(&block.to_end, at);
         self.aim(block.to_else.as_slice(), at);
-        self.stand_at(block.height + block.results);
+        self.set_operands_at_join(block.height + block.results);
         if self.open.is_empty() {
             self.emit(Op { a: self.slot(0), imm: block.results as u32, ..Op::new(Code::Return) })?;
         }
@@ -329,17 +329,17 @@ impl Body<'_> {
         let is_dead = self.dead.take().is_some();
         let results = self.open.last().map_or(0, |block| block.results);
         if !is_dead {
-            self.settle_top(results)?;
+            self.store_top_to_slots(results)?;
             let jump = self.emit(Op::new(Code::Jump))?;
             if let Some(block) = self.open.last_mut() {
                 block.to_end.push(jump);
             }
         }
-        let at = self.meet();
+        let at = self.mark_join();
         let to_else = self.open.last_mut().and_then(|block| block.to_else.take());
         self.aim(to_else.as_slice(), at);
         let height = self.open.last().map_or(0, |block| block.height + block.parameters);
-        self.stand_at(height);
+        self.set_operands_at_join(height);
         Ok(())
     }
 
@@ -382,13 +382,13 @@ impl Body<'_> {
     fn branch_if(&mut self, depth: u32) -> Result<(), Refused> {
         let a = self.pop()?;
         let (place, arity, height) = self.target(depth)?;
-        self.settle_top(arity)?;
+        self.store_top_to_slots(arity)?;
         if arity == 0 || self.operands.len() - arity == height {
             return self.jump_by(place, Op { a, ..Op::new(Code::JumpIfNot) });
         }
         let past = self.emit(Op { a, ..Op::new(Code::JumpIfZero) })?;
         self.jump(depth)?;
-        let at = self.meet();
+        let at = self.mark_join();
         self.aim(&[past], at);
         Ok(())
     }
@@ -396,7 +396,7 @@ impl Body<'_> {
     fn branch_by(&mut self, targets: &wasmparser::BrTable<'_>) -> Result<(), Refused> {
         let a = self.pop()?;
         let (_, arity, _) = self.target(targets.default())?;
-        self.settle_top(arity)?;
+        self.store_top_to_slots(arity)?;
         let mut depths = targets.targets().collect::<Result<Vec<_>, _>>()?;
         depths.push(targets.default());
         let first = self.emit(Op { a, imm: targets.len(), ..Op::new(Code::JumpBy) })? + 1;
@@ -404,7 +404,7 @@ impl Body<'_> {
             self.emit(Op::new(Code::Jump))?;
         }
         for (nth, depth) in depths.into_iter().enumerate() {
-            let at = self.meet();
+            let at = self.mark_join();
             self.aim(&[first + nth], at);
             self.jump(depth)?;
         }
@@ -416,7 +416,7 @@ impl Body<'_> {
     fn call(&mut self, kind: u32, op: Op) -> Result<(), Refused> {
         let Some(signature) = self.known.kinds.get(kind as usize) else { return refuse("it calls what has no type") };
         let (parameters, results) = (signature.params().len(), signature.results().len());
-        self.settle_top(parameters)?;
+        self.store_top_to_slots(parameters)?;
         let base = self.operands.len().saturating_sub(parameters);
         self.operands.truncate(base);
         self.emit(Op { a: self.slot(base), ..op })?;
@@ -428,7 +428,7 @@ impl Body<'_> {
 
     fn give_back(&mut self) -> Result<(), Refused> {
         let results = self.open.first().map_or(0, |whole| whole.results);
-        self.settle_top(results)?;
+        self.store_top_to_slots(results)?;
         let from = self.operands.len().saturating_sub(results);
         self.emit(Op { a: self.slot(from), imm: results as u32, ..Op::new(Code::Return) })?;
         self.dead = Some(0);
@@ -436,7 +436,7 @@ impl Body<'_> {
     }
 
     /// Returns true if an operator is in unreachable code, which is omitted.
-    fn leaves_out(&mut self, operator: &Operator<'_>) -> bool {
+    fn is_omitted(&mut self, operator: &Operator<'_>) -> bool {
         let Some(depth) = self.dead.as_mut() else { return false };
         match operator {
             Operator::Block { .. } | Operator::Loop { .. } | Operator::If { .. } => *depth += 1,
@@ -450,7 +450,7 @@ impl Body<'_> {
 
     fn operator(&mut self, operator: Operator<'_>) -> Result<(), Refused> {
         use Operator as O;
-        if self.leaves_out(&operator) {
+        if self.is_omitted(&operator) {
             return Ok(());
         }
         match operator {
@@ -477,7 +477,7 @@ impl Body<'_> {
             O::End => self.end()?,
             O::Br { relative_depth } => {
                 let (_, arity, _) = self.target(relative_depth)?;
-                self.settle_top(arity)?;
+                self.store_top_to_slots(arity)?;
                 self.jump(relative_depth)?;
                 self.dead = Some(0);
             }
@@ -552,7 +552,7 @@ impl Body<'_> {
         if let Some((code, memarg)) = stores(operator) {
             return self.store(code, memarg);
         }
-        match calculates(operator) {
+        match calculation(operator) {
             // A slot holds 32 bits with zeros above them, and the bits of a float: no instruction is needed.
             Some((Code::Copy, _)) => Ok(()),
             Some((code, operands)) => self.calculate(code, operands),
@@ -616,7 +616,7 @@ fn stores<'m>(operator: &'m Operator<'_>) -> Option<(Code, &'m MemArg)> {
 }
 
 /// Maps operators to instructions of the same name.
-macro_rules! same {
+macro_rules! same_names {
     ($operator:expr, one: [$($one:ident)*], two: [$($two:ident)*]) => {
         match $operator {
             $(Operator::$one => Some((Code::$one, 1)),)*
@@ -628,13 +628,13 @@ macro_rules! same {
 
 /// Returns an instruction and its number of operands.
 #[rustfmt::skip]
-fn calculates(operator: &Operator<'_>) -> Option<(Code, usize)> {
+fn calculation(operator: &Operator<'_>) -> Option<(Code, usize)> {
     match operator {
         Operator::I64ExtendI32U | Operator::I32ReinterpretF32 | Operator::F32ReinterpretI32
         | Operator::I64ReinterpretF64 | Operator::F64ReinterpretI64 => return Some((Code::Copy, 1)),
         _ => {}
     }
-    same!(operator,
+    same_names!(operator,
         one: [I32Eqz I64Eqz I32Clz I32Ctz I32Popcnt I64Clz I64Ctz I64Popcnt
             F32Abs F32Neg F32Ceil F32Floor F32Trunc F32Nearest F32Sqrt F64Abs F64Neg F64Ceil F64Floor F64Trunc F64Nearest F64Sqrt
             I32WrapI64 I32TruncF32S I32TruncF32U I32TruncF64S I32TruncF64U

@@ -133,7 +133,7 @@ impl Discrete {
         let answers: Vec<f64> = (0..40).map(|k| estimator.step(if k == 0 { SIZE } else { 0 }) / SIZE as f64).collect();
         let (d, tail) = (answers[0], &answers[1..]);
         // Observers of the core have at most three states.
-        (1..=3).find_map(|order| realised(d, tail, order)).ok_or(EstimatorError::Unsettled {
+        (1..=3).find_map(|order| from_impulse_response(d, tail, order)).ok_or(EstimatorError::Unsettled {
             name: "cycle",
             value: cycle,
             unit: "s",
@@ -151,7 +151,7 @@ impl Discrete {
     }
 
     /// Connects the output of this system to the input of the next one.
-    pub(crate) fn then(&self, next: &Self) -> Self {
+    pub(crate) fn connect(&self, next: &Self) -> Self {
         let (n, m) = (self.a.nrows(), next.a.nrows());
         let mut a = DMatrix::zeros(n + m, n + m);
         a.view_mut((0, 0), (n, n)).copy_from(&self.a);
@@ -195,7 +195,7 @@ impl Discrete {
 }
 
 /// Returns the system of this order with these impulse responses, to eight digits.
-fn realised(d: f64, tail: &[f64], order: usize) -> Option<Discrete> {
+fn from_impulse_response(d: f64, tail: &[f64], order: usize) -> Option<Discrete> {
     let rows = tail.len() - order;
     let hankel = DMatrix::from_fn(rows, order, |i, j| tail[i + j]);
     let next = DVector::from_fn(rows, |i, _| tail[i + order]);
@@ -224,16 +224,16 @@ pub(crate) fn poles(a: &DMatrix<f64>) -> Vec<C64> {
 /// Returns the largest magnitude of an eigenvalue; infinite if none is found.
 pub(crate) fn radius(a: &DMatrix<f64>) -> f64 {
     let poles = poles(a);
-    if poles.is_empty() { f64::INFINITY } else { poles.iter().fold(0.0_f64, |most, &x| most.max(size(x))) }
+    if poles.is_empty() { f64::INFINITY } else { poles.iter().fold(0.0_f64, |most, &x| most.max(magnitude(x))) }
 }
 
 /// Returns the magnitude.
-pub(crate) fn size(x: C64) -> f64 {
+pub(crate) fn magnitude(x: C64) -> f64 {
     (x.re * x.re + x.im * x.im).sqrt()
 }
 
 /// Returns the point of an angle on the unit circle.
-pub(crate) fn turn(angle: f64) -> C64 {
+pub(crate) fn unit_circle(angle: f64) -> C64 {
     C64::new(libm::cos(angle), libm::sin(angle))
 }
 
@@ -339,9 +339,9 @@ mod tests {
             d: 0.1,
         };
         // 0.1 + 0.6 / (z - 0.8) at z = i.
-        let at = system.at(turn(core::f64::consts::FRAC_PI_2));
+        let at = system.at(unit_circle(core::f64::consts::FRAC_PI_2));
         let expected = C64::new(0.1, 0.0) + C64::new(0.6, 0.0) / C64::new(-0.8, 1.0);
-        assert!(size(at - expected) < 1e-12, "{at}");
+        assert!(magnitude(at - expected) < 1e-12, "{at}");
         let held = system.held_for(3);
         assert!((held.a[(0, 0)] - 0.512).abs() < 1e-12);
         assert!((held.b[0] - 0.3 * (1.0 + 0.8 + 0.64)).abs() < 1e-12);

@@ -41,7 +41,7 @@ pub struct Permitted {
 
 /// Result of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Drive {
+pub enum ExcitationOutput {
     /// The command, -1 to 1.
     Command(f64),
     /// The excitation has ended: the command is 0, or holds the load of a drive with effort interface.
@@ -94,7 +94,7 @@ const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 const TURN: f64 = 0.6;
 
 /// Fraction of the travel beyond which outward motion is braked.
-const LATE: f64 = 0.8;
+const BRAKE_ZONE: f64 = 0.8;
 
 /// Band of velocities of a leg, as fractions of the permitted one: it accelerates below and decelerates above.
 const BAND: (f64, f64) = (0.2, 0.7);
@@ -109,10 +109,10 @@ const LONGEST: u64 = 8;
 const FIRST: f64 = 1.0 / 16.0;
 
 /// Minimum fraction of the permitted command that must be left above the break-away.
-const ROOM: f64 = 0.1;
+const MIN_EXCITATION: f64 = 0.1;
 
 /// Fraction of the travel within which it counts as back at the start.
-const HOME: f64 = 0.05;
+const START_ZONE: f64 = 0.05;
 
 /// Maximum time for the return, as a multiple of the duration.
 const WAY_BACK: f64 = 1.0;
@@ -135,7 +135,7 @@ enum Phase {
     Back {
         left: u32,
     },
-    Over(Drive),
+    Over(ExcitationOutput),
 }
 
 /// State of an excitation between two cycles.
@@ -186,7 +186,7 @@ impl Excitation {
     }
 
     /// Executes one cycle, with the position since the start (inc) and the velocity (inc/s).
-    pub fn next(&mut self, position: f64, velocity: f64) -> Drive {
+    pub fn next(&mut self, position: f64, velocity: f64) -> ExcitationOutput {
         let number = |value: f64| if value.is_finite() { value } else { 0.0 };
         let (position, velocity) = (number(position), number(velocity));
         let most = self.permitted.travel + self.permitted.margin;
@@ -223,13 +223,13 @@ impl Excitation {
         }
     }
 
-    fn abort(&mut self, abort: Abort) -> Drive {
-        self.phase = Phase::Over(Drive::Aborted(abort));
-        Drive::Aborted(abort)
+    fn abort(&mut self, abort: Abort) -> ExcitationOutput {
+        self.phase = Phase::Over(ExcitationOutput::Aborted(abort));
+        ExcitationOutput::Aborted(abort)
     }
 
     /// Returns the distance that counts as motion instead of rounding (inc).
-    fn some_way(&self) -> f64 {
+    fn motion_threshold(&self) -> f64 {
         (0.02 * self.permitted.travel).clamp(3.0, 50.0)
     }
 
@@ -238,10 +238,10 @@ impl Excitation {
         (time / self.permitted.cycle) as u32
     }
 
-    fn ramp(&mut self, sense: f64, level: f64, from: f64, position: f64) -> Drive {
+    fn ramp(&mut self, sense: f64, level: f64, from: f64, position: f64) -> ExcitationOutput {
         let p = self.permitted;
         let moved = sense * (position - from);
-        if moved >= self.some_way() {
+        if moved >= self.motion_threshold() {
             return self.broke_away(sense, level);
         }
         // A load that falls while the command is still small is no wrong direction; half of the travel is.
@@ -249,25 +249,25 @@ impl Excitation {
             return self.abort(Abort::Against { command: level, moved: -moved });
         }
         if sense * level >= p.command {
-            return match moved < -self.some_way() {
+            return match moved < -self.motion_threshold() {
                 true => self.abort(Abort::Against { command: level, moved: -moved }),
                 false => self.abort(Abort::Stuck { command: p.command }),
             };
         }
         let level = self.within(level + sense * p.command * p.cycle / p.ramp);
         self.phase = Phase::Ramp { sense, level, from };
-        Drive::Command(level)
+        ExcitationOutput::Command(level)
     }
 
-    fn broke_away(&mut self, sense: f64, level: f64) -> Drive {
+    fn broke_away(&mut self, sense: f64, level: f64) -> ExcitationOutput {
         if sense > 0.0 {
             self.up = level;
             self.phase = Phase::Rest { level };
-            return Drive::Command(level);
+            return ExcitationOutput::Command(level);
         }
         self.down = level;
         let (needed, permitted) = (self.needed(), self.permitted.command);
-        if self.permitted.takes == Takes::Effort && permitted - needed < ROOM * permitted {
+        if self.permitted.takes == Takes::Effort && permitted - needed < MIN_EXCITATION * permitted {
             return self.abort(Abort::NoRoom { needed, permitted });
         }
         self.amplitude = FIRST * permitted;
@@ -277,12 +277,12 @@ impl Excitation {
     }
 
     /// Reduces the command until the axis rests, and no further, because a load would move it.
-    fn rest(&mut self, level: f64, position: f64, velocity: f64) -> Drive {
+    fn rest(&mut self, level: f64, position: f64, velocity: f64) -> ExcitationOutput {
         let p = self.permitted;
         let level = self.within(level - 2.0 * p.command * p.cycle / p.ramp);
         let is_over = velocity <= 1e-3 * p.velocity || level <= -p.command;
         self.phase = if is_over { Phase::Ramp { sense: -1.0, level, from: position } } else { Phase::Rest { level } };
-        Drive::Command(level)
+        ExcitationOutput::Command(level)
     }
 
     fn within(&self, command: f64) -> f64 {
@@ -295,7 +295,7 @@ impl Excitation {
     }
 
     /// Returns the command that holds a load: the mean of the two that move it. A velocity drive holds it itself.
-    fn hold(&self) -> f64 {
+    fn holding_command(&self) -> f64 {
         match self.permitted.takes {
             Takes::Velocity => 0.0,
             Takes::Effort => 0.5 * (self.up + self.down),
@@ -313,22 +313,22 @@ impl Excitation {
     }
 
     /// Returns hold + sense (friction + `shake` amplitude), limited to the permitted command.
-    fn command(&self, shake: f64) -> Drive {
-        Drive::Command(self.within(self.hold() + self.sense * (self.friction() + shake * self.amplitude)))
+    fn command(&self, shake: f64) -> ExcitationOutput {
+        ExcitationOutput::Command(self.within(self.holding_command() + self.sense * (self.friction() + shake * self.amplitude)))
     }
 
     /// Returns the command against a motion at that fraction of the permitted velocity: half of the permitted command
     /// at 1 and above, or 0 if the drive brakes.
-    fn brake(&self, part: f64) -> Drive {
+    fn brake(&self, part: f64) -> ExcitationOutput {
         match self.permitted.takes {
-            Takes::Velocity => Drive::Command(0.0),
+            Takes::Velocity => ExcitationOutput::Command(0.0),
             Takes::Effort => {
-                Drive::Command(self.within(self.hold() - 0.5 * part.clamp(-1.0, 1.0) * self.permitted.command))
+                ExcitationOutput::Command(self.within(self.holding_command() - 0.5 * part.clamp(-1.0, 1.0) * self.permitted.command))
             }
         }
     }
 
-    fn leg(&mut self, left: u32, position: f64, velocity: f64) -> Drive {
+    fn leg(&mut self, left: u32, position: f64, velocity: f64) -> ExcitationOutput {
         let p = self.permitted;
         let Some(left) = left.checked_sub(1) else {
             // The return needs no excitation.
@@ -341,11 +341,11 @@ impl Excitation {
             self.turn();
         }
         // It also brakes if a reversal takes too long.
-        let is_late = position.abs() > LATE * p.travel && velocity * position > 0.0;
+        let is_late = position.abs() > BRAKE_ZONE * p.travel && velocity * position > 0.0;
         if is_late || velocity.abs() > BRAKE * p.velocity {
             return self.brake(velocity.signum());
         }
-        let bit = self.step_of_chance();
+        let bit = self.random_step();
         let along = velocity * self.sense / p.velocity;
         let shake = if along < BAND.0 {
             1.0
@@ -372,7 +372,7 @@ impl Excitation {
     }
 
     /// Returns +1 or -1 for a random number of cycles.
-    fn step_of_chance(&mut self) -> f64 {
+    fn random_step(&mut self) -> f64 {
         match self.lasts.checked_sub(1) {
             Some(lasts) => self.lasts = lasts,
             None => {
@@ -387,12 +387,12 @@ impl Excitation {
         self.bit
     }
 
-    fn back(&mut self, left: u32, position: f64, velocity: f64) -> Drive {
+    fn back(&mut self, left: u32, position: f64, velocity: f64) -> ExcitationOutput {
         let p = self.permitted;
-        let is_home = position.abs() <= HOME * p.travel && velocity.abs() < 0.1 * p.velocity;
+        let is_home = position.abs() <= START_ZONE * p.travel && velocity.abs() < 0.1 * p.velocity;
         let Some(left) = left.checked_sub(1).filter(|_| !is_home) else {
-            self.phase = Phase::Over(Drive::Done(self.hold()));
-            return Drive::Done(self.hold());
+            self.phase = Phase::Over(ExcitationOutput::Done(self.holding_command()));
+            return ExcitationOutput::Done(self.holding_command());
         };
         self.phase = Phase::Back { left };
         self.sense = -position.signum();

@@ -46,12 +46,12 @@ mod record;
 mod response;
 
 pub use design::{
-    COUPLING_DAMPING, Design, DesignError, INNER_INTEGRAL, INTEGRAL, Law, MOST_INERTIA_RATIO, Targets, Wish, design,
+    COUPLING_DAMPING, Design, DesignError, INNER_INTEGRAL, INTEGRAL, Law, MOST_INERTIA_RATIO, Targets, DesignSpec, design,
     regimes,
 };
-pub use excite::{Abort, Drive, Excitation, Permitted};
+pub use excite::{Abort, ExcitationOutput, Excitation, Permitted};
 pub use identify::{
-    Deviation, Identified, LEAST_EXPLAINED, LEAST_MOTION, LEAST_REACTION, LEAST_WAY, Refusal, WORTH, identify,
+    Deviation, Identified, LEAST_EXPLAINED, LEAST_MOTION, LEAST_REACTION, LEAST_WAY, Refusal, MAX_RESONANCE_RATIO, identify,
 };
 pub use loops::{Inner, LoopError, Loops, PositionLaw};
 pub use model::{Dynamics, Model, ModelError, Resonance, Takes};

@@ -107,7 +107,7 @@ impl Loops {
 
     /// Returns the open position loop.
     pub(crate) fn position_chain(&self, axis: &Discrete) -> Discrete {
-        self.position.law(self.max_velocity).then(axis)
+        self.position.law(self.max_velocity).connect(axis)
     }
 }
 
@@ -144,7 +144,7 @@ impl Inner {
     /// Returns the open velocity loop: law, axis, estimator.
     pub(crate) fn chain(&self, axis: &Discrete, cycle: f64, max_velocity: f64) -> Result<Discrete, LoopError> {
         let seen = Discrete::estimator(self.method, cycle)?.scaled(1.0 / max_velocity);
-        Ok(self.law().then(axis).then(&seen))
+        Ok(self.law().connect(axis).connect(&seen))
     }
 
     /// Returns the closed velocity loop, from setpoint to position.

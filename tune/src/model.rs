@@ -191,7 +191,7 @@ pub(crate) fn second_order(omega: f64, damping: f64) -> Continuous {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discrete::{poles, size};
+    use crate::discrete::{poles, magnitude};
 
     fn elastic(viscous: f64) -> Model {
         let resonance = Some(Resonance { frequency: 50.0, damping: 0.05, inertia_ratio: 4.0 });
@@ -207,9 +207,9 @@ mod tests {
             let poles = poles(&elastic(viscous).continuous().a);
             let swing = poles.iter().find(|pole| pole.im > 1.0).copied().unwrap();
             let omega = core::f64::consts::TAU * 50.0;
-            assert!((size(swing) / omega - 1.0).abs() < 0.005, "{viscous}: {swing}");
+            assert!((magnitude(swing) / omega - 1.0).abs() < 0.005, "{viscous}: {swing}");
             // -re/|s|, accurate to the square of terms that are small relative to the oscillation.
-            assert!((-swing.re / size(swing) - 0.05).abs() < 0.001, "{viscous}: {swing}");
+            assert!((-swing.re / magnitude(swing) - 0.05).abs() < 0.001, "{viscous}: {swing}");
             let whole = poles.iter().map(|pole| pole.re).fold(0.0, |sum, re| sum + re) - 2.0 * swing.re;
             assert!((whole + viscous).abs() < 0.1, "{viscous}: {whole}");
         }

@@ -69,7 +69,7 @@ impl Record {
     }
 
     /// Returns the positions relative to the first one (inc).
-    pub(crate) fn way(&self) -> Vec<f64> {
+    pub(crate) fn relative_positions(&self) -> Vec<f64> {
         let first = self.positions.first().copied().unwrap_or(0);
         self.positions.iter().map(|&position| position.saturating_sub(first) as f64).collect()
     }

@@ -2,7 +2,7 @@
 
 use lineshaft_core::regulator::{K_OUT, VELOCITY_GAIN, VelocityMethod};
 use lineshaft_tune::{
-    Design, DesignError, Dynamics, Inner, Law, Loops, Margins, Model, PositionLaw, Resonance, Targets, Wish, bode,
+    Design, DesignError, Dynamics, Inner, Law, Loops, Margins, Model, PositionLaw, Resonance, Targets, DesignSpec, bode,
     design, velocity_bode,
 };
 use nalgebra::{Complex, DMatrix};
@@ -125,9 +125,9 @@ fn pi(inner: &Inner) -> Open {
     if i == 0.0 { Open(vec![p], vec![1.0]) } else { Open(vec![-p, p + i], vec![-1.0, 1.0]) }
 }
 
-fn wish(law: Law, velocity: Option<VelocityMethod>, max_velocity: f64) -> Wish {
+fn wish(law: Law, velocity: Option<VelocityMethod>, max_velocity: f64) -> DesignSpec {
     let (max_acceleration, targets) = (10.0 * max_velocity, Targets::default());
-    Wish { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }
+    DesignSpec { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }
 }
 
 fn agree(margins: &Margins, open: &Open) -> Result<(), TestCaseError> {
@@ -217,7 +217,7 @@ fn targets_are_met_as_they_are_given() {
         let mut stiffest = f64::INFINITY;
         for phase_margin in [30.0, 45.0, 60.0, 75.0] {
             let targets = Targets { phase_margin, gain_margin: 10.0, ..Targets::default() };
-            let found = design(&model, &Wish { targets, ..wish(Law::Proportional, None, 1e5) }).unwrap();
+            let found = design(&model, &DesignSpec { targets, ..wish(Law::Proportional, None, 1e5) }).unwrap();
             let PositionLaw::Proportional { kv } = found.loops.position else { panic!() };
             assert!(found.position.phase >= phase_margin && found.position.gain >= 10.0, "{found:?}");
             assert!(kv < stiffest, "more margin is less gain: {kv} {stiffest}");
@@ -233,7 +233,7 @@ fn what_cannot_be_designed_is_refused() {
     let velocity = Dynamics::Velocity { gain: 1e5, time_constant: 0.01, offset: 0.0 };
     let effort = Dynamics::Effort { acceleration: 1e6, viscous: 0.0, coulomb: 0.0, load: 0.0, resonance: None };
     let model = |dynamics| Model { cycle: CYCLE, delay: 0.0, dynamics };
-    let said = |model: Model, wish: Wish| design(&model, &wish).unwrap_err().to_string();
+    let said = |model: Model, wish: DesignSpec| design(&model, &wish).unwrap_err().to_string();
     assert_eq!(
         said(model(velocity), wish(Law::Proportional, Some(VelocityMethod::Difference), 1e5)),
         "the drive takes velocities; a velocity loop suits one that takes efforts"
@@ -252,14 +252,14 @@ fn what_cannot_be_designed_is_refused() {
         "delay is -1 s; 0 to 0.05 s is permitted"
     );
     let targets = Targets { phase_margin: f64::NAN, ..Targets::default() };
-    let none = Wish { targets, ..wish(Law::Proportional, None, 1e5) };
+    let none = DesignSpec { targets, ..wish(Law::Proportional, None, 1e5) };
     assert_eq!(said(model(velocity), none), "phase_margin is NaN deg; 20 to 85 deg is permitted");
     for (ratio, told) in [(-1.0, "-1"), (f64::NAN, "NaN"), (1001.0, "1001"), (f64::INFINITY, "inf")] {
-        let wish = Wish { inertia_ratio: ratio, ..wish(Law::Pid { timer: 1 }, None, 1e5) };
+        let wish = DesignSpec { inertia_ratio: ratio, ..wish(Law::Pid { timer: 1 }, None, 1e5) };
         let expected = format!("inertia_ratio is {told} times the motor's; 0 to 1000 times the motor's is permitted");
         assert_eq!(said(model(effort), wish), expected);
     }
-    let wish_of_load = Wish { inertia_ratio: 5.0, ..wish(Law::Proportional, None, 1e5) };
+    let wish_of_load = DesignSpec { inertia_ratio: 5.0, ..wish(Law::Proportional, None, 1e5) };
     assert_eq!(
         said(model(velocity), wish_of_load),
         "inertia_ratio is 5 times the motor's; 0 to 0 times the motor's is permitted"
@@ -272,7 +272,7 @@ fn what_cannot_be_designed_is_refused() {
     ));
 }
 
-fn designed(model: &Model, wish: &Wish) -> Option<Design> {
+fn designed(model: &Model, wish: &DesignSpec) -> Option<Design> {
     match design(model, wish) {
         Ok(found) => Some(found),
         // Integer gains do not suit every axis.
@@ -373,7 +373,7 @@ proptest! {
         let model = Model { cycle: CYCLE, delay: late as f64 * CYCLE, dynamics };
         // One unit of VELKPROP is a small part of the permitted gain of the motor alone.
         let most = acceleration * (1.0 + ratio) * 0.05;
-        let wish = Wish { inertia_ratio: ratio, ..wish(Law::Proportional, Some(VelocityMethod::Difference), most) };
+        let wish = DesignSpec { inertia_ratio: ratio, ..wish(Law::Proportional, Some(VelocityMethod::Difference), most) };
         if let Some(found) = designed(&model, &wish) {
             let times = 1.0 + ratio;
             let (mut phases, mut gains) = ([180.0_f64; 2], [f64::INFINITY; 2]);

@@ -1,7 +1,7 @@
 //! An excitation runs in a cycle: it neither allocates nor frees memory in any of its phases.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
-use lineshaft_tune::{Drive, Excitation, Permitted, Takes};
+use lineshaft_tune::{ExcitationOutput, Excitation, Permitted, Takes};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -33,14 +33,14 @@ fn an_excitation_takes_no_memory() {
                 let _ = excitation.progress();
                 excitation.next(place, velocity)
             });
-            let Drive::Command(command) = drive else { break drive };
+            let ExcitationOutput::Command(command) = drive else { break drive };
             velocity =
                 if is_stuck { 0.0 } else { sense * 20_000.0 * (command.abs() - 0.05).max(0.0) * command.signum() };
             place += velocity * permitted.cycle;
             cycles += 1;
         };
         assert_eq!(violation_count(), 0);
-        assert_eq!(matches!(end, Drive::Aborted(_)), is_stuck || sense < 0.0, "{end:?}");
+        assert_eq!(matches!(end, ExcitationOutput::Aborted(_)), is_stuck || sense < 0.0, "{end:?}");
         assert!(cycles > 100, "{cycles}");
     }
 }

@@ -7,7 +7,7 @@ use lineshaft_core::config::{
     TableConfig,
 };
 use lineshaft_core::encoder::Form;
-use lineshaft_core::function::{Description, Kind, Need, Order, Room};
+use lineshaft_core::function::{Description, Kind, Requirement, Order, MemorySize};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::table::{Form as Numbering, Table};
 use lineshaft_core::unit::Scale;
@@ -99,14 +99,14 @@ fn with(row: &Description, count: u16, is_started: bool, module: Module) -> Shop
     let curve = Table::new(Numbering::Y, &[], &points).expect("points");
     let slot = |number: u16| {
         let mut slot = SlotConfig::new(format!("f{number}"), number, row.kind);
-        if row.source != Need::Never && row.kind != Kind::Sidiff {
+        if row.source != Requirement::Never && row.kind != Kind::Sidiff {
             slot.source = SourceConfig::Lead(Leader::Encoder(0));
         }
         slot.sink = SinkConfig::None;
         slot.inputs[0] = (row.inputs > 0).then_some(Line { object: Object::Io(0), inverted: false });
         slot.tables[0] = (row.tables > 0 && row.kind != Kind::Sidiff).then_some(0);
         slot.program = (row.kind == Kind::Apsf).then_some(0);
-        slot.room = Room { mean: 64, cams: 0 };
+        slot.room = MemorySize { mean: 64, cams: 0 };
         for (name, value) in VALUES {
             if let Some((_, place)) = row.find(name) {
                 slot.values[place] = value;

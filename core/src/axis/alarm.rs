@@ -18,15 +18,15 @@ pub(super) const NO_NUMBERS: Numbers = (Number::None, Number::None);
 
 /// The active error of an axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Alarm {
+pub(super) struct ActiveError {
     code: Code,
     numbers: Numbers,
-    fault: Fault,
+    fault: ErrorSnapshot,
 }
 
 /// Snapshot of an axis in the cycle of its last error, before the reaction.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Fault {
+pub struct ErrorSnapshot {
     /// Code of the error; [`Code::NONE`] before the first error.
     pub code: Code,
     /// Cycle of the error.
@@ -47,19 +47,19 @@ pub struct Fault {
     pub following_error: i64,
 }
 
-impl Fault {
+impl ErrorSnapshot {
     pub(super) fn is_sound(&self) -> bool {
         self.velocity.is_finite() && self.actual_velocity.is_finite()
     }
 }
 
-impl Default for Alarm {
+impl Default for ActiveError {
     fn default() -> Self {
-        Self { code: Code::NONE, numbers: NO_NUMBERS, fault: Fault::default() }
+        Self { code: Code::NONE, numbers: NO_NUMBERS, fault: ErrorSnapshot::default() }
     }
 }
 
-impl Alarm {
+impl ActiveError {
     #[inline]
     pub(super) fn code(&self) -> Code {
         self.code
@@ -76,12 +76,12 @@ impl Alarm {
     }
 
     /// Returns the snapshot of the axis at the last error.
-    pub(super) fn fault(&self) -> &Fault {
+    pub(super) fn fault(&self) -> &ErrorSnapshot {
         &self.fault
     }
 
     /// Sets an error.
-    pub(super) fn set(&mut self, numbers: Numbers, fault: Fault) {
+    pub(super) fn set(&mut self, numbers: Numbers, fault: ErrorSnapshot) {
         *self = Self { code: fault.code, numbers, fault };
     }
 

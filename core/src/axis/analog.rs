@@ -29,7 +29,7 @@ pub fn may_be_analog(
     if !matches!((wired, read), (Wired::Encoder(own), Ok(Source::Encoder(place))) if own == place) {
         return Err(("encodertype", Code::ANALOG_SILENT));
     }
-    if p.amplifier.encoder.is_own() {
+    if p.amplifier.encoder.is_separate() {
         return Err(("ampencno", Code::ANALOG_SILENT));
     }
     if p.amplifier.torque_constant > 0.0 {

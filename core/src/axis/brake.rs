@@ -41,7 +41,7 @@ pub struct Edges {
 
 /// State of the brake and of the machine inputs of an axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Holding {
+pub(super) struct BrakeState {
     /// Whether the own brake of the axis is closed.
     closed: bool,
     /// Cycle in which the brake was closed.
@@ -71,7 +71,7 @@ pub(super) struct Holding {
     pub(super) second_change: i64,
 }
 
-impl Default for Holding {
+impl Default for BrakeState {
     fn default() -> Self {
         Self {
             closed: true,
@@ -92,7 +92,7 @@ impl Default for Holding {
     }
 }
 
-impl Holding {
+impl BrakeState {
     /// Whether nothing is pending and nothing has been requested in this cycle.
     pub(super) fn is_settled(&self, has_power: bool) -> bool {
         let waits = self.clears || self.resumes || self.coasts_since.is_some() || self.settles_since.is_some();
@@ -120,19 +120,19 @@ impl Axis {
 
     /// Whether the error reaction or an abort requests the brake.
     #[inline]
-    pub fn asks_for_brake(&self) -> bool {
+    pub fn is_brake_requested(&self) -> bool {
         self.brake
     }
 
     /// Whether the brake is requested in this cycle, also if it was requested before.
     #[inline]
-    pub fn asks_anew(&self) -> bool {
+    pub fn is_brake_requested_now(&self) -> bool {
         self.holding.asks_anew
     }
 
     /// Requests the brake, for an error or its remaining reaction. Also closes a brake that was opened after the last
     /// request.
-    pub(super) fn ask_for_brake(&mut self, asks: bool) {
+    pub(super) fn request_brake(&mut self, asks: bool) {
         self.brake |= asks;
         self.holding.asks_anew |= asks;
     }
@@ -150,7 +150,7 @@ impl Axis {
     }
 
     /// Stores the edges of the machine inputs of this cycle.
-    pub fn take_edges(&mut self, edges: Edges) {
+    pub fn set_edges(&mut self, edges: Edges) {
         self.holding.edges = edges;
     }
 
@@ -162,25 +162,25 @@ impl Axis {
     }
 
     /// Whether the given time of the brake has elapsed.
-    pub(super) fn has_passed(&self, cycle: u64, since: u64, time: impl Fn(BrakeConfig) -> u64) -> bool {
+    pub(super) fn has_brake_time_elapsed(&self, cycle: u64, since: u64, time: impl Fn(BrakeConfig) -> u64) -> bool {
         let elapsed = cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
         self.own_brake().is_none_or(|brake| elapsed >= time(brake))
     }
 
     /// Switches off the power of an axis at rest, after the closing time of its own brake.
-    pub(super) fn give_to_brake(&mut self, cycle: u64) {
+    pub(super) fn switch_off_after_brake(&mut self, cycle: u64) {
         if matches!(self.power, Power::Closing { .. }) {
             return;
         }
         let since = if self.holding.closed { self.holding.closed_at } else { cycle };
-        let holds = self.has_passed(cycle, since, |brake| brake.engage_ns);
+        let holds = self.has_brake_time_elapsed(cycle, since, |brake| brake.engage_ns);
         self.power = if holds { Power::Off } else { Power::Closing { since } };
     }
 
     /// Whether a drive that stops by itself has stopped, and the closing time of the brake has elapsed.
     pub(super) fn has_stopped_by_itself(&self, cycle: u64) -> bool {
         let Power::DriveStops { since, .. } = self.power else { return true };
-        let is_held = self.holding.closed && self.has_passed(cycle, self.holding.closed_at, |brake| brake.engage_ns);
+        let is_held = self.holding.closed && self.has_brake_time_elapsed(cycle, self.holding.closed_at, |brake| brake.engage_ns);
         self.has_drive_stopped(cycle, since) && (self.own_brake().is_none() || is_held)
     }
 
@@ -190,12 +190,12 @@ impl Axis {
         // A drive that has not received the command yet is at rest for another reason. A slow motion has no counts in
         // some cycles.
         let has_heard = cycle.saturating_sub(since) > self.delay().saturating_add(1);
-        let stands = has_heard && self.encoder_stands() && !self.turns(cycle);
+        let stands = has_heard && self.encoder_is_at_rest() && !self.turns(cycle);
         !stops || stands || self.has_timed_out(cycle, since)
     }
 
     /// Commands the brake according to the power state of this cycle.
-    pub(super) fn work_brake(&mut self, cycle: u64) {
+    pub(super) fn command_brake(&mut self, cycle: u64) {
         let holds = match self.power {
             // An error reaction closes it although the power is on.
             Power::On | Power::SwitchingOff | Power::Opening { .. } => !self.brake,
@@ -224,17 +224,17 @@ impl Axis {
     pub(super) fn has_come_to_rest(&mut self, cycle: u64) -> bool {
         let since = *self.holding.settles_since.get_or_insert(cycle);
         let is_led = !self.is_virtual() && !self.is_open_loop();
-        let settles = is_led && (self.moves() || !self.has_taken_up()) && !self.runs_away();
+        let settles = is_led && (self.moves() || !self.is_compensated()) && !self.runs_away();
         !settles || self.has_timed_out(cycle, since)
     }
 
     /// Whether its encoder and that of the second drive are at rest.
-    pub(super) fn encoder_stands(&self) -> bool {
+    pub(super) fn encoder_is_at_rest(&self) -> bool {
         self.actual.velocity == 0.0 && self.actual.change == Position::ZERO && self.holding.second_change == 0
     }
 
     /// Executes the edges of the machine inputs.
-    pub(super) fn obey_inputs(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn execute_inputs(&mut self, cx: &mut Context<'_>) {
         let edges = std::mem::take(&mut self.holding.edges);
         if edges.clears && (!self.alarm.is_none() || self.drive_fails(cx)) {
             self.holding.clears = true;

@@ -7,7 +7,7 @@
 //! Refuses  too many goals, a goal after a coupling
 
 use super::alarm::{NO_NUMBERS, Numbers};
-use super::course::{Aim, Course, ROUNDING};
+use super::course::{Aim, PlannedMotion, ROUNDING};
 use super::goal::Goal;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
@@ -114,7 +114,7 @@ impl Axis {
         let next = Next { sequence, request: *request, limits };
         let before = self.waiting_ends().last().unwrap_or(self.known_end());
         let end = self.end_of(&next, before);
-        self.check_beside_overlay(&limits, before.zip(end).map(|(before, end)| end >= before))?;
+        self.check_with_overlay(&limits, before.zip(end).map(|(before, end)| end >= before))?;
         if request.mode == MoveMode::Velocity {
             self.check_forward(request.velocity)?;
         }
@@ -182,7 +182,7 @@ impl Axis {
             let largest = Limits { velocity: course.limits.velocity, ..self.parameters.largest_limits() };
             let constant = Limits { shape: Shape::Trapezoid, ..largest };
             let stays = |limits: &Limits| match course.aim {
-                Aim::Target(target) => self.check_way(&self.plan_to(self.base(), target, limits), *limits).is_ok(),
+                Aim::Target(target) => self.check_plan_limits(&self.plan_to(self.base(), target, limits), *limits).is_ok(),
                 _ => true,
             };
             let limits = [course.limits, largest].into_iter().find(stays).unwrap_or(constant);
@@ -228,7 +228,7 @@ impl Axis {
                 cx.events.push(event.with(refusal.asked, refusal.limit));
                 self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
                 let plan = self.plan_stop(from, &self.parameters.largest_limits());
-                let course = Course::new(plan, cx.cycle, Aim::Stop, self.parameters.largest_limits());
+                let course = PlannedMotion::new(plan, cx.cycle, Aim::Stop, self.parameters.largest_limits());
                 self.generator = Generator::Plan(course.with_lead(lead));
             }
         }
@@ -254,20 +254,20 @@ impl Axis {
     }
 
     /// Returns the planned motion to a target, or through it if the next goal requires that.
-    pub(super) fn course_to(&self, cycle: u64, from: Motion, target: Position, limits: Limits) -> Course {
-        let usable = self.sharpened(from, limits);
+    pub(super) fn course_to(&self, cycle: u64, from: Motion, target: Position, limits: Limits) -> PlannedMotion {
+        let usable = self.with_raised_jerk(from, limits);
         let cap = self.override_velocity();
         let own = limits.velocity.min(cap);
-        let pass = if cap > 0.0 { self.passage(from, target, &usable, own) } else { 0.0 };
+        let pass = if cap > 0.0 { self.passing_velocity(from, target, &usable, own) } else { 0.0 };
         if pass == 0.0 {
             return self.course(cycle, from, Aim::Target(target), limits);
         }
-        let plan = self.plan_passage(from, target, &Limits { velocity: own, ..usable }, pass);
-        Course::new(plan, cycle, Aim::Target(target), limits).passing(pass)
+        let plan = self.plan_passing(from, target, &Limits { velocity: own, ..usable }, pass);
+        PlannedMotion::new(plan, cycle, Aim::Target(target), limits).passing(pass)
     }
 
     /// Returns a plan that passes the target with `pass`, or that ends where the acceleration to `pass` has to begin.
-    fn plan_passage(&self, from: Motion, target: Position, limits: &Limits, pass: f64) -> Plan {
+    fn plan_passing(&self, from: Motion, target: Position, limits: &Limits, pass: f64) -> Plan {
         let cycle_ns = self.setup.cycle_ns;
         if pass.abs() <= limits.velocity {
             return profile::to_pass(from, target, pass, limits, cycle_ns);
@@ -279,7 +279,7 @@ impl Axis {
     }
 
     /// Returns the velocity with which the active goal passes its target into the next goal; 0 if it has to stop.
-    fn passage(&self, from: Motion, target: Position, limits: &Limits, own: f64) -> f64 {
+    fn passing_velocity(&self, from: Motion, target: Position, limits: &Limits, own: f64) -> f64 {
         // A search has no end to pass. The axis stops at the position that it found.
         let Some(next) = self.buffer.first().filter(|_| !self.probes()) else { return 0.0 };
         let at_target = Motion::at_rest(target);
@@ -318,12 +318,12 @@ impl Axis {
         let next_limits = Limits { velocity: its_velocity, ..next.limits };
         let works = |speed: f64| {
             let pass = speed.copysign(way);
-            let plan = self.plan_passage(from, target, &limits, pass);
+            let plan = self.plan_passing(from, target, &limits, pass);
             let there = Motion { velocity: pass, ..at_target };
-            goes_straight(&plan, from.position, target, Position::from_f64(ROUNDING))
+            stays_between_ends(&plan, from.position, target, Position::from_f64(ROUNDING))
                 && match after {
                     // The end may be at a limit.
-                    Some(end) => goes_straight(&self.plan_to(there, end, &next_limits), target, end, Position::ZERO),
+                    Some(end) => stays_between_ends(&self.plan_to(there, end, &next_limits), target, end, Position::ZERO),
                     None => self.can_stop(there, &next_limits),
                 }
         };
@@ -345,13 +345,13 @@ impl Axis {
     fn can_stop(&self, from: Motion, limits: &Limits) -> bool {
         let up = from.velocity > 0.0;
         let limit = Position::whole(self.limit(up));
-        let end = from.position + Position::from_f64(profile::stopping_way(from, limits));
+        let end = from.position + Position::from_f64(profile::stopping_distance(from, limits));
         if up { end <= limit } else { end >= limit }
     }
 }
 
 /// Whether the plan stays between its start and the target, with a tolerance of `rounding`.
-fn goes_straight(plan: &Plan, from: Position, target: Position, rounding: Position) -> bool {
+fn stays_between_ends(plan: &Plan, from: Position, target: Position, rounding: Position) -> bool {
     let (low, high) = plan.extent();
     low >= from.min(target) - rounding && high <= from.max(target) + rounding
 }

@@ -9,7 +9,7 @@ use super::generator::Coupling;
 use super::{Axis, Generator};
 use crate::drive::DriveInput;
 use crate::encoder::Lead;
-use crate::parameter::Rule;
+use crate::parameter::ReversingRule;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::{Leads, Stepped, Transmission};
@@ -19,88 +19,88 @@ use std::sync::Arc;
 impl Axis {
     /// As [`sense`](Self::sense), if only the position and the effort of the drive can have changed.
     #[inline]
-    pub fn sense_calmly(&mut self, input: Option<&DriveInput>) {
+    pub fn sense_reduced(&mut self, input: Option<&DriveInput>) {
         let Some(input) = input else { return };
-        self.shown.read_effort(self.told_effort(input.effort));
+        self.shown.read_effort(self.reported_effort(input.effort));
         if !self.read_counts(input) {
-            self.disturb();
+            self.require_full_cycle();
         }
     }
 
     /// As [`begin_step`](Self::begin_step) and [`end_step`](Self::end_step), in a cycle without commands. Returns false
     /// if a full cycle is needed.
     #[inline]
-    pub fn step_calmly(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> bool {
-        let goes_on = self.go_on(cycle, leads, tables).is_some();
+    pub fn step_reduced(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> bool {
+        let goes_on = self.continue_motion(cycle, leads, tables).is_some();
         if !goes_on {
-            self.disturb();
+            self.require_full_cycle();
         }
         goes_on
     }
 
     #[inline]
-    fn go_on(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> Option<()> {
+    fn continue_motion(&mut self, cycle: u64, leads: &Leads, tables: &[Arc<Table>]) -> Option<()> {
         let error = self.following_error();
-        let standing = self.closes_loop_here().then(|| self.standing());
-        if standing.is_some_and(|standing| self.stands_too_long(standing)) {
+        let standing = self.closes_loop_here().then(|| self.standstill_values());
+        if standing.is_some_and(|standing| self.is_standstill_too_long(standing)) {
             return None;
         }
-        if self.supervision_tells() || !self.is_virtual() && !self.judge.stays_within(error, &self.parameters) {
+        if self.has_supervision_report() || !self.is_virtual() && !self.judge.stays_within(error, &self.parameters) {
             return None;
         }
         let next = match &self.generator {
             Generator::Plan(course) => {
-                let next = course.going_on(cycle)?;
-                self.may_go_on(next, course.is_watched()).then_some(())?;
+                let next = course.continued(cycle)?;
+                self.may_continue(next, course.needs_limit_check()).then_some(())?;
                 self.is_inside(next.position).then_some(())?;
                 next
             }
             Generator::Follow(Coupling { leader, follower, .. }) => {
                 let lead = leads.get(*leader);
                 match *follower.transmission() {
-                    Transmission::Gear(gear) => self.follow_calmly(lead, gear.stepped(lead.change)?)?,
-                    Transmission::Cam(cam) => self.follow_calmly(lead, cam.stepped(lead.change, tables)?)?,
+                    Transmission::Gear(gear) => self.follow_reduced(lead, gear.stepped(lead.change)?)?,
+                    Transmission::Cam(cam) => self.follow_reduced(lead, cam.stepped(lead.change, tables)?)?,
                     Transmission::Approach(_) => return None,
                 }
             }
             _ => return None,
         };
         if let Some(standing) = standing {
-            self.keep_standing(standing);
+            self.store_standstill(standing);
         }
         self.is_led = matches!(self.generator, Generator::Follow(_));
         self.at_limits.note_within();
         self.command = next;
         self.note_direction();
-        self.judge.note_step(cycle, self.actual.change, self.slack());
+        self.judge.note_step(cycle, self.actual.change, self.rest_tolerance());
         if !self.is_virtual() {
             self.judge.following_error = error;
         }
         self.streamed.pass();
-        let asked = self.asked();
+        let asked = self.commanded_increment();
         self.judge.keep(asked);
-        self.lead_drive(asked);
+        self.set_drive_outputs(asked);
         self.show_virtual(Position::ZERO);
         Some(())
     }
 
     /// Returns the motion of a slave that is synchronized with its leader.
     #[inline]
-    fn follow_calmly(&mut self, lead: Lead, (change, behind): (Position, impl Stepped)) -> Option<Motion> {
+    fn follow_reduced(&mut self, lead: Lead, (change, behind): (Position, impl Stepped)) -> Option<Motion> {
         let rule = self.parameters.reversing().rule;
         let follower = self.generator.follower()?;
         let following = follower.follow(self.command, (lead, change), &behind, self.cycle_s(), rule)?;
-        self.may_go_on(following.motion, true).then_some(())?;
+        self.may_continue(following.motion, true).then_some(())?;
         self.generator.follower_mut()?.keep(&following, behind);
         Some(following.motion)
     }
 
     /// Whether the axis may continue with `next`: the motion needs no stop or reversal, and starts inside the limits.
     #[inline]
-    fn may_go_on(&self, next: Motion, is_watched: bool) -> bool {
+    fn may_continue(&self, next: Motion, is_watched: bool) -> bool {
         // False for NaN.
         let leads_on = next.velocity >= 0.0
-            || next.velocity < 0.0 && (self.command.velocity < 0.0 || self.parameters.reversing().rule == Rule::Always);
+            || next.velocity < 0.0 && (self.command.velocity < 0.0 || self.parameters.reversing().rule == ReversingRule::Always);
         leads_on
             && self.at_limits.is_free()
             && self.is_inside(self.command.position)

@@ -32,7 +32,7 @@ pub fn no_cam(table: u16, error: CamError) -> Refusal {
     let (code, asked, limit) = match error {
         CamError::Words => (Code::CAM_FORM, Number::None, Number::None),
         CamError::Few { count: points, fewest } => (Code::CAM_POINTS, count(points), count(fewest)),
-        CamError::Uneven(point) => (Code::CAM_UNEVEN, count(point), Number::None),
+        CamError::SplineOvershoot(point) => (Code::CAM_UNEVEN, count(point), Number::None),
         CamError::NoLength => (Code::CAM_NO_LENGTH, Number::None, Number::None),
         CamError::Length(length) => (Code::CAM_LENGTH, Number::Count(length), Number::None),
         CamError::Place { place, x } => (Code::CAM_PLACE, count(place), Number::Count(x)),
@@ -74,7 +74,7 @@ impl Axis {
         if cam.has_ended(tables) {
             return Err(passed(place));
         }
-        let cam = if disengage == Disengage::KeepVelocity { cam.going_on() } else { cam };
+        let cam = if disengage == Disengage::KeepVelocity { cam.continuing_at_end() } else { cam };
         let offset = request.slave_offset.exact();
         if request.start == CamStart::Relative {
             return Ok((cam, offset));
@@ -115,7 +115,7 @@ impl Axis {
         if !cam.has_ended(cx.tables) || self.goal.is_none() {
             return;
         }
-        let limits = self.parameters.usual_limits();
+        let limits = self.parameters.default_goal_limits();
         let is_there = follower.phase() == Phase::Synchronized;
         let is_barred = follower.error(self.command.position) < Position::ZERO && !self.reverses_alone();
         if *disengage == Disengage::KeepVelocity && is_there {

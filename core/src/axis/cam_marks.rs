@@ -35,7 +35,7 @@ pub(super) struct CamMarks {
     waiting: [Position; MOST_WAITING],
     count: u8,
     /// Position of the side of the cam in the cycle before.
-    seen: Option<Seat>,
+    seen: Option<CamPosition>,
     /// Period of the cam (inc); 0 before the first cycle.
     period: i64,
     /// Correction of the master in the cycle before.
@@ -46,14 +46,14 @@ pub(super) struct CamMarks {
 
 /// Position of the side of a cam in its period.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Seat {
+struct CamPosition {
     /// Distance after its own mark, from 0 to a period (inc).
     past: f64,
     /// Period, and distance of the sensor (inc).
     by: (i64, i64),
 }
 
-impl Seat {
+impl CamPosition {
     /// Returns the distance after the mark of the cam (inc) if the side has passed that mark in moving by `change` from
     /// `before`. Each mark is passed once, whatever the rounding of the distances.
     fn passed(self, before: Option<Self>, change: f64) -> Option<Position> {
@@ -132,7 +132,7 @@ impl CamMarks {
 }
 
 /// Returns the distance of the sensor in whole periods without the last one (inc).
-fn wait_of(distance: i64, period: i64) -> i64 {
+fn whole_periods_of(distance: i64, period: i64) -> i64 {
     if period <= 0 || distance <= 0 { 0 } else { (distance - 1) / period * period }
 }
 
@@ -207,10 +207,10 @@ impl Axis {
         let sense = period.signum();
         let period = period.checked_abs().filter(|period| *period > 0)?;
         let value = value + distance.saturating_mul(sense) as f64;
-        let seat = Seat { past: value.rem_euclid(period as f64), by: (period, distance) };
+        let seat = CamPosition { past: value.rem_euclid(period as f64), by: (period, distance) };
         let mark = seat.passed(path.cam.seen.replace(seat), way.to_f64());
         path.cam.period = period;
-        Some(CamSide { period, wait: wait_of(distance, period), sense: sense as f64, change: way, mark })
+        Some(CamSide { period, wait: whole_periods_of(distance, period), sense: sense as f64, change: way, mark })
     }
 
     /// Returns both sides of a coupling by marks of a cam whose master moves by `passed_on` in this cycle.
@@ -226,7 +226,7 @@ impl Axis {
         let mut of_cam = Seen::new();
         side.mark.into_iter().for_each(|before| of_cam.push(before, now_ns));
         let [of_master, of_slave] = seen;
-        let (sync, marks) = self.judged_by_cam(path, side.period);
+        let (sync, marks) = self.check_parameters_of_cam(path, side.period);
         let (seen, changes, lost) = if path.mode == SyncMode::SlaveMarker {
             let change = self.actual.change;
             let (of_slave, lost) = path.cam.delayed(of_slave, change, &side, now_ns);
@@ -240,7 +240,7 @@ impl Axis {
 
     /// Returns the parameters for checking the marks of a cam: their distance is its period, the mark of the cam itself
     /// is always inside the window, and every mark is used.
-    fn judged_by_cam(&self, path: &MarkPath, period: i64) -> (Synchronization, Marks) {
+    fn check_parameters_of_cam(&self, path: &MarkPath, period: i64) -> (Synchronization, Marks) {
         let sync = Synchronization { mark_distance: period, ..self.parameters.sync };
         let marks =
             Marks { start: FROM_MARK, per_master: 1, per_slave: 1, slave_distance: period, ..self.parameters.marks };
@@ -263,15 +263,15 @@ mod tests {
     /// Proves: MACS-MARK-03
     #[test]
     fn a_sensor_further_away_than_a_period_waits() {
-        let waits = [0, 1, 300, 1_000, 1_001, 2_000, 2_500, -5].map(|distance| wait_of(distance, 1_000));
+        let waits = [0, 1, 300, 1_000, 1_001, 2_000, 2_500, -5].map(|distance| whole_periods_of(distance, 1_000));
         assert_eq!(waits, [0, 0, 0, 0, 1_000, 1_000, 2_000, 0]);
-        assert_eq!(wait_of(5, 0), 0);
+        assert_eq!(whole_periods_of(5, 0), 0);
     }
 
     /// Forward and backward, also with rounded distances, each mark is passed once.
     #[test]
     fn a_place_is_passed_once_from_either_side() {
-        let seat = |value: f64| Seat { past: value.rem_euclid(1_000.0), by: (1_000, 300) };
+        let seat = |value: f64| CamPosition { past: value.rem_euclid(1_000.0), by: (1_000, 300) };
         let passed = |from: f64, to: f64| seat(to).passed(Some(seat(from)), to - from);
         let at = |way: f64| Some(Position::from_f64(way));
         assert_eq!((passed(1_993.0, 2_003.0), passed(1_990.0, 2_000.0)), (at(3.0), at(0.0)));
@@ -286,7 +286,7 @@ mod tests {
         assert_eq!(seat(short).passed(Some(seat(999.0)), 1.0), None);
         assert!(seat(short + 1.0).passed(Some(seat(short)), 1.0).is_some());
         // A position measured with another period or sensor distance does not count.
-        assert_eq!(seat(3.0).passed(Some(Seat { by: (1_000, 0), ..seat(993.0) }), 10.0), None);
+        assert_eq!(seat(3.0).passed(Some(CamPosition { by: (1_000, 0), ..seat(993.0) }), 10.0), None);
         assert_eq!(seat(3.0).passed(None, 10.0), None);
     }
 }

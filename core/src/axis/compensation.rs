@@ -27,11 +27,11 @@ const _: () = assert!(MAX_DELAY as usize + 1 == PAST, "a ring holds the cycles o
 impl Axis {
     /// Subtracts from the counts, before those of this cycle are read, the compensation that they contain. Returns the
     /// motion of the load in addition to its counts (inc, in the direction of the encoder).
-    pub(super) fn take_compensation(&mut self) -> i64 {
+    pub(super) fn subtract_compensation(&mut self) -> i64 {
         if self.compensation.is_idle() {
             return 0;
         }
-        let by = self.compensation.answer().saturating_neg();
+        let by = self.compensation.advance_counts().saturating_neg();
         if by != 0 {
             self.counter.shift(by);
             // The index pulses of a simulated encoder follow the command.
@@ -43,10 +43,10 @@ impl Axis {
     }
 
     /// Adds a motion of the load to that of its counts (inc, in the direction of the encoder).
-    pub(super) fn move_beside_counts(&mut self, by: i64) {
+    pub(super) fn add_load_motion(&mut self, by: i64) {
         if by != 0 {
             self.actual.change += Position::whole(self.turn_counts(by));
-            self.actual.velocity += self.across(by as f64 / self.cycle_s());
+            self.actual.velocity += self.convert_direction(by as f64 / self.cycle_s());
         }
     }
 
@@ -72,18 +72,18 @@ impl Axis {
             return;
         }
         let is_own = self.is_on() && !self.homing.is_in_drive();
-        let place = self.turn_counts(if is_own { self.asked() } else { self.actual.position.floor() });
+        let place = self.turn_counts(if is_own { self.commanded_increment() } else { self.actual.position.floor() });
         if self.compensation.is_idle() {
             self.compensation.begin_at(place);
         }
-        self.compensation.note_place(place, is_own);
+        self.compensation.set_command_position(place, is_own);
         // The motor must not turn against its brake, nor while the brake opens or closes.
         let is_held = is_own && self.is_braked() || matches!(self.power, Power::Opening { .. } | Power::Closing { .. });
         // Nothing moves the motor to a new compensation while its position loop is open.
         let is_held = is_held || self.out_an().is_some();
         let target = if self.homing.is_running() || is_held {
-            self.compensation.asked()
-        } else if self.knows_zero() {
+            self.compensation.commanded_compensation()
+        } else if self.is_referenced() {
             let place = place.saturating_sub(self.turn_counts(self.homing.limit_shift()));
             let turn = self.setup.modulo.map(Modulo::length);
             let within = |modulo: Modulo| modulo.split(Position::whole(place)).1.floor();
@@ -92,7 +92,7 @@ impl Axis {
                 pitch.map_or(0, |table| table.pitch_at(place, turn)).saturating_add(self.compensation.gap(p.backlash));
             // The position of an axis without power depends on the compensation: a change of one increment could repeat
             // for ever.
-            let asked = self.compensation.asked();
+            let asked = self.compensation.commanded_compensation();
             if !is_own && target.abs_diff(asked) <= 1 { asked } else { target }
         } else {
             0
@@ -109,7 +109,7 @@ impl Axis {
     }
 
     /// Whether compensation is complete. Otherwise the motor is still moving to the compensated position.
-    pub(super) fn has_taken_up(&self) -> bool {
+    pub(super) fn is_compensated(&self) -> bool {
         self.compensation.is_idle() || self.compensation.is_settled()
     }
 
@@ -123,6 +123,6 @@ impl Axis {
 
     /// Returns the value added to the command of the drive (inc, in the direction of the axis).
     pub(super) fn compensated(&self) -> i64 {
-        self.turn_counts(self.compensation.asked())
+        self.turn_counts(self.compensation.commanded_compensation())
     }
 }

@@ -17,7 +17,7 @@ use crate::encoder::Lead;
 use crate::parameter::{OffsetRates, Synchronization};
 use crate::position::Position;
 use crate::sync::filter::{Filtering, Keeps, MasterFilter};
-use crate::sync::follower::{Band, Beside, Follower};
+use crate::sync::follower::{Band, AddedMotion, Follower};
 use crate::sync::{Shift, SyncMode};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
@@ -31,7 +31,7 @@ const SILENCE: u16 = 250;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Conditioned {
     pub lead: Lead,
-    pub beside: Beside,
+    pub beside: AddedMotion,
 }
 
 /// State of the processing of the master motion.
@@ -89,7 +89,7 @@ impl Conditioning {
     }
 
     /// Continues with the filter of the coupling before.
-    pub(super) fn go_on_with(&mut self, filter: Option<MasterFilter>) {
+    pub(super) fn continue_filter(&mut self, filter: Option<MasterFilter>) {
         self.filter = filter;
     }
 
@@ -153,7 +153,7 @@ impl Conditioning {
     }
 
     /// Continues active corrections with these rates.
-    fn go_on_at(&mut self, rates: OffsetRates, cycle_s: f64) {
+    fn continue_at(&mut self, rates: OffsetRates, cycle_s: f64) {
         let OffsetRates { velocity, acceleration } = rates;
         let slope = self.late_slope;
         self.shift = self.shift.map(|shift| shift.at_rates(velocity, acceleration, cycle_s));
@@ -172,7 +172,7 @@ impl Conditioning {
                 way = whole;
             }
         }
-        way + give(&mut self.shift, rates, most)
+        way + apply_step(&mut self.shift, rates, most)
     }
 }
 
@@ -191,7 +191,7 @@ fn step(shift: &mut Option<Shift>, most: f64) -> Position {
 }
 
 /// As [`step`], but without rates all at once.
-fn give(shift: &mut Option<Shift>, rates: Option<OffsetRates>, most: f64) -> Position {
+fn apply_step(shift: &mut Option<Shift>, rates: Option<OffsetRates>, most: f64) -> Position {
     if rates.is_some() { step(shift, most) } else { shift.take().map_or(Position::ZERO, |shift| shift.left()) }
 }
 
@@ -241,7 +241,7 @@ impl Axis {
             return Conditioned { lead, ..Conditioned::default() };
         };
         let follower = &coupling.follower;
-        let (mode, is_turned) = (follower.mode(), follower.transmission().is_turned());
+        let (mode, is_turned) = (follower.mode(), follower.transmission().is_mirrored());
         let (is_gear, slope) = (follower.transmission().cam().is_none(), follower.transmission().signed_slope());
         let by_position = mode.keeps_position();
         let cycle_s = self.cycle_s();
@@ -263,17 +263,17 @@ impl Axis {
         if let Some(filtering) = filtering {
             let cycle_us = cycle_s * 1e6;
             let filter = state.filter.get_or_insert(MasterFilter::settled(velocity));
-            next.uneven = lead.uneven * filter.smooths(&filtering, cycle_us);
+            next.uneven = lead.uneven * filter.smoothing_factor(&filtering, cycle_us);
             next.change = filter.step(next.change, &filtering, cycle_us);
         } else if let Some(filter) = state.filter.take() {
-            owed = filter.owed();
+            owed = filter.lag_distance();
             next.change += owed;
         }
         if !by_position {
             return Conditioned { lead: next, ..Conditioned::default() };
         }
         if let Some(rates) = state.rates(&sync, is_gear) {
-            state.go_on_at(rates, cycle_s);
+            state.continue_at(rates, cycle_s);
         }
         let band = state.band(sync.velocity_band, velocity * slope, lead.uneven > 0.0, cycle_s);
         // Added motions must keep the velocity band, and the sum must not exceed the velocity of the goal.
@@ -298,23 +298,23 @@ impl Axis {
             added += state.step_offset(wanted, rates, cycle_s, most / slope.abs());
         } else if state.marks.is_some() {
             // Corrections of the master of a cam.
-            added += give(&mut state.shift, rates, of_master);
+            added += apply_step(&mut state.shift, rates, of_master);
         }
         next.change += added;
         if let Some(path) = state.marks.as_mut().filter(|_| !is_gear) {
             path.cam.given = next.change - passed_on;
         }
-        let way = marks.way + give(&mut state.late, rates, most);
+        let way = marks.way + apply_step(&mut state.late, rates, most);
         state.by_rule &= state.late.is_some();
-        let beside = Beside { way, added: added + owed, ahead: sync.ahead(cycle_s), band };
+        let beside = AddedMotion { way, added: added + owed, ahead: sync.ahead(cycle_s), band };
         Conditioned { lead: next, beside }
     }
 
     /// Makes up for prevented backward motion of the slave at `position` within syncofftime, if that is set.
-    pub(super) fn make_up_later(&mut self, position: Position) {
+    pub(super) fn schedule_make_up(&mut self, position: Position) {
         let (conditions, cycle_s) = (self.conditions(), self.cycle_s());
         let Some(follower) = self.generator.follower_mut() else { return };
-        let is_barred = follower.is_barred() && follower.mode().keeps_position();
+        let is_barred = follower.is_reverse_prevented() && follower.mode().keeps_position();
         let silent = &mut self.conditioning.silent;
         *silent = if is_barred { SILENCE } else { silent.saturating_sub(1) };
         if !is_barred || !conditions {
@@ -331,7 +331,7 @@ impl Axis {
         let late = &mut self.conditioning.late;
         // The part of this cycle that was prevented has not been moved: the trapezoid begins at the actual speed of the
         // slave.
-        let before = late.map(|late| late.held_to(late.speed() - lacked.to_f64()));
+        let before = late.map(|late| late.limited_to(late.speed() - lacked.to_f64()));
         let whole = before.map_or(Position::ZERO, |late| late.left()) + lacked;
         // Nothing is left to make up for.
         *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, before.as_ref()));
@@ -340,7 +340,7 @@ impl Axis {
     }
 
     /// Whether prevented backward motion was reported recently.
-    pub(super) fn was_barred(&self) -> bool {
+    pub(super) fn was_reverse_prevented(&self) -> bool {
         self.conditioning.silent > 0
     }
 
@@ -350,21 +350,21 @@ impl Axis {
     }
 
     /// Returns the distance that the slave lacks in addition to the error of its follower.
-    pub(super) fn held_back(&self) -> Position {
+    pub(super) fn missing_distance(&self) -> Position {
         if self.conditioning.is_empty() {
             return Position::ZERO;
         }
         let slope = self.coupling().map_or(0.0, |coupling| coupling.follower.transmission().signed_slope());
         let late = self.conditioning.late.map_or(Position::ZERO, |late| late.left());
-        let owed = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.owed());
-        let spread = self.conditioning.marks.map_or(Position::ZERO, |marks| marks.left());
+        let owed = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.lag_distance());
+        let spread = self.conditioning.marks.map_or(Position::ZERO, |marks| marks.remaining_corrections());
         let of_master = self.conditioning.marks.is_some_and(|marks| marks.mode == SyncMode::MasterMarker);
         let spread = if of_master { Position::from_f64(spread.to_f64() * slope) } else { spread };
         Position::from_f64(owed.to_f64() * slope) + late + spread
     }
 
     /// Returns the commanded distance that the slave has not moved yet, without distances spread for marks.
-    pub(super) fn under_way(&self) -> Position {
+    pub(super) fn pending_distance(&self) -> Position {
         let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else { return Position::ZERO };
         let Conditioning { late, shift, .. } = &self.conditioning;
         let late = late.map_or(Position::ZERO, |late| late.left());
@@ -373,7 +373,7 @@ impl Axis {
     }
 
     /// Returns the stored backward motion of the master, and the lag of its filter (inc of the master).
-    pub(super) fn kept_of_master(&self) -> (Position, Position) {
+    pub(super) fn stored_of_master(&self) -> (Position, Position) {
         let lacked = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.error());
         (self.conditioning.backward, lacked)
     }
@@ -386,7 +386,7 @@ impl Axis {
     }
 
     /// Continues with another gear of the same leader.
-    pub(super) fn go_on_conditioning(&mut self) {
+    pub(super) fn continue_conditioning(&mut self) {
         self.conditioning.keeps_backward = self.parameters.sync.keeps_backward();
     }
 

@@ -55,14 +55,14 @@ impl Axis {
         if request.engage != Engage::Immediately || self.smooth_start(request.mode, lead).is_some() {
             return self.wait_to_engage(cx, sequence, (request, leader));
         }
-        let led = self.led_ahead(request.mode);
+        let led = self.leading_distance(request.mode);
         // With the same leader the filter continues with the distance that it holds.
         let by_gear = request.mode == SyncMode::Position && request.cam.is_none();
         let filter = self.follows_by_position(leader).filter(|_| by_gear).and(self.conditioning.filter());
         let begins = match &request.cam {
             Some(cam) => {
                 let start = cam.start;
-                let stands = self.present().position - led;
+                let stands = self.present_motion().position - led;
                 let (cam, way) = self.cam_of(cx.tables, lead, (cam, request.disengage), stands)?;
                 self.check_cam_marks(request.mode, &cam, start, cx.tables)?;
                 let cam = self.cam_before_mark(request.mode, cam, cx.tables);
@@ -74,7 +74,7 @@ impl Axis {
         let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
         self.begin_conditioning(request.mode, lead);
-        self.conditioning.go_on_with(filter);
+        self.conditioning.continue_filter(filter);
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
@@ -88,15 +88,15 @@ impl Axis {
         (transmission, offset): (Transmission, Position),
     ) -> Result<Follower, Refusal> {
         let bounds = self.bounds_of(request)?;
-        let follower = Follower::new(lead.uneven, transmission, request.mode, self.present(), offset, bounds);
-        Ok(follower.led_ahead(self.led_ahead(request.mode)))
+        let follower = Follower::new(lead.uneven, transmission, request.mode, self.present_motion(), offset, bounds);
+        Ok(follower.leading_by(self.leading_distance(request.mode)))
     }
 
     /// Returns the distance by which the axis leads (SYNCFFVEL), if a coupling in `mode` continues with that. This
     /// distance is then no motion to make up, and the follower starts at the position of its drive.
-    pub(super) fn led_ahead(&self, mode: SyncMode) -> Position {
+    pub(super) fn leading_distance(&self, mode: SyncMode) -> Position {
         let before = self.coupling().filter(|_| mode.keeps_position());
-        before.map_or(Position::ZERO, |coupling| coupling.follower.led_by())
+        before.map_or(Position::ZERO, |coupling| coupling.follower.leading_distance())
     }
 
     /// Returns the coupling of a request.
@@ -110,10 +110,10 @@ impl Axis {
     pub(super) fn bounds_of(&self, request: &Synchronize) -> Result<Bounds, Refusal> {
         let p = &self.parameters;
         let velocity =
-            self.check_rate(request.velocity, p.usual_velocity(), p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
+            self.check_rate(request.velocity, p.default_goal_velocity(), p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
         let acceleration = self.check_rate(
             request.acceleration,
-            p.usual_acceleration(),
+            p.default_goal_acceleration(),
             p.max_acceleration,
             Code::ACCELERATION_TOO_HIGH,
         )?;
@@ -191,31 +191,31 @@ impl Axis {
         let change = lead.change + shift;
         if change.raw().abs() > 2 * bound.raw() {
             let change = Number::Position(change.floor());
-            self.tell_phase(cx, ended, self.command.position);
+            self.report_phase(cx, ended, self.command.position);
             self.raise(cx, Failure::of(Code::ENCODER_JUMP).with(change, Number::None).before_motion());
             return None;
         }
         let lead = Lead { change, ..lead };
         let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
-        if follower.transmission().cam().is_some_and(|cam| !cam.bears(change, cx.tables)) {
-            let most = follower.transmission().cam().map_or(0, |cam| cam.most(cx.tables) as i64);
+        if follower.transmission().cam().is_some_and(|cam| !cam.allows_change(change, cx.tables)) {
+            let most = follower.transmission().cam().map_or(0, |cam| cam.largest_change(cx.tables) as i64);
             let numbers = (Number::Count(change.floor().saturating_abs()), Number::Count(most));
-            self.tell_phase(cx, ended, self.command.position);
+            self.report_phase(cx, ended, self.command.position);
             self.raise(cx, Failure::of(Code::CAM_MASTER_TOO_FAST).with(numbers.0, numbers.1).before_motion());
             return None;
         }
         let was = follower.phase();
-        let next = follower.step_beside(slave, (lead, cx.tables), cycle_s, reserve, rule, beside);
-        let (is_lost, waits) = (follower.phase() == Phase::CatchingUp, follower.is_barred());
+        let next = follower.step_with_added(slave, (lead, cx.tables), cycle_s, reserve, rule, beside);
+        let (is_lost, waits) = (follower.phase() == Phase::CatchingUp, follower.is_reverse_prevented());
         // Added motions were requested, so they are not reported as a loss of synchronization.
-        let is_told = if waits { !self.was_barred() } else { follower.is_overtaken() };
+        let is_told = if waits { !self.was_reverse_prevented() } else { follower.leader_exceeds_limits() };
         if was != Phase::CatchingUp && is_lost && is_told {
             let lost = if waits { Code::REVERSE_FORBIDDEN } else { Code::SYNC_LOST };
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), lost);
             cx.events.push(Event { position: next.position, ..event });
         }
-        self.make_up_later(next.position);
-        self.tell_phase(cx, ended, next.position);
+        self.schedule_make_up(next.position);
+        self.report_phase(cx, ended, next.position);
         Some(next)
     }
 

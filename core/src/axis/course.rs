@@ -32,7 +32,7 @@ impl Aim {
 
 /// A profile that started in a cycle.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Course {
+pub(super) struct PlannedMotion {
     plan: Plan,
     /// Cycle in which the plan begins.
     start: u64,
@@ -48,7 +48,7 @@ pub(super) struct Course {
     pub pass: f64,
 }
 
-impl Course {
+impl PlannedMotion {
     pub(super) fn new(plan: Plan, start: u64, aim: Aim, limits: Limits) -> Self {
         Self { plan, start, shift: Position::ZERO, bound: None, aim, limits, pass: 0.0 }
     }
@@ -94,7 +94,7 @@ impl Course {
 
     /// Returns the motion of a cycle in which the course neither ends nor changes.
     #[inline]
-    pub(super) fn going_on(&self, cycle: u64) -> Option<Motion> {
+    pub(super) fn continued(&self, cycle: u64) -> Option<Motion> {
         // Velocity reached and kept.
         let stays = || matches!(self.aim, Aim::Velocity(_)) && self.end_velocity() != 0.0 && !self.is_old(cycle);
         let goes_on = self.bound.is_none() && (!self.has_ended(cycle) || stays());
@@ -104,7 +104,7 @@ impl Course {
     /// Whether each cycle is checked against the limits. A course that ends at rest was checked as a whole, and one
     /// that passes its target was checked together with the next goal.
     #[inline]
-    pub(super) fn is_watched(&self) -> bool {
+    pub(super) fn needs_limit_check(&self) -> bool {
         self.end_velocity() != 0.0 && self.pass == 0.0
     }
 
@@ -159,7 +159,7 @@ impl Course {
     }
 
     /// Whether `next`, from `now`, passes positions that this course does not pass.
-    fn aim_is_passed(&self, next: &Self, now: Position) -> bool {
+    fn passes_further(&self, next: &Self, now: Position) -> bool {
         let (low, high) = self.extent_from(now);
         let (next_low, next_high) = next.extent_from(now);
         let rounding = Position::from_f64(ROUNDING);
@@ -188,8 +188,8 @@ impl Axis {
     }
 
     /// Returns a course from `from` within the override.
-    pub(super) fn course(&self, cycle: u64, from: Motion, aim: Aim, limits: Limits) -> Course {
-        let usable = self.sharpened(from, limits);
+    pub(super) fn course(&self, cycle: u64, from: Motion, aim: Aim, limits: Limits) -> PlannedMotion {
+        let usable = self.with_raised_jerk(from, limits);
         let cap = self.override_velocity();
         let capped = Limits { velocity: limits.velocity.min(cap), ..usable };
         let cycle_ns = self.setup.cycle_ns;
@@ -199,13 +199,13 @@ impl Axis {
             Aim::Target(target) => profile::to_rest(from, target, &capped, cycle_ns),
             Aim::Velocity(velocity) => profile::to_velocity(from, velocity.clamp(-cap, cap), &capped, cycle_ns),
         };
-        Course::new(plan, cycle, aim, limits)
+        PlannedMotion::new(plan, cycle, aim, limits)
     }
 
     /// Returns the same limits, but with a higher jerk if the present acceleration would otherwise end beyond
     /// max_velocity. A goal with less jerk than the motion before it must not drive the axis too fast.
-    pub(super) fn sharpened(&self, from: Motion, limits: Limits) -> Limits {
-        sharpen(from, limits, self.velocity_for_base())
+    pub(super) fn with_raised_jerk(&self, from: Motion, limits: Limits) -> Limits {
+        raise_jerk(from, limits, self.velocity_for_base())
     }
 
     /// Returns the end of the active motion. None: no end or no motion.
@@ -244,7 +244,7 @@ impl Axis {
             let (now, here) = (self.base(), self.command.position);
             let brakes = now.velocity * now.acceleration < 0.0 && now.velocity.abs() <= self.override_velocity();
             let keeps = course.pass != 0.0 || brakes && course.end_velocity() == 0.0;
-            let turns = keeps && course.aim_is_passed(&next, here);
+            let turns = keeps && course.passes_further(&next, here);
             let ((low, high), (down, up)) = (next.extent_from(here), self.overlay_ahead());
             // A motion without end is checked in each cycle.
             let fits = next.end_velocity() != 0.0 || self.check_range(low + down, high + up).is_ok();
@@ -261,7 +261,7 @@ impl Axis {
         self.generator = super::Generator::Plan(self.course_for(cx.cycle, aim, limits));
     }
 
-    fn course_for(&self, cycle: u64, aim: Aim, limits: Limits) -> Course {
+    fn course_for(&self, cycle: u64, aim: Aim, limits: Limits) -> PlannedMotion {
         let from = self.base();
         match aim {
             Aim::Target(target) => self.course_to(cycle, from, target, limits),
@@ -272,7 +272,7 @@ impl Axis {
 
 /// Returns the same limits, but with a higher jerk if the acceleration of `from` would otherwise end beyond `most`
 /// (inc/s).
-pub(super) fn sharpen(from: Motion, limits: Limits, most: f64) -> Limits {
+pub(super) fn raise_jerk(from: Motion, limits: Limits, most: f64) -> Limits {
     let Shape::Jerk(jerks) = limits.shape else { return limits };
     let room = most - from.velocity.abs();
     if from.velocity * from.acceleration <= 0.0 || room <= 0.0 {

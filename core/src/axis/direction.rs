@@ -9,13 +9,13 @@
 //! Source   MACS-DIR-01..10, A-07, A-08, A-09
 
 use super::alarm::NO_NUMBERS;
-use super::course::{Aim, Course, ROUNDING};
+use super::course::{Aim, PlannedMotion, ROUNDING};
 use super::overlay::Overlay;
 use super::{Axis, Context, Generator};
 use crate::code::Code;
 use crate::drive::{Interface, Switching};
 use crate::event::{Number, Refusal};
-use crate::parameter::{AxisParameters, Polarity, Rule, Sense};
+use crate::parameter::{AxisParameters, Polarity, ReversingRule, CountDirection};
 use crate::position::Position;
 use crate::profile::{self, Motion};
 use crate::vocabulary::Notice;
@@ -27,7 +27,7 @@ pub fn may_turn_loop(interface: Option<Interface>, parameters: &AxisParameters) 
 }
 
 /// Whether outputs can give the sign of the reference. A position reference has its own sign.
-pub fn may_tell_sign(interface: Option<Interface>, parameters: &AxisParameters) -> bool {
+pub fn may_output_sign(interface: Option<Interface>, parameters: &AxisParameters) -> bool {
     let by_speed = matches!(interface, Some(Interface::Velocity | Interface::OpenLoop));
     by_speed || parameters.reversing().polarity == Polarity::Bipolar
 }
@@ -43,7 +43,7 @@ impl Axis {
 
     /// Whether outputs give the sign of the reference.
     #[inline]
-    pub fn tells_sign(&self) -> bool {
+    pub fn outputs_sign(&self) -> bool {
         self.parameters.reversing().polarity != Polarity::Bipolar
     }
 
@@ -62,46 +62,46 @@ impl Axis {
 
     /// Returns the direction of the axis. A virtual axis has no encoder and so no inverted direction.
     #[inline]
-    pub(super) fn turned(&self) -> Sense {
-        if self.is_virtual() { Sense::default() } else { self.parameters.sense() }
+    pub(super) fn direction(&self) -> CountDirection {
+        if self.is_virtual() { CountDirection::default() } else { self.parameters.sense() }
     }
 
     /// Converts counts of the drive to the direction of the axis (inc), and back.
     #[inline]
     pub(super) fn turn_counts(&self, counts: i64) -> i64 {
-        self.turned().turn(counts)
+        self.direction().invert(counts)
     }
 
     /// Converts a value of the drive to the direction of the axis, and back.
     #[inline]
-    pub(super) fn across(&self, value: f64) -> f64 {
-        self.turned().turn_real(value)
+    pub(super) fn convert_direction(&self, value: f64) -> f64 {
+        self.direction().invert_real(value)
     }
 
     /// Converts a reference to the direction in which the motor turns, that of the loop that is closed here.
     #[inline]
     pub(super) fn reference_across(&self, value: f64) -> f64 {
-        let value = self.across(value);
-        if self.turned().position && self.setup.interface != Interface::Position { 0.0 - value } else { value }
+        let value = self.convert_direction(value);
+        if self.direction().position && self.setup.interface != Interface::Position { 0.0 - value } else { value }
     }
 
     /// Returns the whole increment for the drive at `position`, in the direction of the axis: the lower one in the
     /// counts of the drive.
     #[inline]
-    pub(super) fn asked_at(&self, position: Position) -> i64 {
-        let sense = self.turned();
-        sense.turn(sense.turn_position(position).floor())
+    pub(super) fn commanded_increment_at(&self, position: Position) -> i64 {
+        let sense = self.direction();
+        sense.invert(sense.invert_position(position).floor())
     }
 
     /// Returns the whole increment for the drive in this cycle, in the direction of the axis.
     #[inline]
-    pub(super) fn asked(&self) -> i64 {
-        self.asked_at(self.command.position)
+    pub(super) fn commanded_increment(&self) -> i64 {
+        self.commanded_increment_at(self.command.position)
     }
 
     /// Returns the rest of an axis that stops at `position`: at the increment that the drive already has.
     pub(super) fn resting(&self, position: Position) -> Motion {
-        Motion::at_rest(Position::whole(self.asked_at(position)))
+        Motion::at_rest(Position::whole(self.commanded_increment_at(position)))
     }
 
     /// Returns the outputs that choose a direction, as wired to the motor.
@@ -115,24 +115,24 @@ impl Axis {
     /// Applies new parameters. Returns true if they mirror the axis: other copies of its position must then be
     /// mirrored, too.
     pub fn take_parameters(&mut self, parameters: AxisParameters) -> bool {
-        let before = self.turned().units;
+        let before = self.direction().units;
         let had_fixed_zero = self.has_fixed_zero();
-        if self.parameters.loses_zero_to(&parameters) {
+        if self.parameters.invalidates_zero(&parameters) {
             self.homing.forget();
         }
         self.parameters.set(parameters);
-        if had_fixed_zero && !self.knows_zero() {
-            self.homing.forget_told();
+        if had_fixed_zero && !self.is_referenced() {
+            self.homing.forget_reference_of_encoder();
         }
-        let turns = before != self.turned().units;
+        let turns = before != self.direction().units;
         if turns {
-            self.turn_over();
+            self.mirror();
         }
         turns
     }
 
     /// Mirrors all stored positions of the axis, which is off and stays where it is.
-    fn turn_over(&mut self) {
+    fn mirror(&mut self) {
         self.command = Motion::at_rest(-self.command.position);
         self.actual.position = -self.actual.position;
         self.last_direction = 0.0 - self.last_direction;
@@ -147,7 +147,7 @@ impl Axis {
     ///
     /// # Errors
     /// The loop of its drive cannot be inverted here, or the loop that is closed here cannot run.
-    pub fn admits_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
+    pub fn check_sense(&self, candidate: &AxisParameters) -> Result<(), Refusal> {
         self.admits_analog(candidate)?;
         let interface = self.setup.drive.map(|_| self.setup.interface);
         let wired = super::may_read(self.setup.wired, self.setup.encoders, interface, candidate);
@@ -156,7 +156,7 @@ impl Axis {
             refused
         } else if !may_turn_loop(interface, candidate) {
             ("posdrct", Code::LOOP_IN_DRIVE)
-        } else if !may_tell_sign(interface, candidate) {
+        } else if !may_output_sign(interface, candidate) {
             ("revers", Code::REVERSING_BY_POSITION)
         } else {
             return Ok(());
@@ -171,15 +171,15 @@ impl Axis {
 
     /// Whether a motion without master may go backward.
     pub(super) fn reverses_alone(&self) -> bool {
-        self.parameters.reversing().rule == Rule::Always
+        self.parameters.reversing().rule == ReversingRule::Always
     }
 
     /// Whether the axis may move backward in this cycle.
     fn may_reverse(&self) -> bool {
         match self.parameters.reversing().rule {
-            Rule::Always => true,
-            Rule::WithMaster => self.coupling().is_some_and(|coupling| coupling.follower.leader_reverses()),
-            Rule::Never => false,
+            ReversingRule::Always => true,
+            ReversingRule::WithMaster => self.coupling().is_some_and(|coupling| coupling.follower.leader_reverses()),
+            ReversingRule::Never => false,
         }
     }
 
@@ -195,7 +195,7 @@ impl Axis {
 
     /// Checks that a course is forward throughout if REVERS requires that. An axis that already moves backward (with
     /// its master) first has to stop.
-    pub(super) fn check_course_forward(&self, course: &Course, from: Motion) -> Result<(), Refusal> {
+    pub(super) fn check_course_forward(&self, course: &PlannedMotion, from: Motion) -> Result<(), Refusal> {
         if self.reverses_alone() {
             return Ok(());
         }

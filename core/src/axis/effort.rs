@@ -65,7 +65,7 @@ impl EffortLoops {
 impl Axis {
     /// Whether the drive has a torque or voltage command.
     #[inline]
-    pub(super) fn takes_effort(&self) -> bool {
+    pub(super) fn has_effort_command(&self) -> bool {
         !self.is_virtual() && self.setup.interface.takes_effort()
     }
 
@@ -125,12 +125,12 @@ impl Axis {
         match self.setup.interface {
             Interface::Voltage if self.generator.asks_effort() => 1.0,
             Interface::Voltage => p.power_stage.most(&p.amplifier),
-            _ => p.amplifier.most(),
+            _ => p.amplifier.max_output(),
         }
     }
 
     /// Whether that part of the largest effort, or of the largest current, is commanded.
-    pub(super) fn asks_for_all(&self, part: f64) -> bool {
+    pub(super) fn is_at_largest_effort(&self, part: f64) -> bool {
         let (loops, p) = (&self.effort_loops, &self.parameters);
         if !self.closes_current_loop() {
             let most = self.most_output();
@@ -147,8 +147,8 @@ impl Axis {
 
     /// Converts the effort that the drive reports to the direction in which it is commanded.
     #[inline]
-    pub(super) fn told_effort(&self, effort: f64) -> f64 {
-        if self.takes_effort() { self.reference_across(effort) } else { self.across(effort) }
+    pub(super) fn reported_effort(&self, effort: f64) -> f64 {
+        if self.has_effort_command() { self.reference_across(effort) } else { self.convert_direction(effort) }
     }
 
     /// Returns the velocity in the velocity loop (inc/s of the axis, converted if the loop has an encoder of its own);
@@ -170,7 +170,7 @@ impl Axis {
 
     /// Whether the current has to be supervised at rest, too.
     pub(super) fn watches_current(&self) -> bool {
-        self.takes_effort() && self.parameters.amplifier.torque_constant > 0.0
+        self.has_effort_command() && self.parameters.amplifier.torque_constant > 0.0
     }
 
     /// Supervises the current that the drive reports, also of an axis that is off: its motor cools.
@@ -179,7 +179,7 @@ impl Axis {
             return;
         }
         let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
-        let settings = p.heat(self.setup.cycle_ns);
+        let settings = p.i2t_settings(self.setup.cycle_ns);
         let watch = loops.watch.filter(|watch| watch.settings() == settings).unwrap_or_else(|| I2t::new(settings));
         loops.watch = Some(watch);
         let current = self.shown.effort() / p.torque_constant * 1000.0;

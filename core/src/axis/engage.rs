@@ -213,7 +213,7 @@ impl Axis {
                 let shifts = if goes_on { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
                 self.take_over(cx, engagement.sequence, None);
                 if goes_on && engagement.request.cam.is_none() {
-                    self.go_on_conditioning();
+                    self.continue_conditioning();
                 } else {
                     self.begin_conditioning(engagement.request.mode, lead);
                 }
@@ -247,7 +247,7 @@ impl Axis {
             Engage::Immediately => None,
             Engage::AtPosition { position, turn } | Engage::InPosition { position, turn, distance: 0, .. } => {
                 let place = Position::whole(position);
-                let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
+                let place = turn.map_or(place, |turn| turn.last_reached(place, lead.position, lead.change));
                 passed(place, lead, *seen)
             }
             Engage::InPosition { .. } => match Pair::of(request.engage) {
@@ -256,7 +256,7 @@ impl Axis {
             },
             Engage::OnEvent(source) => {
                 let latch = first_latch(cx.latches, source, ProbeEdge::Rising).filter(|_| cx.cycle != *since);
-                latch.map(|latch| latch.way_since(*leader, lead, self.setup.cycle_ns))
+                latch.map(|latch| latch.travel_since(*leader, lead, self.setup.cycle_ns))
             }
             Engage::AtEnd => {
                 let cam = self.coupling().and_then(|coupling| coupling.follower.transmission().cam());
@@ -286,15 +286,15 @@ impl Axis {
         };
         let bounds = self.bounds_of(request)?;
         let before = self.follows_by_position(*leader);
-        let led = self.led_ahead(request.mode);
-        let stands = before.map_or_else(|| self.present().position - led, Follower::place);
+        let led = self.leading_distance(request.mode);
+        let stands = before.map_or_else(|| self.present_motion().position - led, Follower::place);
         let (next, offset) = self.cam_of(tables, lead, (cam, request.disengage), stands)?;
         let next = next.with_mean(self.mean_of(*leader, lead));
         // Target of the slave, and the cam there.
         let (target, next) = if cam.start == CamStart::Relative {
             let (change, next) = match (before.map(|before| *before.transmission()), moment) {
                 (Some(Transmission::Cam(old)), Due::End) => old.handed_over(next, tables).ok_or_else(bad_request)?,
-                (old, Due::Behind(after)) => begun_before(old, next, after, tables),
+                (old, Due::Behind(after)) => began_in_past(old, next, after, tables),
                 (_, Due::End) => return Err(bad_request()),
             };
             (stands + offset + change, next)
@@ -306,9 +306,9 @@ impl Axis {
         let follower = match before {
             Some(before) => before.handed_over(transmission, target, bounds, goes_on),
             None => {
-                let present = self.present();
+                let present = self.present_motion();
                 let offset = target + led - present.position;
-                Follower::new(lead.uneven, transmission, request.mode, present, offset, bounds).led_ahead(led)
+                Follower::new(lead.uneven, transmission, request.mode, present, offset, bounds).leading_by(led)
             }
         };
         Ok(self.coupling_by(*leader, request, follower))
@@ -329,11 +329,11 @@ impl Axis {
 
 /// Returns the change of the slave, and the next cam, for a cam that began when the leader was `after` before its
 /// present position. Until now `old` has moved the slave.
-fn begun_before(old: Option<Transmission>, next: Cam, after: Position, tables: &[Arc<Table>]) -> (Position, Cam) {
+fn began_in_past(old: Option<Transmission>, next: Cam, after: Position, tables: &[Arc<Table>]) -> (Position, Cam) {
     let mean = next.mean();
     let (back, mut next) = match old {
         None => (Position::ZERO, next),
-        Some(Transmission::Cam(mut old)) => (old.step(-after, tables), next.going_on_from(&old)),
+        Some(Transmission::Cam(mut old)) => (old.step(-after, tables), next.continued_from(&old)),
         Some(mut gear) => (gear.step(Lead { change: -after, ..Lead::default() }, tables), next),
     };
     let change = next.step(after, tables);

@@ -111,7 +111,7 @@ impl Sensor {
 impl Axis {
     /// Selects the source of the parameters.
     fn choose_source(&mut self) {
-        if !self.parameters.take_new() {
+        if !self.parameters.take_written() {
             // The source depends only on the parameters and the cell.
             return;
         }
@@ -119,7 +119,7 @@ impl Axis {
         let Ok(source) = chosen else { return };
         if source.reads_as(self.sensor.source) {
             self.sensor.source = source;
-            self.counter.judge_by(source.form());
+            self.counter.set_check_form(source.form());
             return;
         }
         let soft = self.parameters.encoder.enccontrol & 1 == 1;
@@ -158,7 +158,7 @@ impl Axis {
 
     /// Reads the source. The inputs of all axes are read before any axis moves.
     pub(super) fn read_source(&mut self, input: &DriveInput, encoders: &[Encoder], raw: &[EncoderInput]) {
-        let beside = self.take_compensation();
+        let beside = self.subtract_compensation();
         let before = self.counter.position();
         self.choose_source();
         let index;
@@ -178,7 +178,7 @@ impl Axis {
                 let (encoder, word) = (encoders.get(place), raw.get(place).copied().unwrap_or_default());
                 let of = encoder.map(Encoder::lead).unwrap_or_default();
                 self.sensor.raw = word.count;
-                if encoder.is_some_and(Encoder::is_anew) {
+                if encoder.is_some_and(Encoder::is_restarted) {
                     self.note_new_coordinate();
                 }
                 (changed, lead.valid, lead.velocity) = (of.change.floor(), of.valid, of.velocity);
@@ -203,7 +203,7 @@ impl Axis {
             }
         }
         self.take_actual(changed, lead, input.count, index);
-        self.move_beside_counts(beside);
+        self.add_load_motion(beside);
     }
 
     /// As [`read_source`](Self::read_source) for a drive that is online, with neither new coordinate nor index pulse.
@@ -217,14 +217,14 @@ impl Axis {
         }
         // Every count of an incremental encoder is valid.
         let change = self.counter.take(input.count, input.epoch, true).change;
-        let sense = self.turned();
-        let position = sense.turn(self.counter.position());
+        let sense = self.direction();
+        let position = sense.invert(self.counter.position());
         self.origin = self.counter.position().wrapping_sub(input.count);
         (self.sensor.raw, self.sensor.seen) = (input.count, position);
         self.actual = Lead {
             position: Position::whole(position),
-            change: Position::whole(sense.turn(change)),
-            velocity: sense.turn_real(input.velocity),
+            change: Position::whole(sense.invert(change)),
+            velocity: sense.invert_real(input.velocity),
             uneven: COUNT,
             valid: true,
         };
@@ -268,7 +268,7 @@ impl Axis {
         self.actual = Lead {
             position: Position::whole(self.turn_counts(self.counter.position())),
             change: Position::whole(self.turn_counts(changed)),
-            velocity: self.across(lead.velocity),
+            velocity: self.convert_direction(lead.velocity),
             ..lead
         };
         if !self.shows_command() {
@@ -277,7 +277,7 @@ impl Axis {
     }
 
     /// Whether supervision has found something to report.
-    pub(super) fn supervision_tells(&self) -> bool {
+    pub(super) fn has_supervision_report(&self) -> bool {
         self.sensor.found.is_some() || self.jump().is_some()
     }
 
@@ -411,7 +411,7 @@ impl Axis {
     }
 
     /// Returns the new zeros of this cycle for an encoder: that of the axis, and that of its master.
-    pub fn claims(&self, encoder: u16) -> [Option<Claim>; 2] {
+    pub fn zero_claims(&self, encoder: u16) -> [Option<Claim>; 2] {
         [self.sensor.claim.filter(|_| self.reads(encoder)), self.master_claim(encoder)]
     }
 
@@ -423,7 +423,7 @@ impl Axis {
 
     /// Returns the remaining move of the coordinate if the encoder of the axis moves by `by` for the command `last`
     /// (inc, in the direction of the encoder).
-    pub fn left_of_shift(&self, by: i64, last: u64) -> i64 {
+    pub fn remaining_shift(&self, by: i64, last: u64) -> i64 {
         match self.sensor.claim {
             Some(claim) if !claim.is_soft => by.saturating_sub(claim.by),
             Some(claim) if claim.sequence > last => 0,
@@ -457,12 +457,12 @@ impl Axis {
     }
 
     /// Whether the axis is referenced: by homing, or by an absolute encoder.
-    pub(super) fn knows_zero(&self) -> bool {
+    pub(super) fn is_referenced(&self) -> bool {
         self.homing.is_homed() || self.has_fixed_zero() && self.actual.valid
     }
 
     /// Whether the axis is at rest without any task.
-    pub fn stands_idle(&self) -> bool {
+    pub fn is_idle_at_rest(&self) -> bool {
         (self.rests() || !self.is_on()) && self.goal.is_none() && !self.homing.is_running()
     }
 

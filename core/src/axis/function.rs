@@ -58,7 +58,7 @@ impl Axis {
     }
 
     /// Lets a started function move the axis from now on.
-    pub fn take_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
+    pub fn start_following_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
         // Commands of this cycle have priority; the function then runs without its axis.
         if let Err(refusal) = self.check_function() {
             return self.warn_of(cx, refusal);
@@ -67,7 +67,7 @@ impl Axis {
             (self.function, self.reference) = (Some(by), Reference::Function);
             return;
         }
-        self.abandon(cx, Code::REPLACED);
+        self.end_all_motion(cx, Code::REPLACED);
         self.homing.forget_end();
         self.judge.rested_at = None;
         self.function = Some(by);
@@ -75,14 +75,14 @@ impl Axis {
     }
 
     /// The function is back in RESET: the axis stops following its sink.
-    pub fn leave_function(&mut self, cx: &mut Context<'_>, sink: Leader) {
+    pub fn stop_following_function(&mut self, cx: &mut Context<'_>, sink: Leader) {
         if self.function.take_if(|by| by.sink == sink).is_none() || self.reference != Reference::Function {
             return;
         }
         if matches!(self.state, AxisState::Disabled | AxisState::Standstill) {
             self.reference = Reference::Stop;
         } else {
-            self.brake_to_rest(cx, &self.parameters.usual_limits());
+            self.brake_to_rest(cx, &self.parameters.default_goal_limits());
         }
     }
 
@@ -114,7 +114,7 @@ impl Axis {
     }
 
     /// Returns the distance from the index pulse of this cycle to the command, if the encoder had one.
-    pub fn mark_behind_command(&self) -> Option<Position> {
+    pub fn distance_from_index_to_command(&self) -> Option<Position> {
         Some(self.command.position - self.index_of_cycle()?)
     }
 
@@ -155,13 +155,13 @@ impl Axis {
         let p = &self.parameters;
         let bounds = Bounds {
             velocity: p.max_velocity,
-            acceleration: p.usual_acceleration().min(p.deceleration_limit()),
+            acceleration: p.default_goal_acceleration().min(p.deceleration_limit()),
             max_velocity: p.max_velocity,
             // The motion of the sink is executed however abrupt it is.
             max_acceleration: f64::MAX,
             max_deceleration: f64::MAX,
         };
-        let present = self.present();
+        let present = self.present_motion();
         let (mode, transmission) = (SyncMode::Velocity, Transmission::Gear(Gear::new(Ratio::ONE)));
         let lead = cx.leads.get(by.sink);
         let follower = Follower::new(lead.uneven, transmission, mode, present, Position::ZERO, bounds);
@@ -179,7 +179,7 @@ impl Axis {
             let numbers = (Number::Velocity(velocity), Number::Velocity(most));
             return self.raise(cx, Failure::of(Code::FUNCTION_TOO_FAST).with(numbers.0, numbers.1));
         }
-        let (from, limits) = (self.base(), self.parameters.usual_limits());
+        let (from, limits) = (self.base(), self.parameters.default_goal_limits());
         let course = self.course(cx.cycle, from, Aim::velocity(velocity), limits);
         self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Function, Generator::Plan(course));
     }

@@ -19,9 +19,9 @@ use crate::command::Synchronize;
 use crate::encoder::Lead;
 use crate::event::{Number, Refusal};
 use crate::modulo::{Direction, Modulo};
-use crate::parameter::Rule;
+use crate::parameter::ReversingRule;
 use crate::position::Position;
-use crate::sync::approach::{Approach, Begin, Shape, enough_length};
+use crate::sync::approach::{Approach, Begin, Shape, sufficient_length};
 use crate::sync::follower::{Bounds, Follower, Phase};
 use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{SyncMode, Transmission};
@@ -33,7 +33,7 @@ const SLACK: f64 = 1.0 + 1e-9;
 
 /// Data for the checks of a curve.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct CurveData {
     pub ratio: Ratio,
     /// Speed of the leader (inc per cycle).
     pub speed: f64,
@@ -49,12 +49,12 @@ impl Axis {
         self.passed_start(pair, lead)?;
         // One change of a counted leader does not give its speed.
         let is_even = lead.uneven == 0.0;
-        if pair.distance == 0 || !is_even || !pair.lies_ahead(lead) || !matches!(self.generator, Generator::Rest) {
+        if pair.distance == 0 || !is_even || !pair.is_ahead(lead) || !matches!(self.generator, Generator::Rest) {
             return Ok(());
         }
         let from = Begin { place: self.command.position, slope: 0.0, bend: 0.0 };
         let (ratio, bounds) = (self.ratio_of(request)?, self.bounds_of(request)?);
-        self.approach(pair, Way { ratio, speed: lead.change.to_f64(), from, bounds }).map(|_| ())
+        self.approach(pair, CurveData { ratio, speed: lead.change.to_f64(), from, bounds }).map(|_| ())
     }
 
     /// Returns the distance of the leader after the start of a pair that it has passed in this cycle.
@@ -71,10 +71,10 @@ impl Axis {
         started: Started,
     ) -> Result<Follower, Refusal> {
         let Started { leader, lead, after, .. } = started;
-        let (bounds, present, led) = (self.bounds_of(request)?, self.present(), self.led_ahead(request.mode));
+        let (bounds, present, led) = (self.bounds_of(request)?, self.present_motion(), self.leading_distance(request.mode));
         let new = |transmission, target: Position| {
             let offset = target + led - present.position;
-            Follower::new(lead.uneven, transmission, request.mode, present, offset, bounds).led_ahead(led)
+            Follower::new(lead.uneven, transmission, request.mode, present, offset, bounds).leading_by(led)
         };
         let stands = present.position - led;
         if request.mode == SyncMode::Velocity {
@@ -92,14 +92,14 @@ impl Axis {
             Some(pair) if pair.distance == 0 => {
                 let mut gear = Gear::new(ratio);
                 let way = gear.step(after);
-                let slave = self.turn_of(pair.slave, stands - way);
+                let slave = self.nearest_in_turn(pair.slave, stands - way);
                 (Transmission::Gear(gear), slave + way, false)
             }
             Some(pair) => {
                 let on_leader = back.filter(|(before, ..)| before.phase() != Phase::CatchingUp);
                 let speed = started.speed();
-                let from = on_leader.map_or_else(|| self.beginning(stands, speed, after), |(_, from, _)| from);
-                let approach = self.approach(pair, Way { ratio, speed, from, bounds })?;
+                let from = on_leader.map_or_else(|| self.motion_at_start(stands, speed, after), |(_, from, _)| from);
+                let approach = self.approach(pair, CurveData { ratio, speed, from, bounds })?;
                 let mut transmission = Transmission::Approach(approach);
                 let target = from.place + transmission.step(Lead { change: after, ..Lead::default() }, tables);
                 if on_leader.is_none() {
@@ -128,8 +128,8 @@ impl Axis {
 
     /// Returns the motion of an axis, now at `stands`, when the leader was `after` before its present position, as a
     /// function of the leader with `speed` increments per cycle.
-    fn beginning(&self, stands: Position, speed: f64, after: Position) -> Begin {
-        let (present, cycle_s) = (self.present(), self.cycle_s());
+    fn motion_at_start(&self, stands: Position, speed: f64, after: Position) -> Begin {
+        let (present, cycle_s) = (self.present_motion(), self.cycle_s());
         let slope = present.velocity * cycle_s / speed;
         let bend = present.acceleration * cycle_s * cycle_s / speed / speed;
         let after = after.to_f64();
@@ -141,7 +141,7 @@ impl Axis {
     ///
     /// # Errors
     /// The axis must not, or cannot, follow it.
-    fn approach(&self, pair: Pair, way: Way) -> Result<Approach, Refusal> {
+    fn approach(&self, pair: Pair, way: CurveData) -> Result<Approach, Refusal> {
         let geared = way.speed.abs() / self.cycle_s() * way.ratio.to_f64().abs();
         let most = way.bounds.max_velocity;
         if geared > most * SLACK {
@@ -153,27 +153,27 @@ impl Axis {
         if !self.leads_forward(&approach, way.speed) {
             return Err(self.refuse(Code::REVERSE_FORBIDDEN).with(Number::Position(pair.slave), Number::None));
         }
-        if self.bears(shape, way) {
+        if self.can_follow(shape, way) {
             return Ok(approach);
         }
         let fits = |distance| {
             let longer = self.approach_over(pair, distance, way);
-            longer.is_some_and(|(longer, shape)| self.leads_forward(&longer, way.speed) && self.bears(shape, way))
+            longer.is_some_and(|(longer, shape)| self.leads_forward(&longer, way.speed) && self.can_follow(shape, way))
         };
-        let enough = enough_length(pair.distance, fits).map_or(Number::None, Number::Count);
+        let enough = sufficient_length(pair.distance, fits).map_or(Number::None, Number::Count);
         Err(self.refuse(Code::ENGAGE_TOO_SHORT).with(Number::Count(pair.distance), enough))
     }
 
-    fn approach_over(&self, pair: Pair, distance: i64, way: Way) -> Option<(Approach, Shape)> {
-        let Way { ratio, speed, from, .. } = way;
+    fn approach_over(&self, pair: Pair, distance: i64, way: CurveData) -> Option<(Approach, Shape)> {
+        let CurveData { ratio, speed, from, .. } = way;
         let length = if speed < 0.0 { -distance } else { distance };
         let even = (from.slope + ratio.to_f64()) / 2.0 * length as f64;
-        let slave = self.turn_of(pair.slave, from.place + Position::from_f64(even));
+        let slave = self.nearest_in_turn(pair.slave, from.place + Position::from_f64(even));
         Approach::new(ratio, length, Begin { place: from.place - slave, ..from })
     }
 
     /// Returns the position in the turn nearest to `near`; without modulo the position itself.
-    fn turn_of(&self, place: i64, near: Position) -> Position {
+    fn nearest_in_turn(&self, place: i64, near: Position) -> Position {
         let place = Position::whole(place);
         let target = |modulo: Modulo| modulo.target(place, near, near, Direction::Shortest, 0.0);
         self.setup.modulo.map_or(place, target)
@@ -181,8 +181,8 @@ impl Axis {
 
     /// Whether the axis can follow that curve at that speed of the leader. Velocity and acceleration that it already
     /// has count as possible.
-    pub(super) fn bears(&self, shape: Shape, way: Way) -> bool {
-        let (present, speed) = (self.present(), way.speed.abs() / self.cycle_s());
+    pub(super) fn can_follow(&self, shape: Shape, way: CurveData) -> bool {
+        let (present, speed) = (self.present_motion(), way.speed.abs() / self.cycle_s());
         let steepest = shape.most.max(-shape.least);
         let geared = speed * way.ratio.to_f64().abs();
         let velocity = way.bounds.velocity.max(geared).max(present.velocity.abs());
@@ -193,9 +193,9 @@ impl Axis {
     /// Whether the curve never moves backward, except where revers allows it because the leader reverses.
     pub(super) fn leads_forward(&self, approach: &Approach, speed: f64) -> bool {
         match self.parameters.reversing().rule {
-            Rule::Always => true,
-            Rule::WithMaster => approach.keeps_sense(approach.ratio().to_f64()),
-            Rule::Never => approach.keeps_sense(speed),
+            ReversingRule::Always => true,
+            ReversingRule::WithMaster => approach.keeps_sign(approach.ratio().to_f64()),
+            ReversingRule::Never => approach.keeps_sign(speed),
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Law      a plan, a follower of a leader (a lead of the machine, or the trajectory of the goal), open loop, or
 //!          nothing
 
-use super::course::Course;
+use super::course::PlannedMotion;
 use crate::command::Level;
 use crate::object::Leader;
 use crate::position::Position;
@@ -18,7 +18,7 @@ pub(super) enum Generator {
     /// None: the position stays.
     Rest,
     /// A profile.
-    Plan(Course),
+    Plan(PlannedMotion),
     /// A coupling to a leader.
     Follow(Coupling),
     /// The trajectory of its goal is the leader.

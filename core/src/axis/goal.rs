@@ -1,7 +1,7 @@
 //! Positioning and velocity goals, from the command to the generator.
 
 use super::alarm::{NO_NUMBERS, Numbers};
-use super::course::{Aim, Course, ROUNDING};
+use super::course::{Aim, PlannedMotion, ROUNDING};
 use super::power::Power;
 use super::probe::Search;
 use super::track::Tracker;
@@ -63,7 +63,7 @@ impl Axis {
 
     /// Ends everything that moves the axis or waits to move it: goal, superimposed motion, buffer, motion of a
     /// vocabulary.
-    pub(super) fn abandon(&mut self, cx: &mut Context<'_>, code: Code) {
+    pub(super) fn end_all_motion(&mut self, cx: &mut Context<'_>, code: Code) {
         self.abandon_with(cx, code, NO_NUMBERS);
     }
 
@@ -91,7 +91,7 @@ impl Axis {
 
     /// Begins a goal that was accepted before.
     pub(super) fn take_over(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
-        self.abandon(cx, Code::REPLACED);
+        self.end_all_motion(cx, Code::REPLACED);
         self.homing.forget_end();
         self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None, before: None });
         self.judge.rested_at = None;
@@ -129,7 +129,7 @@ impl Axis {
 
     /// Checks that the axis is referenced if homing is required.
     pub(super) fn check_zero(&self) -> Result<(), Refusal> {
-        let is_missing = self.parameters.homing.required && !self.knows_zero();
+        let is_missing = self.parameters.homing.required && !self.is_referenced();
         if is_missing { Err(self.refuse(Code::HOMING_REQUIRED)) } else { Ok(()) }
     }
 
@@ -178,27 +178,27 @@ impl Axis {
         // In mode VELOCITY 0 means 0, and the sign is the direction.
         let (speed, usual) = match request.mode {
             MoveMode::Velocity => (request.velocity.abs(), 0.0),
-            _ => (request.velocity, p.usual_velocity()),
+            _ => (request.velocity, p.default_goal_velocity()),
         };
         let down = p.deceleration_limit();
         let jerk = self.check_rate(request.jerk, 0.0, p.max_jerk.unwrap_or(MOST_JERK), Code::JERK_TOO_HIGH)?;
         let velocity = self.check_rate(speed, usual, p.max_velocity, Code::VELOCITY_TOO_HIGH)?;
         Ok(Limits {
             // A goal to stop has no velocity of its own.
-            velocity: if velocity == 0.0 { p.usual_velocity() } else { velocity },
+            velocity: if velocity == 0.0 { p.default_goal_velocity() } else { velocity },
             acceleration: self.check_rate(
                 request.acceleration,
-                p.usual_acceleration(),
+                p.default_goal_acceleration(),
                 p.max_acceleration,
                 Code::ACCELERATION_TOO_HIGH,
             )?,
             deceleration: self.check_rate(
                 request.deceleration,
-                p.usual_deceleration(),
+                p.default_goal_deceleration(),
                 down,
                 Code::DECELERATION_TOO_HIGH,
             )?,
-            shape: if jerk == 0.0 { p.usual_shape() } else { p.shape(jerk) },
+            shape: if jerk == 0.0 { p.default_goal_shape() } else { p.shape(jerk) },
         })
     }
 
@@ -219,7 +219,7 @@ impl Axis {
         if request.buffer_mode != BufferMode::Aborting && self.goal.is_some() {
             return self.wait_in_buffer(cx, sequence, request, limits);
         }
-        let from = self.present();
+        let from = self.present_motion();
         let (course, target) = if request.mode == MoveMode::Velocity {
             self.check_velocity(request.velocity)?;
             let aim = Aim::velocity(request.velocity);
@@ -250,7 +250,7 @@ impl Axis {
             (MoveMode::Relative | MoveMode::Superimposed, _) => rest_of_goal + request.target.exact(),
             (MoveMode::Additive, _) => exact.unwrap_or(now) + request.target.exact(),
             (_, Some(modulo)) => {
-                let way = profile::stopping_way(from, &self.sharpened(from, limits));
+                let way = profile::stopping_distance(from, &self.with_raised_jerk(from, limits));
                 // A passage may be at the last position from which the axis can stop; its rounding must not cost a
                 // turn.
                 let certain = (way.abs() - ROUNDING).clamp(0.0, Position::LIMIT as f64).copysign(way);
@@ -306,7 +306,7 @@ impl Axis {
     }
 
     /// Checks that a course stays within the position limits.
-    pub(super) fn check_course(&self, course: &Course, from: Motion, limits: Limits) -> Result<(), Refusal> {
+    pub(super) fn check_course(&self, course: &PlannedMotion, from: Motion, limits: Limits) -> Result<(), Refusal> {
         self.check_course_forward(course, from)?;
         self.check_course_switches(course, from)?;
         let now = from.position;
@@ -322,7 +322,7 @@ impl Axis {
     }
 
     /// Checks that a plan stays within the position limits. Beyond a limit it may be only where the axis already is.
-    pub(super) fn check_way(&self, plan: &Plan, limits: Limits) -> Result<(), Refusal> {
+    pub(super) fn check_plan_limits(&self, plan: &Plan, limits: Limits) -> Result<(), Refusal> {
         self.check_extent(plan.extent(), limits)
     }
 

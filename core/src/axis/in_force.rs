@@ -10,7 +10,7 @@ use super::{Axis, Context, judge};
 use crate::code::Code;
 use crate::encoder::source::{Feedback, Master};
 use crate::event::{Event, Kind, Number, Severity};
-use crate::parameter::{AxisParameters, Change, ROWS, Reversing, Sense, Value, ValuesByAxis};
+use crate::parameter::{AxisParameters, Change, ROWS, Reversing, CountDirection, Value, ValuesByAxis};
 use crate::position::Position;
 use crate::profile::Limits;
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ use std::ops::Deref;
 /// Values derived from the parameters alone and read in every cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Derived {
-    pub sense: Sense,
+    pub sense: CountDirection,
     pub reversing: Reversing,
     pub master: Option<Master>,
     /// Whether ENCODERTYPE selects an absolute encoder.
@@ -46,7 +46,7 @@ impl Derived {
             low: values.min_position.unwrap_or(1 - Position::LIMIT),
             high: values.max_position.unwrap_or(Position::LIMIT - 1),
             grid: Grid::of(values),
-            largest: values.largest_limits(),
+            largest: values.max_limits(),
         }
     }
 }
@@ -108,13 +108,13 @@ impl InForce {
     }
 
     /// Returns true if they were written since the last call.
-    pub(super) fn take_new(&mut self) -> bool {
+    pub(super) fn take_written(&mut self) -> bool {
         std::mem::take(&mut self.is_new)
     }
 
     /// As [`AxisParameters::sense`].
     #[inline]
-    pub(super) fn sense(&self) -> Sense {
+    pub(super) fn sense(&self) -> CountDirection {
         self.derived.sense
     }
 
@@ -137,7 +137,7 @@ impl InForce {
 
     /// Whether the derived values match the values.
     #[cfg(test)]
-    pub(crate) fn agrees(&self) -> bool {
+    pub(crate) fn is_consistent(&self) -> bool {
         self.derived == Derived::of(&self.values) && self.needs_full_cycles == self.values.needs_full_cycles()
     }
 }
@@ -156,12 +156,12 @@ impl Axis {
         }
         self.parameters.assign(values.clone());
         for (row, value) in values {
-            self.tell_own(cx, sequence, row, value);
+            self.report_own_change(cx, sequence, row, value);
         }
     }
 
     /// Reports a parameter that the axis has set by itself.
-    pub(super) fn tell_own(&self, cx: &mut Context<'_>, sequence: Option<u64>, row: u16, value: Value) {
+    pub(super) fn report_own_change(&self, cx: &mut Context<'_>, sequence: Option<u64>, row: u16, value: Value) {
         let event = Event::new(Severity::Info, Kind::Parameter, self.object(), Code::NONE);
         let event = sequence.map_or(event, |sequence| event.of_command(sequence));
         let number = Change { axis: self.setup.index, row, value }.number();

@@ -18,12 +18,12 @@ const REPEAT_NS: u64 = 1_000_000_000;
 /// Time without motion after which an encoder is at rest (ns).
 const STILL_NS: u64 = 5_000_000;
 /// Value of [`Judge::waits_since`] after the wait was reported.
-const TOLD: u64 = u64::MAX;
+const LONG_WAIT_REPORTED: u64 = u64::MAX;
 
 /// State of the supervision of an axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C)]
-pub(super) struct Judge {
+pub(super) struct Supervision {
     /// Length of the ring: the delay of the drive in cycles, plus one.
     length: usize,
     place: usize,
@@ -54,9 +54,9 @@ pub(super) struct Judge {
     past: [i64; PAST],
 }
 
-impl Judge {
+impl Supervision {
     /// Size of the fields before the ring (bytes).
-    pub(super) const HOT_BYTES: usize = std::mem::offset_of!(Judge, past);
+    pub(super) const HOT_BYTES: usize = std::mem::offset_of!(Supervision, past);
 
     pub(super) fn new(delay: u32) -> Self {
         Self {
@@ -157,7 +157,7 @@ impl Judge {
     }
 
     /// Returns the command to which the actual position of this cycle responds.
-    fn answered(&self) -> i64 {
+    fn answered_command(&self) -> i64 {
         self.past.get(self.oldest()).copied().unwrap_or_default()
     }
 
@@ -167,7 +167,7 @@ impl Judge {
     }
 
     /// Whether a reaction waits until the axis is at rest.
-    pub(super) fn has_left_something(&self) -> bool {
+    pub(super) fn has_pending_reaction(&self) -> bool {
         self.after_stop != -1
     }
 
@@ -176,7 +176,7 @@ impl Judge {
         let is_beyond = self.following_error.unsigned_abs() > allowed.unsigned_abs();
         let exceeds = is_beyond || self.exceeded_since.is_some() || self.exceeded_times != 0;
         let kept = self.past.get(..self.length).unwrap_or_default();
-        !exceeds && !self.has_left_something() && kept.iter().all(|kept| *kept == asked)
+        !exceeds && !self.has_pending_reaction() && kept.iter().all(|kept| *kept == asked)
     }
 
     /// Stores the command of this cycle.
@@ -192,8 +192,8 @@ impl Judge {
 impl Axis {
     /// Checks for errors from the inputs of this cycle. They are known before the commands of the cycle, and to the
     /// vocabularies.
-    pub(super) fn judge_errors(&mut self, cx: &mut Context<'_>) {
-        self.judge.note_step(cx.cycle, self.actual.change, self.slack());
+    pub(super) fn check_errors(&mut self, cx: &mut Context<'_>) {
+        self.judge.note_step(cx.cycle, self.actual.change, self.rest_tolerance());
         if !self.is_on() {
             self.judge.following_error = 0;
             return;
@@ -205,13 +205,13 @@ impl Axis {
         if self.is_open_loop() || self.out_an().is_some() {
             self.judge.following_error = 0;
         } else if !self.is_virtual() {
-            self.judge_following(cx, self.following_error());
+            self.check_following(cx, self.following_error());
         }
     }
 
     /// Checks for arrival at the target, after the commands of the cycle.
-    pub(super) fn judge_arrival(&mut self, cx: &mut Context<'_>) {
-        self.judge.keep(self.asked());
+    pub(super) fn check_arrival(&mut self, cx: &mut Context<'_>) {
+        self.judge.keep(self.commanded_increment());
         if !self.is_on() {
             self.holding.settles_since = None;
             self.judge.following_error = 0;
@@ -219,7 +219,7 @@ impl Axis {
             self.judge.waits_since = None;
             self.judge.in_position = false;
         } else if self.rests() {
-            self.judge_rest(cx);
+            self.check_rest(cx);
         } else {
             self.leave_rest();
         }
@@ -237,10 +237,10 @@ impl Axis {
     #[inline]
     pub(super) fn following_error(&self) -> i64 {
         // A simulated encoder shows the command itself.
-        if self.is_simulated() { 0 } else { self.judge.answered().saturating_sub(self.actual.position.floor()) }
+        if self.is_simulated() { 0 } else { self.judge.answered_command().saturating_sub(self.actual.position.floor()) }
     }
 
-    fn judge_following(&mut self, cx: &mut Context<'_>, error: i64) {
+    fn check_following(&mut self, cx: &mut Context<'_>, error: i64) {
         self.judge.following_error = error;
         let is_within = error.unsigned_abs() <= self.parameters.max_following_error.unsigned_abs();
         let lasts = match self.parameters.supervision.following_error_check {
@@ -256,14 +256,14 @@ impl Axis {
             if self.alarm.code() == Code::FOLLOWING_ERROR {
                 self.alarm.clear();
             }
-            self.tell_following_error(cx, error, allowed);
+            self.raise_following_error(cx, error, allowed);
         } else {
             self.repeat(cx, error, allowed);
         }
     }
 
     /// Raises a following error.
-    pub(super) fn tell_following_error(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
+    pub(super) fn raise_following_error(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
         self.judge.told = Some(cx.cycle);
         self.raise(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
     }
@@ -288,7 +288,7 @@ impl Axis {
 
     /// Returns the distance by which an encoder at rest may jitter or creep in [`STILL_NS`]: two counts, or a
     /// thousandth of the highest speed.
-    pub(super) fn slack(&self) -> Position {
+    pub(super) fn rest_tolerance(&self) -> Position {
         self.parameters.derived.slack
     }
 
@@ -305,7 +305,7 @@ impl Axis {
     pub(super) fn moves(&self) -> bool {
         let change = self.actual.change.to_f64().abs().max(self.holding.second_change.saturating_abs() as f64);
         let moved = change * STILL_NS as f64;
-        self.shown.is_awaited(self.setup.missed_cycles) || moved > self.slack().to_f64() * self.setup.cycle_ns as f64
+        self.shown.is_awaited(self.setup.missed_cycles) || moved > self.rest_tolerance().to_f64() * self.setup.cycle_ns as f64
     }
 
     /// Whether the following error is exceeded for too long, checked in each cycle.
@@ -349,14 +349,14 @@ impl Axis {
         let age = self.judge.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
         if age.is_none_or(|age| age >= REPEAT_NS) {
             self.judge.told = Some(cx.cycle);
-            self.tell_error(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
+            self.report_error(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
         }
     }
 
     /// Handles the end of the generator: the goal is reached, or the reaction that ended it is complete.
-    fn judge_rest(&mut self, cx: &mut Context<'_>) {
+    fn check_rest(&mut self, cx: &mut Context<'_>) {
         self.finish_stop(cx.cycle);
-        self.judge.in_position = self.is_in_window(cx) && self.has_taken_up();
+        self.judge.in_position = self.is_in_window(cx) && self.is_compensated();
         if self.homing.is_running() {
             return self.settle_homing(cx);
         }
@@ -370,7 +370,7 @@ impl Axis {
         let ending = if missed { Some(Code::PROBE_MISSED) } else { self.goal.and_then(|goal| goal.ending) };
         let reached = self.judge.in_position || self.goal.is_none() || (ending.is_some() && !missed);
         if !reached {
-            self.tell_long_wait(cx);
+            self.report_long_wait(cx);
         }
         if reached {
             if ending.is_none() {
@@ -390,15 +390,15 @@ impl Axis {
     }
 
     /// Reports once that a goal waits too long for its target window (MACS-TGT-06).
-    pub(super) fn tell_long_wait(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn report_long_wait(&mut self, cx: &mut Context<'_>) {
         let patience = self.parameters.supervision.in_position_timeout.unsigned_abs();
         let since = *self.judge.waits_since.get_or_insert(cx.cycle);
         let waited = cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
-        if patience == 0 || since == TOLD || waited < patience {
+        if patience == 0 || since == LONG_WAIT_REPORTED || waited < patience {
             return;
         }
-        self.judge.waits_since = Some(TOLD);
-        let distance = self.asked().saturating_sub(self.actual.position.floor());
+        self.judge.waits_since = Some(LONG_WAIT_REPORTED);
+        let distance = self.commanded_increment().saturating_sub(self.actual.position.floor());
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::IN_POSITION_TIMEOUT);
         let window = Number::Position(self.parameters.in_position_window);
         let event = event.with(Number::Position(distance), window);
@@ -410,7 +410,7 @@ impl Axis {
     fn is_in_window(&mut self, cx: &Context<'_>) -> bool {
         let window = self.parameters.in_position_window;
         if window > 0 && !self.is_virtual() {
-            let distance = self.asked().saturating_sub(self.actual.position.floor());
+            let distance = self.commanded_increment().saturating_sub(self.actual.position.floor());
             if distance.unsigned_abs() > window.unsigned_abs() {
                 self.judge.leave_window();
                 return false;

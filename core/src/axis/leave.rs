@@ -12,7 +12,7 @@ use super::alarm::{NO_NUMBERS, Numbers};
 use super::engage::passed;
 use super::{Axis, Context};
 use crate::code::Code;
-use crate::command::{GearOut, LeaveAt};
+use crate::command::{GearOut, DisengageAt};
 use crate::event::{Event, Refusal};
 use crate::modulo::Modulo;
 use crate::object::Leader;
@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct Leaving {
     /// Number of its command.
     sequence: u64,
-    at: LeaveAt,
+    at: DisengageAt,
     /// Modulo of the leader, if its position counts.
     turn: Option<Modulo>,
     disengage: Disengage,
@@ -37,8 +37,8 @@ impl Leaving {
     /// Whether the state is possible; a state from outside may contain any values.
     pub(super) fn is_sound(&self) -> bool {
         let place = match self.at {
-            LeaveAt::Now => 0,
-            LeaveAt::Leader(place) | LeaveAt::Axis(place) => place,
+            DisengageAt::Now => 0,
+            DisengageAt::Leader(place) | DisengageAt::Axis(place) => place,
         };
         Position::whole(place).is_legal() && self.turn.is_none_or(Modulo::is_sound)
     }
@@ -46,7 +46,7 @@ impl Leaving {
 
 impl Axis {
     /// Accepts a command to leave the coupling; `turn` is the modulo of its leader.
-    pub fn take_gear_out(&mut self, cx: &mut Context<'_>, sequence: u64, request: GearOut, turn: Option<Modulo>) {
+    pub fn start_gear_out(&mut self, cx: &mut Context<'_>, sequence: u64, request: GearOut, turn: Option<Modulo>) {
         match self.leaving_of(cx, sequence, request, turn) {
             Ok(leaving) => {
                 self.end_leaving(cx, Code::REPLACED, NO_NUMBERS);
@@ -68,17 +68,17 @@ impl Axis {
         let coupling = self.coupling().filter(|_| self.goal.is_some());
         let coupling = coupling.ok_or_else(|| self.refuse(Code::NOT_COUPLED))?;
         let lead = cx.leads.get(self.left_by(at, coupling.leader));
-        let turn = turn.filter(|_| matches!(at, LeaveAt::Leader(_)));
+        let turn = turn.filter(|_| matches!(at, DisengageAt::Leader(_)));
         let disengage = disengage.unwrap_or(coupling.disengage);
         let leaving = Leaving { sequence, at, turn, disengage, seen: lead.position - lead.change };
         if leaving.is_sound() { Ok(leaving) } else { Err(self.refuse(Code::BAD_REQUEST)) }
     }
 
     /// Returns the leader whose position counts.
-    fn left_by(&self, at: LeaveAt, leader: Leader) -> Leader {
+    fn left_by(&self, at: DisengageAt, leader: Leader) -> Leader {
         match at {
-            LeaveAt::Now | LeaveAt::Leader(_) => leader,
-            LeaveAt::Axis(_) => Leader::AxisCommand(self.setup.index),
+            DisengageAt::Now | DisengageAt::Leader(_) => leader,
+            DisengageAt::Axis(_) => Leader::AxisCommand(self.setup.index),
         }
     }
 
@@ -89,7 +89,7 @@ impl Axis {
 
     /// Returns true if the command waits for a position of the axis itself.
     pub(super) fn leaves_at_own_place(&self) -> bool {
-        self.leaving.is_some_and(|leaving| matches!(leaving.at, LeaveAt::Axis(_)))
+        self.leaving.is_some_and(|leaving| matches!(leaving.at, DisengageAt::Axis(_)))
     }
 
     /// Ends the wait.
@@ -112,13 +112,13 @@ impl Axis {
         let (Some(leaving), Some(coupling)) = (self.leaving, self.coupling()) else { return };
         let lead = cx.leads.get(self.left_by(leaving.at, coupling.leader));
         let (place, turn) = match leaving.at {
-            LeaveAt::Now => (None, None),
-            LeaveAt::Leader(place) => (Some(place), leaving.turn),
-            LeaveAt::Axis(place) => (Some(place), self.setup.modulo),
+            DisengageAt::Now => (None, None),
+            DisengageAt::Leader(place) => (Some(place), leaving.turn),
+            DisengageAt::Axis(place) => (Some(place), self.setup.modulo),
         };
         let is_there = place.is_none_or(|place| {
             let place = Position::whole(place);
-            let place = turn.map_or(place, |turn| turn.last_passed(place, lead.position, lead.change));
+            let place = turn.map_or(place, |turn| turn.last_reached(place, lead.position, lead.change));
             passed(place, lead, leaving.seen).is_some()
         });
         if !is_there {

@@ -7,7 +7,7 @@
 //! Refuses  with code 98 every motion that would begin towards an active switch
 //! Source   MACS-LIM-05, MACS-LIM-07, MACS-LIM-08, MACS-LIM-09, A-16, A-17, A-56
 
-use super::course::{Aim, Course, ROUNDING};
+use super::course::{Aim, PlannedMotion, ROUNDING};
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
@@ -55,7 +55,7 @@ impl Axis {
     }
 
     /// Checks that a course does not lead into an active switch.
-    pub(super) fn check_course_switches(&self, course: &Course, from: Motion) -> Result<(), Refusal> {
+    pub(super) fn check_course_switches(&self, course: &PlannedMotion, from: Motion) -> Result<(), Refusal> {
         let (low, high) = course.extent_from(from.position);
         let rounding = Position::from_f64(ROUNDING);
         self.check_switches(high > from.position + rounding, low < from.position - rounding)
@@ -96,7 +96,7 @@ impl Axis {
     }
 
     /// Reports switches while an error already stops the axis, in addition to that error.
-    pub(super) fn tell_switches(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn report_switches(&mut self, cx: &mut Context<'_>) {
         if self.state != AxisState::ErrorStop {
             return;
         }

@@ -6,7 +6,7 @@
 //! Writes   the stop at a limit, and its error; with `jog_at_limit: stop` the stop of a stream is no error
 //! Source   MACS-LIM-01 to -05, MACS-PROF-13
 
-use super::course::{self, Aim, Course};
+use super::course::{self, Aim, PlannedMotion};
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
@@ -82,13 +82,13 @@ impl AtLimits {
     }
 
     /// Returns the limit at which an event has reported that a stream ends: true for the upper one.
-    pub(super) fn told_stream(&self) -> Option<bool> {
+    pub(super) fn reported_stream(&self) -> Option<bool> {
         self.stopped.filter(|stopped| stopped.is_told).map(|stopped| stopped.up)
     }
 
     /// Notes that an event reports that a stream ends at this limit, with the axis `room` away from it. An error at the
     /// limit remains one.
-    pub(super) fn tell_stream(&mut self, up: bool, room: Position) {
+    pub(super) fn report_stream(&mut self, up: bool, room: Position) {
         let new = Stopped { up, room, is_error: false, is_told: true };
         self.stopped = Some(self.stopped_at(up).map_or(new, |stopped| Stopped { is_told: true, ..stopped }));
     }
@@ -121,7 +121,7 @@ impl Axis {
     #[inline]
     pub(super) fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
         let watched = match &self.generator {
-            Generator::Plan(course) => course.is_watched(),
+            Generator::Plan(course) => course.needs_limit_check(),
             Generator::Follow(_) => true,
             Generator::Track(_) => !self.stays_within_limits(),
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => false,
@@ -134,7 +134,7 @@ impl Axis {
             debug_assert!(self.crossed_limit(next, is_added).is_none() && self.passed_limit(next).is_none());
             return false;
         }
-        self.judge_limit(cx, next, watched, is_added)
+        self.check_limit(cx, next, watched, is_added)
     }
 
     /// Called when the power is removed, or the command starts again at the actual position. The rest of the stop at a
@@ -147,7 +147,7 @@ impl Axis {
         self.at_limits.stopped = Some(Stopped { room, is_told, ..stopped });
     }
 
-    fn judge_limit(&mut self, cx: &mut Context<'_>, next: Motion, watched: bool, is_added: bool) -> bool {
+    fn check_limit(&mut self, cx: &mut Context<'_>, next: Motion, watched: bool, is_added: bool) -> bool {
         let crossed = self.crossed_limit(next, is_added);
         let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };
         let course = self.limit_stop(cx.cycle, up);
@@ -181,13 +181,13 @@ impl Axis {
     }
 
     /// Returns the stop at a limit, from the last motion.
-    fn limit_stop(&self, cycle: u64, up: bool) -> Course {
+    fn limit_stop(&self, cycle: u64, up: bool) -> PlannedMotion {
         let limit = Position::whole(self.limit(up));
         let ahead = is_towards(up, self.command.velocity);
         let is_within = if up { self.command.position < limit } else { self.command.position > limit };
         // The motion of the cycle before could still stop in time. The stop starts there.
-        let before = Motion { acceleration: self.present().acceleration, ..self.command };
-        let limits = self.sharpened(before, self.stop_limits());
+        let before = Motion { acceleration: self.present_motion().acceleration, ..self.command };
+        let limits = self.with_raised_jerk(before, self.stop_limits());
         let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
         // An axis that hardly moves would approach the limit slowly for a long time: it stops where it is.
         let is_near = (limit - before.position).to_f64().abs() <= before.velocity.abs() * stop;
@@ -207,7 +207,7 @@ impl Axis {
             true => (self.plan_stop_at(from, limit, &limits), None),
             false => (self.plan_stop(before, &limits), None),
         };
-        Course::new(plan, began, Aim::Stop, limits).within(bound)
+        PlannedMotion::new(plan, began, Aim::Stop, limits).within(bound)
     }
 
     /// Returns the motion with which a stop at `limit` begins. The velocity of a coupled axis is that of its last step.
@@ -240,7 +240,7 @@ impl Axis {
         let step = from.velocity.abs() * self.cycle_s() / less + 0.5;
         let steps = (step * (1.0 + 1e-9)).floor();
         let in_steps = less * steps * (step - (steps + 1.0) / 2.0);
-        steps_whole && profile::stopping_way(from, limits).abs() > way && in_steps <= way + ROUNDING
+        steps_whole && profile::stopping_distance(from, limits).abs() > way && in_steps <= way + ROUNDING
     }
 
     /// Returns the limit beyond which `next` itself is, further out than the last motion: true for the upper one. A
@@ -312,7 +312,7 @@ impl Axis {
 
     fn note_beyond(&mut self, cycle: u64) {
         let now = self.command.position;
-        let stays = |stopped: Stopped, place| self.room(stopped.up, place) <= stopped.room + self.slack();
+        let stays = |stopped: Stopped, place| self.room(stopped.up, place) <= stopped.room + self.rest_tolerance();
         self.at_limits.stopped = self.at_limits.stopped.and_then(|stopped| match &self.generator {
             // The stop is still active, and its end has changed or is closer to the limit than the axis is now.
             Generator::Plan(course) if self.state == AxisState::ErrorStop && stopped.is_error => {
@@ -342,7 +342,7 @@ impl Axis {
     /// Returns the limit that a stop after `next` would pass: true for the upper one. A stop that first reduces its
     /// acceleration may turn back before it ends, so the limit ahead counts even if the stop ends behind its start.
     fn passed_limit(&self, next: Motion) -> Option<bool> {
-        let end = self.stopping_way(next);
+        let end = self.stopping_distance(next);
         let (mut down, mut up) = (end.min(0.0), end.max(0.0));
         let limits = self.stop_limits();
         if next.velocity * next.acceleration < 0.0 && limits.shape != Shape::Trapezoid {
@@ -392,7 +392,7 @@ impl Axis {
     /// Returns the signed stopping distance after `next`. A profile stops in continuous time. A coupled axis makes
     /// whole steps, and one step may be a count more than the speed of its leader: only the speed that the leader
     /// surely has counts.
-    fn stopping_way(&self, next: Motion) -> f64 {
+    fn stopping_distance(&self, next: Motion) -> f64 {
         let limits = self.stop_limits();
         match self.generator.follower() {
             Some(follower) if !self.is_on_track() => {
@@ -404,7 +404,7 @@ impl Axis {
                 let way = (steps * step - less * steps * (steps + 1.0) / 2.0 - follower.uneven()).max(0.0);
                 way * next.velocity.signum()
             }
-            _ => profile::stopping_way(next, &limits),
+            _ => profile::stopping_distance(next, &limits),
         }
     }
 
@@ -438,7 +438,7 @@ impl Axis {
 
     /// Returns the earliest position at which the axis can come to rest from its present motion.
     fn earliest_rest(&self) -> Position {
-        profile::stop(self.present(), &self.stop_limits(), self.setup.cycle_ns).end()
+        profile::stop(self.present_motion(), &self.stop_limits(), self.setup.cycle_ns).end()
     }
 
     /// Returns lowest and highest position that the active motion, the superimposed motion and the waiting goals will
@@ -470,7 +470,7 @@ impl Axis {
                 let ends = course.end_velocity() == 0.0;
                 // A goal that passes its target with a velocity needs room to stop.
                 let passing = Motion { velocity: course.pass, ..Motion::default() };
-                let way = Position::from_f64(profile::stopping_way(passing, &self.stop_limits()));
+                let way = Position::from_f64(profile::stopping_distance(passing, &self.stop_limits()));
                 let target = match course.aim {
                     Aim::Target(target) => Some((target.min(target + way), target.max(target + way))),
                     Aim::Velocity(_) | Aim::Stop => None,
@@ -498,7 +498,7 @@ impl Axis {
         }
         let plan = profile::stop(from, limits, self.setup.cycle_ns);
         let Some(up) = self.passed_by(&plan, from) else { return plan };
-        let sharpest = self.sharpened(from, self.stop_limits());
+        let sharpest = self.with_raised_jerk(from, self.stop_limits());
         let limit = Position::whole(self.limit(up));
         if is_towards(up, from.velocity) {
             return self.plan_stop_at(from, limit, &sharpest);

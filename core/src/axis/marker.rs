@@ -23,7 +23,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
 use crate::parameter::{MarkSignal, Marks, OffsetRates, Synchronization};
 use crate::position::Position;
-use crate::sync::marker::{Asked, Found, Marker, Of, Situation};
+use crate::sync::marker::{LawInputs, Found, Marker, MarkSide, Situation};
 use crate::sync::{Leads, SyncMode, Transmission, status};
 use serde::{Deserialize, Serialize};
 
@@ -132,7 +132,7 @@ impl MarkPath {
     }
 
     /// Returns the part of corrections that has not been moved yet.
-    pub(super) fn left(&self) -> Position {
+    pub(super) fn remaining_corrections(&self) -> Position {
         self.spread.left()
     }
 
@@ -382,7 +382,7 @@ impl Axis {
         let [of_master, of_slave] = &mut seen;
         let change = changes[0].to_f64();
         if path.curve.is_some() {
-            self.watch_curve(cx, &mut path, change);
+            self.supervise_curve(cx, &mut path, change);
         }
         let share = match tau {
             Some(tau) => (cycle_ms * 1e3 / tau).min(1.0),
@@ -390,36 +390,36 @@ impl Axis {
             None => 1.0,
         };
         path.velocity += (change - path.velocity) * share;
-        let asked = Asked { sync: &sync, marks: &marks, speed: (path.velocity / cycle_ms).abs(), ratio };
+        let asked = LawInputs { sync: &sync, marks: &marks, speed: (path.velocity / cycle_ms).abs(), ratio };
         path.marker.advance(changes[0], changes[1]);
-        for (of, seen, extra) in [(Of::Master, of_master, 0), (Of::Slave, of_slave, 1)] {
+        for (of, seen, extra) in [(MarkSide::Master, of_master, 0), (MarkSide::Slave, of_slave, 1)] {
             let before = *path.marker.side(of);
             if let Some(lost) = lost.get(extra).filter(|lost| **lost > 0) {
-                path.marker.lose(of, *lost);
+                path.marker.count_extra(of, *lost);
                 if let Some(flag) = path.extra.get_mut(extra).filter(|told| !**told) {
                     *flag = true;
-                    self.tell_marks(cx, Code::MARK_EXTRA, of);
+                    self.report_marks(cx, Code::MARK_EXTRA, of);
                 }
             }
             for mark in seen.sorted() {
                 let is_extra = path.marker.take(of, *mark, &asked) == Found::Extra;
                 let told = path.extra.get(extra) == Some(&true);
                 if is_extra && !told {
-                    self.tell_marks(cx, Code::MARK_EXTRA, of);
+                    self.report_marks(cx, Code::MARK_EXTRA, of);
                 }
                 if let Some(flag) = path.extra.get_mut(extra) {
                     *flag = is_extra;
                 }
             }
-            path.marker.look(of, &asked);
+            path.marker.check_missed(of, &asked);
             if path.marker.side(of).counts().0 != before.counts().0 && !before.is_missed() {
-                self.tell_marks(cx, Code::MARK_MISSED, of);
+                self.report_marks(cx, Code::MARK_MISSED, of);
             }
         }
 
         let mut at_once = Position::ZERO;
         loop {
-            let under_way = (self.ordered_of(&path) + path.left() + at_once).to_f64();
+            let under_way = (self.ordered_of(&path) + path.remaining_corrections() + at_once).to_f64();
             let offset = self.conditioning.offset_given() as f64;
             let sense = if path.velocity * ratio < 0.0 { -1.0 } else { 1.0 };
             let situation = Situation { asked, offset, under_way, runs, sense };
@@ -458,7 +458,7 @@ impl Axis {
         let (way, master) =
             if path.mode == SyncMode::MasterMarker { (Position::ZERO, way) } else { (way, Position::ZERO) };
         let step = MarkStep { gear, way, master, holds: false };
-        let done = path.ordered - (self.ordered_of(&path) + path.left());
+        let done = path.ordered - (self.ordered_of(&path) + path.remaining_corrections());
         let is_done = if path.first < Position::ZERO { done <= path.first } else { done >= path.first };
         if path.marker.has_begun() && is_done {
             path.offset_waits = false;
@@ -469,7 +469,7 @@ impl Axis {
 
     /// Returns the commanded distance of the corrected side that has not been moved yet, without spread corrections.
     fn ordered_of(&self, path: &MarkPath) -> Position {
-        if path.mode == SyncMode::MasterMarker { self.conditioning.shift_left() } else { self.under_way() }
+        if path.mode == SyncMode::MasterMarker { self.conditioning.shift_left() } else { self.pending_distance() }
     }
 
     /// Checks that nothing but marks may shift the axis against its leader; marks would remove the shift again.
@@ -488,8 +488,8 @@ impl Axis {
         let bits = [
             (marker.is_ready(marks), status::READY),
             (marker.is_faulty(marks), status::FAULT),
-            (marker.side(Of::Master).is_missed(), status::MASTER_MARKER_MISSED),
-            (marker.side(Of::Slave).is_missed(), status::SLAVE_MARKER_MISSED),
+            (marker.side(MarkSide::Master).is_missed(), status::MASTER_MARKER_MISSED),
+            (marker.side(MarkSide::Slave).is_missed(), status::SLAVE_MARKER_MISSED),
         ];
         bits.into_iter().filter(|(is_set, _)| *is_set).fold(0, |all, (_, bit)| all | bit)
     }
@@ -503,8 +503,8 @@ impl Axis {
     pub(super) fn shown_marks(&self) -> ShownMarks {
         let Some(MarkPath { marker, .. }) = &self.conditioning.marks else { return ShownMarks::default() };
         let (error, correction) = marker.last();
-        let [master, slave] = [Of::Master, Of::Slave].map(|of| marker.side(of).counts());
-        let asked = Asked { sync: &self.parameters.sync, marks: &self.parameters.marks, speed: 0.0, ratio: 1.0 };
+        let [master, slave] = [MarkSide::Master, MarkSide::Slave].map(|of| marker.side(of).counts());
+        let asked = LawInputs { sync: &self.parameters.sync, marks: &self.parameters.marks, speed: 0.0, ratio: 1.0 };
         let law = marker.law();
         // The next pair clears the values of a filter that was switched off, but it may never come.
         let filtered = |value: f64| if asked.filter_time().is_some() { value } else { 0.0 };
@@ -516,25 +516,25 @@ impl Axis {
             extra: master.1.saturating_add(slave.1),
             filter: filtered(law.filter()),
             correction_filter: filtered(law.correction_filter()),
-            start_left: filtered(law.start_left()),
+            start_left: filtered(law.remaining_start_correction()),
             distance_error: filtered(law.distance_error()),
         }
     }
 
     /// Returns the positions of the axis and its leader at their last marks (inc); 0 before the first mark, and without
     /// a coupling by marks.
-    pub(super) fn places_of_marks(&self, leads: &Leads) -> (Position, Position) {
+    pub(super) fn positions_of_marks(&self, leads: &Leads) -> (Position, Position) {
         let (Some(path), Some(coupling)) = (&self.conditioning.marks, self.coupling()) else {
             return (Position::ZERO, Position::ZERO);
         };
         let place = |of, now: Position| path.marker.side(of).since_mark().map_or(Position::ZERO, |since| now - since);
         let leader = leads.get(coupling.leader).position;
-        (place(Of::Slave, self.actual.position), place(Of::Master, leader))
+        (place(MarkSide::Slave, self.actual.position), place(MarkSide::Master, leader))
     }
 
-    fn tell_marks(&self, cx: &mut Context<'_>, code: Code, of: Of) {
+    fn report_marks(&self, cx: &mut Context<'_>, code: Code, of: MarkSide) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
-        let side = Number::Count(i64::from(of == Of::Slave));
+        let side = Number::Count(i64::from(of == MarkSide::Slave));
         cx.events.push(Event { position: self.command.position, ..event.with(side, Number::None) });
     }
 
@@ -560,7 +560,7 @@ fn index_of(cx: &Context<'_>, place: u16) -> Option<Position> {
 
 /// Returns the distance (inc) or time (cycles) over which a correction is spread, and whether it is a time. None: at
 /// once.
-fn spread_over(asked: &Asked<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<(f64, bool)> {
+fn spread_over(asked: &LawInputs<'_>, tau: Option<f64>, cycle_ms: f64) -> Option<(f64, bool)> {
     let way = asked.spread().map(|way| (way, false));
     way.or_else(|| tau.map(|tau| ((tau / SPREAD_SHARE).max(1.0) / cycle_ms, true)))
 }
@@ -578,7 +578,7 @@ mod tests {
         let sync = Synchronization { mark_distance: 500, ..Synchronization::default() };
         let marks = [Marks::default(), Marks { filter_time: 1_000, ..Marks::default() }];
         let over = |marks: &Marks, tau, cycle_ms| {
-            spread_over(&Asked { sync: &sync, marks, speed: 10.0, ratio: 1.0 }, tau, cycle_ms)
+            spread_over(&LawInputs { sync: &sync, marks, speed: 10.0, ratio: 1.0 }, tau, cycle_ms)
         };
         let [plain, filtered] = marks.each_ref();
         assert_eq!(over(plain, Some(100_000.0), 1.0), Some((1_000.0, true)));

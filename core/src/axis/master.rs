@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 
 /// Displayed position of the master of an axis.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Sight {
+pub(super) struct MasterView {
     /// Leader of the last cycle.
     leader: Option<Leader>,
     /// Displayed position minus that of the leader (inc).
@@ -143,24 +143,24 @@ impl Axis {
     }
 
     /// Returns the leader that the axis follows, or may follow.
-    fn seen_leader(&self, axes: usize) -> Result<Leader, Refusal> {
+    fn displayed_leader(&self, axes: usize) -> Result<Leader, Refusal> {
         self.leader().map_or_else(|| self.leader_of(self.master(), axes), Ok)
     }
 
     /// Whether the axis displays a master.
     pub(super) fn shows_a_master(&self, axes: usize) -> bool {
-        self.seen_leader(axes).is_ok() || self.sight.claim.is_some()
+        self.displayed_leader(axes).is_ok() || self.sight.claim.is_some()
     }
 
     /// Whether the axis has displayed a master.
     #[inline]
-    pub fn sees_a_master(&self) -> bool {
+    pub fn has_displayed_master(&self) -> bool {
         self.sight.leader.is_some()
     }
 
     /// Returns the encoder that a new value of its master would move for all users (MACS-ENC-11).
     pub fn shares_master(&self, axes: usize) -> Option<u16> {
-        match self.seen_leader(axes) {
+        match self.displayed_leader(axes) {
             Ok(Leader::Encoder(place)) if self.parameters.encoder.menccontrol & 2 == 0 => Some(place),
             _ => None,
         }
@@ -168,12 +168,12 @@ impl Axis {
 
     /// Updates the displayed values of its master in this cycle; none without master.
     pub(super) fn watch_master(&mut self, leads: &Leads) -> Option<Shown> {
-        let leader = self.seen_leader(leads.axes()).ok()?;
+        let leader = self.displayed_leader(leads.axes()).ok()?;
         let lead = leads.get(leader);
         if self.sight.leader != Some(leader) {
             let is_soft = self.sight.leader.is_some() && self.parameters.encoder.menccontrol & 1 == 1;
             let offset = if is_soft { self.sight.last - lead.position } else { Position::ZERO };
-            self.sight = Sight { leader: Some(leader), offset, claim: None, ..self.sight };
+            self.sight = MasterView { leader: Some(leader), offset, claim: None, ..self.sight };
         }
         self.sight.last = lead.position + self.sight.offset;
         // Multiplication comes first, so that whole turns of the master stay whole units. A negative ratio makes -0.0
@@ -185,18 +185,18 @@ impl Axis {
     }
 
     /// Continues the displayed position when the coordinate of axis `axis` increases by `by` (MACS-ENC-15).
-    pub fn count_on(&mut self, leads: &Leads, axis: u16, by: Position) {
+    pub fn continue_with_axis(&mut self, leads: &Leads, axis: u16, by: Position) {
         let is_its_own = |leader| matches!(leader, Leader::AxisCommand(of) | Leader::AxisActual(of) if of == axis);
-        self.see_less(leads, by, is_its_own);
+        self.subtract_from_view(leads, by, is_its_own);
     }
 
     /// Continues the displayed position when the sink of a function is set to a new position.
-    pub fn count_on_sink(&mut self, leads: &Leads, slot: u16, by: Position) {
-        self.see_less(leads, by, |leader| leader == Leader::Sink(slot));
+    pub fn continue_with_sink(&mut self, leads: &Leads, slot: u16, by: Position) {
+        self.subtract_from_view(leads, by, |leader| leader == Leader::Sink(slot));
     }
 
     /// Subtracts `by` from the displayed position for leaders for which `holds` is true.
-    fn see_less(&mut self, leads: &Leads, by: Position, holds: impl Fn(Leader) -> bool) {
+    fn subtract_from_view(&mut self, leads: &Leads, by: Position, holds: impl Fn(Leader) -> bool) {
         if let Some(leader) = self.sight.leader {
             self.sight.offset = self.sight.offset - leads.share(leader, by, holds);
         }
@@ -210,7 +210,7 @@ impl Axis {
         position: MasterPosition,
     ) -> Result<(), Refusal> {
         let axes = cx.leads.axes();
-        let leader = self.seen_leader(axes)?;
+        let leader = self.displayed_leader(axes)?;
         let encoder = match leader {
             Leader::Encoder(place) => cx.encoders.get(usize::from(place)).map(|encoder| (place, encoder)),
             _ => None,

@@ -68,11 +68,11 @@ mod velocity_encoder;
 mod vocabulary;
 mod waiting;
 
-pub use alarm::Fault;
+pub use alarm::ErrorSnapshot;
 pub use analog::may_be_analog;
 pub use brake::{BrakeConfig, Edges};
 pub use cam::no_cam;
-pub use direction::{may_tell_sign, may_turn_loop};
+pub use direction::{may_output_sign, may_turn_loop};
 pub use feedback::Claim;
 pub use function::MovedBy;
 pub(crate) use homing::USES as COORDINATE_USES;
@@ -107,14 +107,14 @@ use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Motion;
-use crate::regulator::{Law, TakeUp};
+use crate::regulator::{Law, Compensator};
 use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
 use crate::table::Table;
-use crate::vocabulary::{Latched, Owner, Setting, Vocabularies, Wiring};
-use alarm::Alarm;
-use brake::Holding;
+use crate::vocabulary::{LatchView, Owner, Setting, Vocabularies, Wiring};
+use alarm::ActiveError;
+use brake::BrakeState;
 use buffer::Buffer;
 use conditioning::Conditioning;
 use effort::EffortLoops;
@@ -123,16 +123,16 @@ use feedback::Sensor;
 use generator::Generator;
 use goal::Goal;
 use homing::Homing;
-use judge::Judge;
+use judge::Supervision;
 use leave::Leaving;
 use limits::AtLimits;
-use master::Sight;
+use master::MasterView;
 use overlay::Overlay;
 use phase::Phasing;
 use position_loop::PositionLoop;
 pub use power::ENABLE_TIMEOUT_NS;
 use power::Power;
-use rhythm::Rhythm;
+use rhythm::CyclePace;
 use runaway::Recovery;
 use serde::{Deserialize, Serialize};
 use shown::DriveShown;
@@ -215,7 +215,7 @@ pub struct Context<'a> {
     /// The encoders in this cycle.
     pub encoders: &'a [Encoder],
     /// The latches of this cycle.
-    pub latches: &'a [Latched],
+    pub latches: &'a [LatchView],
     /// New streamed setpoints.
     pub stream: Option<&'a Setpoints>,
     /// The active trajectories.
@@ -232,7 +232,7 @@ pub struct Context<'a> {
 #[repr(C)]
 pub struct Axis {
     #[serde(skip)]
-    rhythm: Rhythm,
+    rhythm: CyclePace,
     /// First of its signals.
     signals: Signal,
     state: AxisState,
@@ -258,14 +258,14 @@ pub struct Axis {
     last_direction: f64,
     /// State at the software limits.
     at_limits: AtLimits,
-    judge: Judge,
+    judge: Supervision,
     /// Active parameters: they act from the next command on, or at once if the row requires that.
     pub parameters: InForce,
     setup: AxisSetup,
     sensor: Sensor,
-    sight: Sight,
+    sight: MasterView,
     /// State of its own brake, and requests of inputs of the machine.
-    holding: Holding,
+    holding: BrakeState,
     generator: Generator,
     homing: Homing,
     goal: Option<Goal>,
@@ -291,7 +291,7 @@ pub struct Axis {
     /// The override of the active plan (%).
     override_seen: f64,
     /// Its error.
-    alarm: Alarm,
+    alarm: ActiveError,
     /// The code of the open contact that prevents motion.
     open_contact: Code,
     /// Whether an error of this cycle stops the other axes, too.
@@ -305,7 +305,7 @@ pub struct Axis {
     touch_probes: TouchProbes,
     buffer: Buffer,
     waiting: Waiting,
-    compensation: TakeUp,
+    compensation: Compensator,
     position_loop: PositionLoop,
     effort_loops: EffortLoops,
     velocity_feedback: VelocityFeedback,
@@ -313,7 +313,7 @@ pub struct Axis {
 }
 
 /// Bytes of an axis that each cycle accesses: its present motion, its supervision and its limits.
-pub const HOT_BYTES: usize = std::mem::offset_of!(Axis, judge) + Judge::HOT_BYTES + size_of::<in_force::Derived>();
+pub const HOT_BYTES: usize = std::mem::offset_of!(Axis, judge) + Supervision::HOT_BYTES + size_of::<in_force::Derived>();
 const _: () = assert!(HOT_BYTES <= 1024, "a cycle of an axis touches more than 1 KiB");
 
 impl Axis {
@@ -339,7 +339,7 @@ impl Axis {
             moved: Position::ZERO,
             counter: sensor.reader(),
             sensor,
-            sight: Sight::default(),
+            sight: MasterView::default(),
             origin: 0,
             actual: Lead { valid: is_virtual, ..Lead::default() },
             command: Motion::default(),
@@ -358,25 +358,25 @@ impl Axis {
             buffer: Buffer::default(),
             override_seen: parameters.velocity_override,
             waiting: Waiting::default(),
-            compensation: TakeUp::new(delay),
+            compensation: Compensator::new(delay),
             position_loop: PositionLoop::default(),
             effort_loops: EffortLoops::default(),
             velocity_feedback: VelocityFeedback::default(),
             recovery: Recovery::default(),
-            judge: Judge::new(delay),
+            judge: Supervision::new(delay),
             at_limits: AtLimits::default(),
-            alarm: Alarm::default(),
+            alarm: ActiveError::default(),
             open_contact: Code::NONE,
             stops_others: false,
             brake: false,
-            holding: Holding::default(),
+            holding: BrakeState::default(),
             is_backwards: false,
             last_direction: 0.0,
             streamed: Streamed::default(),
             owner: Owner::Native,
             vocabularies: Vocabularies::default(),
             output: DriveOutput::default(),
-            rhythm: Rhythm::default(),
+            rhythm: CyclePace::default(),
         }
     }
 
@@ -422,12 +422,12 @@ impl Axis {
         self.supervise(cx);
         self.supervise_gantry(cx);
         self.supervise_current(cx);
-        self.tell_switches(cx);
+        self.report_switches(cx);
         self.advance(cx);
         self.record_latches(cx);
-        self.take_mark(cx);
+        self.use_latch(cx);
         self.step_homing(cx);
-        self.judge_errors(cx);
+        self.check_errors(cx);
         self.supervise_encoders(cx);
         self.supervise_recovery(cx);
         self.show_virtual(Position::ZERO);
@@ -443,9 +443,9 @@ impl Axis {
         self.engage(cx);
         self.leave(cx);
         self.end_cam(cx);
-        self.obey_inputs(cx);
-        self.heed_stop(cx);
-        self.judge_arrival(cx);
+        self.execute_inputs(cx);
+        self.apply_stop_priority(cx);
+        self.check_arrival(cx);
         self.settle_step(cx);
         // Shows the effect of commands on the position since it was advanced.
         self.show_virtual(self.actual.change);
@@ -461,7 +461,7 @@ impl Axis {
         if self.holding.had_power && !self.at_limits.is_free() && !self.is_on() {
             self.note_stop_given_up();
         }
-        self.work_brake(cx.cycle);
+        self.command_brake(cx.cycle);
         self.settle_waiting(cx);
     }
 
@@ -525,7 +525,7 @@ impl Axis {
             Generator::OutAn { level, .. } => {
                 let is_one = self.closes_loop_here() && self.gantry().is_none() && self.goal.is_none();
                 let runs = self.power == Power::On && self.state == AxisState::ContinuousMotion;
-                is_one && runs && (level == Level::Setpoint || self.takes_effort())
+                is_one && runs && (level == Level::Setpoint || self.has_effort_command())
             }
             Generator::Plan(_) | Generator::Follow(_) => !self.is_open_loop(),
             Generator::Track(_) => !self.is_open_loop() && self.tracker().is_some(),
@@ -603,7 +603,7 @@ impl Axis {
     }
 
     /// Returns the snapshot of the axis at its last error.
-    pub fn fault(&self) -> &Fault {
+    pub fn fault(&self) -> &ErrorSnapshot {
         self.alarm.fault()
     }
 
@@ -633,7 +633,7 @@ impl Axis {
     /// Reads the drive and the source of the position. The inputs of all axes are read before any axis moves.
     pub fn sense(&mut self, input: Option<&DriveInput>, encoders: &[Encoder], raw: &[EncoderInput]) {
         let Some(input) = input else { return };
-        self.shown.read(input, self.told_effort(input.effort));
+        self.shown.read(input, self.reported_effort(input.effort));
         self.read_source(input, encoders, raw);
         self.read_velocity_encoder(input);
     }

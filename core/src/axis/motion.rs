@@ -1,6 +1,6 @@
 //! The motion of an axis in a cycle.
 
-use super::course::{Aim, Course};
+use super::course::{Aim, PlannedMotion};
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::profile::{self, Limits, Motion, Shape};
@@ -24,11 +24,11 @@ impl Axis {
             return self.follow_drive();
         }
         self.start_waiting_track(cx);
-        self.move_on(cx);
+        self.advance_command(cx);
     }
 
     /// Advances the command of an axis that is on by its generator.
-    fn move_on(&mut self, cx: &mut Context<'_>) {
+    fn advance_command(&mut self, cx: &mut Context<'_>) {
         self.is_led = matches!(self.generator, Generator::Follow(_));
         let base = match &self.generator {
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => {
@@ -37,15 +37,15 @@ impl Axis {
             // The usual case.
             Generator::Plan(course) if !course.has_ended(cx.cycle) => {
                 let next = course.at(cx.cycle);
-                return self.proceed(cx, next);
+                return self.execute_within_limits(cx, next);
             }
-            Generator::Plan(_) => Some(self.read_course(cx)),
+            Generator::Plan(_) => Some(self.step_plan(cx)),
             Generator::Follow(_) => self.follow(cx),
             Generator::Track(_) => self.follow_track(cx),
         };
         // Without a motion the axis already stops.
         if let Some(base) = base {
-            self.proceed(cx, base);
+            self.execute_within_limits(cx, base);
         } else {
             self.note_direction();
         }
@@ -61,7 +61,7 @@ impl Axis {
 
     /// Executes the motion of this cycle within the limits.
     #[inline]
-    fn proceed(&mut self, cx: &mut Context<'_>, base: Motion) {
+    fn execute_within_limits(&mut self, cx: &mut Context<'_>, base: Motion) {
         let mut next = base;
         if self.overlay.is_some() {
             next = self.superimpose(cx, base);
@@ -84,7 +84,7 @@ impl Axis {
     }
 
     /// Returns the motion of this cycle from the active course; at its end the next motion begins.
-    fn read_course(&mut self, cx: &mut Context<'_>) -> Motion {
+    fn step_plan(&mut self, cx: &mut Context<'_>) -> Motion {
         let Generator::Plan(course) = &mut self.generator else { return self.command };
         let next = course.at(cx.cycle);
         if !course.has_ended(cx.cycle) {
@@ -100,11 +100,11 @@ impl Axis {
             return if self.overlay.is_some() { Motion::at_rest(next.position) } else { self.resting(next.position) };
         }
         match course.aim {
-            Aim::Target(_) => self.pass(cx, next),
+            Aim::Target(_) => self.pass_target(cx, next),
             _ if course.is_old(cx.cycle) => {
                 let (aim, limits) = (course.aim, course.limits);
                 let plan = profile::to_velocity(next, next.velocity, &limits, self.setup.cycle_ns);
-                self.generator = Generator::Plan(Course::new(plan, cx.cycle, aim, limits));
+                self.generator = Generator::Plan(PlannedMotion::new(plan, cx.cycle, aim, limits));
                 next
             }
             _ => next,
@@ -113,13 +113,13 @@ impl Axis {
 
     /// Handles a target that is passed, or the position before it at which the acceleration to the passing velocity
     /// begins.
-    fn pass(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
+    fn pass_target(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
         let Generator::Plan(course) = self.generator else { return next };
         let lead = course.overshoot(cx.cycle);
         let from = Motion { velocity: course.end_velocity(), ..Motion::at_rest(course.end()) };
         if course.end_velocity() != course.pass {
             let plan = profile::to_velocity(from, course.pass, &course.limits, self.setup.cycle_ns);
-            let speeding = Course::new(plan, cx.cycle, course.aim, course.limits).passing(course.pass);
+            let speeding = PlannedMotion::new(plan, cx.cycle, course.aim, course.limits).passing(course.pass);
             self.generator = Generator::Plan(speeding.with_lead(lead));
         } else if self.buffer.is_empty() {
             // Its next goal was cancelled: it ends at its own target.
@@ -144,7 +144,7 @@ impl Axis {
 
     /// Returns the motion of this cycle as the start of the next profile. The acceleration of a coupling comes from the
     /// counts of its leader: no profile continues with it.
-    pub(super) fn present(&self) -> Motion {
+    pub(super) fn present_motion(&self) -> Motion {
         if self.is_led { Motion { acceleration: 0.0, jerk: 0.0, ..self.command } } else { self.command }
     }
 
@@ -154,13 +154,13 @@ impl Axis {
             return self.switch_speed_off(cx);
         }
         if self.out_an().is_some() {
-            return self.leave_to_drive(cx);
+            return self.let_drive_stop(cx);
         }
         self.reference = Reference::Stop;
         if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion | AxisState::Homing) {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
-        let present = self.present();
+        let present = self.present_motion();
         if present.velocity == 0.0 && (present.acceleration == 0.0 || limits.shape == Shape::Trapezoid) {
             self.command = self.resting(self.command.position);
             self.generator = Generator::Rest;
@@ -189,7 +189,7 @@ impl Axis {
     pub(super) fn active_limits(&self) -> Limits {
         match &self.generator {
             Generator::Plan(course) => course.limits,
-            _ => self.parameters.usual_limits(),
+            _ => self.parameters.default_goal_limits(),
         }
     }
 }

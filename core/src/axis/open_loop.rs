@@ -54,7 +54,7 @@ impl Axis {
     /// it has not started yet.
     fn has_run_down(&self, cycle: u64, since: u64) -> bool {
         let elapsed = cycle.saturating_sub(since);
-        self.encoder_stands() && elapsed > self.delay().saturating_add(1)
+        self.encoder_is_at_rest() && elapsed > self.delay().saturating_add(1)
             || elapsed.saturating_mul(self.setup.cycle_ns) > COAST_TIMEOUT_NS
     }
 
@@ -83,7 +83,7 @@ impl Axis {
     pub(super) fn set_speed(&mut self, cx: &mut Context<'_>, velocity: f64) -> Result<(), Refusal> {
         if velocity == 0.0 && self.is_open_loop() {
             // A stop is never refused, whatever the state of the axis, and ends reference travel as well.
-            self.abandon(cx, Code::REPLACED);
+            self.end_all_motion(cx, Code::REPLACED);
             self.switch_speed_off(cx);
             return Ok(());
         }
@@ -130,7 +130,7 @@ impl Axis {
     }
 
     /// Returns the outputs that it switches, by their indices in section `io`; none if it switches none.
-    pub fn wiring(&self) -> Option<SpeedOutputs> {
+    pub fn speed_outputs(&self) -> Option<SpeedOutputs> {
         Some(self.setup.open_loop).filter(|wiring| *wiring != SpeedOutputs::default())
     }
 
@@ -142,7 +142,7 @@ impl Axis {
     /// Limits the outputs to those allowed. The end of the speed ends the axis output and the voltage in the same
     /// cycle; an error, or a command of another owner, ends the direction as well.
     pub(crate) fn allowed(&self, asked: Switching) -> Switching {
-        let commanded = self.owner.switches()
+        let commanded = self.owner.drives_outputs()
             && self.power == Power::On
             && !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping);
         let runs = commanded && self.speed() != 0.0;

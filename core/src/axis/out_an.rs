@@ -40,7 +40,7 @@ impl Axis {
         if self.out_an().is_some() {
             self.generator = Generator::OutAn { value, level };
         } else {
-            self.abandon(cx, Code::REPLACED);
+            self.end_all_motion(cx, Code::REPLACED);
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::OutAn { value, level });
         }
         self.command = self.opened_motion(value, level);
@@ -55,10 +55,10 @@ impl Axis {
         if self.gantry().is_some() {
             return Err(self.refuse(Code::OUT_AN_TWO_DRIVES));
         }
-        if self.setup.analog.is_some() && self.takes_effort() {
+        if self.setup.analog.is_some() && self.has_effort_command() {
             return Err(self.refuse(Code::ANALOG_COASTS));
         }
-        if level == Level::Effort && !self.takes_effort() {
+        if level == Level::Effort && !self.has_effort_command() {
             return Err(self.refuse(Code::OUT_AN_NO_EFFORT));
         }
         if !(-1.0..=1.0).contains(&value) {
@@ -81,7 +81,7 @@ impl Axis {
 
     /// Whether a value of that level is a velocity. Otherwise it is an effort.
     fn asks_velocity(&self, level: Level) -> bool {
-        level == Level::Setpoint && (!self.takes_effort() || self.parameters.amplifier.has_velocity_loop())
+        level == Level::Setpoint && (!self.has_effort_command() || self.parameters.amplifier.has_velocity_loop())
     }
 
     /// Returns the actual position and the commanded velocity (inc/s); 0 with an effort.
@@ -127,12 +127,12 @@ impl Axis {
     }
 
     /// Ends OUTAN: the drive stops by itself, and then its power is removed.
-    pub(super) fn leave_to_drive(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn let_drive_stop(&mut self, cx: &mut Context<'_>) {
         self.reference = Reference::Stop;
         // The time counts from the start of the stop.
         let since = if let Power::DriveStops { since, .. } = self.power { since } else { cx.cycle };
         self.power = Power::DriveStops { since, then_off: true };
-        self.stand_on_actual();
+        self.command_actual_position();
         if matches!(self.state, AxisState::ContinuousMotion) {
             self.set_state(cx, AxisState::DiscreteMotion);
         }

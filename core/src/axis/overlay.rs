@@ -7,7 +7,7 @@
 //! Refuses  rates beyond those left, an end beyond a limit
 
 use super::alarm::{NO_NUMBERS, Numbers};
-use super::course::{Aim, ROUNDING, sharpen};
+use super::course::{Aim, ROUNDING, raise_jerk};
 use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::command::Move;
@@ -59,9 +59,9 @@ impl Overlay {
     }
 
     /// Returns the direction of the remaining distance if the motion does not turn back: up is true.
-    fn way(&self) -> Option<bool> {
+    fn remaining_direction(&self) -> Option<bool> {
         let (low, high) = self.ahead();
-        one_way((low, high), self.end - self.shown.position)
+        single_direction((low, high), self.end - self.shown.position)
     }
 
     /// Returns it planned again from this cycle on with another share of its velocity (%); with 0 it holds.
@@ -73,14 +73,14 @@ impl Overlay {
 
 /// Directions of two motions that are added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Ways {
+enum RelativeDirection {
     /// Both always have the same direction.
     Same,
     /// Unknown.
     Any,
 }
 
-impl Ways {
+impl RelativeDirection {
     /// Returns acceleration and deceleration that one motion leaves to the other (inc/s^2).
     fn left(self, most: &Limits, taken: &Limits) -> (f64, f64) {
         let least = most.acceleration.min(most.deceleration);
@@ -94,7 +94,7 @@ impl Ways {
 }
 
 /// Returns the direction to an end if the lowest and the highest position are not beyond start and end: up is true.
-fn one_way((low, high): (Position, Position), end: Position) -> Option<bool> {
+fn single_direction((low, high): (Position, Position), end: Position) -> Option<bool> {
     let rounding = Position::from_f64(ROUNDING);
     let is_straight = low >= end.min(Position::ZERO) - rounding && high <= end.max(Position::ZERO) + rounding;
     (is_straight && end != Position::ZERO).then_some(end > Position::ZERO)
@@ -129,7 +129,7 @@ impl Axis {
 
     /// Returns the start of a course that is planned again below a superimposed motion.
     pub(super) fn base(&self) -> Motion {
-        if self.overlay.is_some() { self.underlying() } else { self.present() }
+        if self.overlay.is_some() { self.underlying() } else { self.present_motion() }
     }
 
     /// Returns the velocity and acceleration that a coupling leaves to the superimposed motion (inc/s, inc/s^2).
@@ -166,7 +166,7 @@ impl Axis {
         };
         if ended {
             self.overlay = None;
-            self.share_anew();
+            self.renew_override_share();
             let code = ending.unwrap_or(Code::NONE);
             cx.events.push(Event::done(self.object(), sequence, code, sum.position));
             if matches!(self.generator, Generator::Rest) {
@@ -195,9 +195,9 @@ impl Axis {
         self.check_no_marks()?;
         let shown = self.overlay.map_or(Motion::default(), |overlay| overlay.shown);
         let share = self.parameters.velocity_override;
-        let with = |ways: Ways| {
+        let with = |ways: RelativeDirection| {
             let (limits, most) = self.remaining_limits(request, ways)?;
-            let limits = sharpen(shown, limits, most);
+            let limits = raise_jerk(shown, limits, most);
             let plan = plan(shown, end, &limits, share, self.setup.cycle_ns);
             Ok(Overlay {
                 sequence,
@@ -211,14 +211,14 @@ impl Axis {
                 ending: None,
             })
         };
-        let straight = self.way_of_motion().filter(|up| *up == (end > shown.position));
-        let beside = straight.and_then(|up| with(Ways::Same).ok().filter(|overlay| overlay.way() == Some(up)));
-        let overlay = beside.map_or_else(|| with(Ways::Any), Ok)?;
+        let straight = self.direction_of_motion().filter(|up| *up == (end > shown.position));
+        let beside = straight.and_then(|up| with(RelativeDirection::Same).ok().filter(|overlay| overlay.remaining_direction() == Some(up)));
+        let overlay = beside.map_or_else(|| with(RelativeDirection::Any), Ok)?;
         self.check_overlay_forward(&overlay)?;
         self.check_sum(&overlay)?;
         self.end_overlay(cx, Code::REPLACED, NO_NUMBERS);
         self.overlay = Some(overlay);
-        self.share_anew();
+        self.renew_override_share();
         self.judge.rested_at = None;
         self.accepted(cx, sequence);
         if self.state == AxisState::Standstill {
@@ -265,7 +265,7 @@ impl Axis {
 
     /// Returns the direction of the active motion and the waiting goals if they do not turn back: up is true. None for
     /// motions that may reverse at any time: a leader, a stream, a vocabulary, a search.
-    fn way_of_motion(&self) -> Option<bool> {
+    fn direction_of_motion(&self) -> Option<bool> {
         let Generator::Plan(course) = &self.generator else { return None };
         if self.goal.is_none() || self.owner != Owner::Native || self.searches() || self.probes() {
             return None;
@@ -282,8 +282,8 @@ impl Axis {
                 let is_straight = low >= here.min(end) - rounding && high <= here.max(end) + rounding;
                 (is_straight && self.underlying().velocity * velocity >= 0.0).then_some(velocity > 0.0)
             }
-            Aim::Target(target) => one_way(ahead, target - here),
-            Aim::Stop => one_way(ahead, course.end() - here),
+            Aim::Target(target) => single_direction(ahead, target - here),
+            Aim::Stop => single_direction(ahead, course.end() - here),
         }?;
         let mut before = self.goal.and_then(|goal| goal.target);
         let goes_on = self.waiting_ends().all(|end| {
@@ -296,12 +296,12 @@ impl Axis {
 
     /// Checks that a goal that will begin below a superimposed motion stays within the remaining rates; `up`: its
     /// direction, if known.
-    pub(super) fn check_beside_overlay(&self, limits: &Limits, up: Option<bool>) -> Result<(), Refusal> {
+    pub(super) fn check_with_overlay(&self, limits: &Limits, up: Option<bool>) -> Result<(), Refusal> {
         let Some(overlay) = &self.overlay else { return Ok(()) };
         let most = self.parameters.largest_limits();
-        let is_same = up.is_some() && up == overlay.way() && up == self.way_of_motion();
+        let is_same = up.is_some() && up == overlay.remaining_direction() && up == self.direction_of_motion();
         let (taken, code) = (overlay.limits, Code::SUPERIMPOSED_TOO_MUCH);
-        let (speeding, slowing) = if is_same { Ways::Same } else { Ways::Any }.left(&most, &taken);
+        let (speeding, slowing) = if is_same { RelativeDirection::Same } else { RelativeDirection::Any }.left(&most, &taken);
         let check = |asked: f64, left: f64, number: fn(f64) -> Number| {
             // The remaining rate was rounded.
             let fits = asked <= left * (1.0 + 1e-12);
@@ -319,9 +319,9 @@ impl Axis {
 
     /// Returns the remaining limits that the active motion leaves for the request, and the whole remaining velocity
     /// (inc/s). The requested rates must be within them.
-    fn remaining_limits(&self, request: &Move, ways: Ways) -> Result<(Limits, f64), Refusal> {
+    fn remaining_limits(&self, request: &Move, ways: RelativeDirection) -> Result<(Limits, f64), Refusal> {
         let most = self.parameters.largest_limits();
-        let usual = self.parameters.usual_limits();
+        let usual = self.parameters.default_goal_limits();
         let used = match &self.generator {
             Generator::Plan(course) => Some(course.limits),
             // A coupling keeps within the rest. Of the rates that are possible in both directions it uses the default
@@ -388,7 +388,7 @@ impl Axis {
 
     /// Lets the active motion be planned again: with or without a superimposed motion it gets another share of the
     /// override.
-    fn share_anew(&mut self) {
+    fn renew_override_share(&mut self) {
         if self.parameters.velocity_override < 100.0 {
             self.override_seen = UNSEEN;
         }
@@ -415,7 +415,7 @@ impl Axis {
     /// Ends the superimposed motion now.
     pub(super) fn end_overlay(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
         if let Some(overlay) = self.overlay.take() {
-            self.share_anew();
+            self.renew_override_share();
             let code = overlay.ending.unwrap_or(code);
             let done = Event::done(self.object(), overlay.sequence, code, self.command.position);
             cx.events.push(done.with(numbers.0, numbers.1));

@@ -41,7 +41,7 @@ impl Pair {
     }
 
     /// Whether the leader approaches the pair in its present direction.
-    pub(super) fn lies_ahead(&self, lead: Lead) -> bool {
+    pub(super) fn is_ahead(&self, lead: Lead) -> bool {
         let towards = Position::whole(self.leader) - lead.position;
         let moves = lead.change != Position::ZERO;
         moves && (self.turn.is_some() || (towards > Position::ZERO) == (lead.change > Position::ZERO))
@@ -59,7 +59,7 @@ impl Pair {
         }
         let of_leader = |way: Position| if direction > 0 { way } else { -way };
         let start = Position::whole(self.leader) - Position::whole(direction * self.distance);
-        let start = self.turn.map_or(start, |turn| turn.last_passed(start, lead.position, lead.change));
+        let start = self.turn.map_or(start, |turn| turn.last_reached(start, lead.position, lead.change));
         let past = of_leader(lead.position - start);
         if past >= Position::ZERO && past <= of_leader(lead.change) {
             return Ok(Some(lead.position - start));

@@ -40,7 +40,7 @@ impl Phasing {
 impl Axis {
     /// Accepts a shift of one side. That of the master is in increments of the leader; none if the unit cannot be
     /// converted.
-    pub fn take_phase(&mut self, cx: &mut Context<'_>, sequence: u64, of_slave: bool, asked: Option<PhaseShift>) {
+    pub fn accept_phase(&mut self, cx: &mut Context<'_>, sequence: u64, of_slave: bool, asked: Option<PhaseShift>) {
         let unit = || self.refuse(Code::PHASE_UNIT);
         let result = self.shiftable().and_then(|_| asked.ok_or_else(unit)).and_then(|asked| {
             if of_slave { self.shift_slave(cx, sequence, &asked) } else { self.shift_master(cx, sequence, &asked) }
@@ -73,7 +73,7 @@ impl Axis {
         let cycle_s = self.cycle_s();
         let (gear, most) = match follower.transmission() {
             Transmission::Gear(gear) => (Some(gear.ratio().to_f64()), Gear::MAX_CHANGE as f64),
-            Transmission::Cam(cam) => (None, cam.most(cx.tables)),
+            Transmission::Cam(cam) => (None, cam.largest_change(cx.tables)),
             Transmission::Approach(approach) => (Some(approach.ratio().to_f64()), Gear::MAX_CHANGE as f64),
         };
         let before = self.phasing.map(|phasing| phasing.shift);
@@ -81,9 +81,9 @@ impl Axis {
         // Velocity without the shift that it replaces.
         let own = before.map_or(0.0, |before| before.speed() / cycle_s * gear.unwrap_or_default());
         let left = p.max_velocity - (self.underlying().velocity - own).abs() - reserve.velocity;
-        let velocity = self.rate_of_master(asked.velocity, gear, (p.usual_velocity(), left), Number::Velocity)?;
+        let velocity = self.rate_of_master(asked.velocity, gear, (p.default_goal_velocity(), left), Number::Velocity)?;
         let left = p.max_acceleration.min(p.deceleration_limit()) - reserve.acceleration;
-        let usual = p.usual_acceleration().min(p.usual_deceleration());
+        let usual = p.default_goal_acceleration().min(p.default_goal_deceleration());
         let acceleration = self.rate_of_master(asked.acceleration, gear, (usual, left), Number::Acceleration)?;
         let (change, whole) = (velocity * cycle_s, asked.shift.exact());
         if change > most {
@@ -138,7 +138,7 @@ impl Axis {
     }
 
     /// Reports the end of a shift of the master.
-    pub(super) fn tell_phase(&self, cx: &mut Context<'_>, ended: Option<(u64, Code)>, position: Position) {
+    pub(super) fn report_phase(&self, cx: &mut Context<'_>, ended: Option<(u64, Code)>, position: Position) {
         if let Some((sequence, code)) = ended {
             cx.events.push(Event::done(self.object(), sequence, code, position));
         }

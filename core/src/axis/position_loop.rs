@@ -112,7 +112,7 @@ impl Axis {
             has_brake && self.is_braked() && self.rests() && matches!(self.power, Power::On | Power::SwitchingOff);
         let was_held = std::mem::replace(&mut self.position_loop.is_held, is_held);
         if was_held && !is_held {
-            self.position_loop.pid.forget_past();
+            self.position_loop.pid.restart_after_gap();
             if self.setup.law == Law::Integer {
                 self.vocabularies.forget_loop_past();
             }
@@ -129,7 +129,7 @@ impl Axis {
 
     /// Whether its loop may change its output at rest.
     pub(super) fn regulates(&self) -> bool {
-        let has_past = self.setup.law != Law::Proportional || self.takes_effort();
+        let has_past = self.setup.law != Law::Proportional || self.has_effort_command();
         self.closes_loop_here() && has_past && self.is_on()
     }
 
@@ -150,7 +150,7 @@ impl Axis {
         let (full, rate) = self.full_reference();
         if let Some((value, _)) = self.out_an() {
             self.position_loop = PositionLoop { output: value, velocity: value * full, ..self.position_loop };
-            self.position_loop.pid.forget_past();
+            self.position_loop.pid.restart_after_gap();
             if self.setup.law == Law::Integer {
                 self.vocabularies.open_loop();
             }
@@ -177,7 +177,7 @@ impl Axis {
                 self.position_loop.pid.step(&p.pid, cycles, input) * full
             }
             Law::Integer => {
-                let error = self.asked().saturating_add(ahead).saturating_sub(self.actual.position.floor());
+                let error = self.commanded_increment().saturating_add(ahead).saturating_sub(self.actual.position.floor());
                 self.vocabularies.close_loop(&self.parameters, self.setup.cycle_ns, error) * full
             }
         };
@@ -197,7 +197,7 @@ impl Axis {
     }
 
     /// Returns the velocity at output 1 that was used last (inc/s).
-    pub(super) fn full_in_force(&self) -> f64 {
+    pub(super) fn full_velocity_in_use(&self) -> f64 {
         self.position_loop.full.map_or(self.parameters.max_velocity, |(full, _)| full)
     }
 

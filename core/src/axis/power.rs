@@ -97,7 +97,7 @@ impl Axis {
     pub(super) fn supervise(&mut self, cx: &mut Context<'_>) {
         let Some(input) = cx.input else { return };
         if let Some(emergency) = input.emergency {
-            self.tell_emergency(cx, emergency);
+            self.report_emergency(cx, emergency);
         }
         let failure = self.failure(input);
         self.watch_idle_drive(cx, failure);
@@ -120,7 +120,7 @@ impl Axis {
                     }
                     self.power = self.power_is_on(cx.cycle);
                     self.command = Motion::at_rest(self.actual.position);
-                    self.judge.fill(self.asked());
+                    self.judge.fill(self.commanded_increment());
                     if self.power == Power::On {
                         self.set_state(cx, AxisState::Standstill);
                     }
@@ -146,7 +146,7 @@ impl Axis {
                     let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
                     // An output that controls a brake closes it with the power; no other signal would do that.
                     let has_brake = self.creeps() && self.parameters.outputs.brake != 0;
-                    self.ask_for_brake(closes_brake(reaction) || has_brake);
+                    self.request_brake(closes_brake(reaction) || has_brake);
                     self.switch_off(cx);
                 }
             }
@@ -171,7 +171,7 @@ impl Axis {
 
     /// Reports an emergency message. The same code is reported once a second, different codes at most eight times a
     /// second. Code 0 after a reported code is always reported.
-    fn tell_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
+    fn report_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
         let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
         let last = self.watch.emergency;
         let ends = code == 0 && last.is_some_and(|(last, _)| last != 0);
@@ -220,14 +220,14 @@ impl Axis {
     /// Ends the opening or closing time of the brake: the axis may move, or its power is removed.
     fn follow_brake(&mut self, cx: &mut Context<'_>) {
         match self.power {
-            Power::Opening { since } if self.has_passed(cx.cycle, since, |brake| brake.release_ns) => {
+            Power::Opening { since } if self.has_brake_time_elapsed(cx.cycle, since, |brake| brake.release_ns) => {
                 self.power = Power::On;
                 // A quick stop or an error in the meantime has locked it.
                 if self.state == AxisState::Disabled {
                     self.set_state(cx, AxisState::Standstill);
                 }
             }
-            Power::Closing { since } if self.has_passed(cx.cycle, since, |brake| brake.engage_ns) => {
+            Power::Closing { since } if self.has_brake_time_elapsed(cx.cycle, since, |brake| brake.engage_ns) => {
                 self.switch_off(cx);
             }
             _ => {}
@@ -260,7 +260,7 @@ impl Axis {
     /// Selects the control word and sets the outputs to the drive.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
         if self.power == Power::SwitchingOff && self.rests() && self.has_come_to_rest(cx.cycle) {
-            self.give_to_brake(cx.cycle);
+            self.switch_off_after_brake(cx.cycle);
             if self.power == Power::Off {
                 self.switch_off(cx);
             }
@@ -280,7 +280,7 @@ impl Axis {
         if !self.note_compensated() {
             self.compensate(cx.tables);
         }
-        self.command_drive(self.asked(), word);
+        self.command_drive(self.commanded_increment(), word);
         if self.homing.is_in_drive() {
             self.output = self.ask_for_homing(self.output);
         }
@@ -290,13 +290,13 @@ impl Axis {
     fn command_drive(&mut self, asked: i64, word: u16) {
         let mode = self.setup.interface.mode();
         self.output = DriveOutput { control: word, mode, ..self.output };
-        self.lead_drive(asked);
+        self.set_drive_outputs(asked);
         self.output.position = self.output.position.wrapping_add(self.compensation.ahead());
     }
 
     /// Sets the outputs to the drive that change during motion.
     #[inline]
-    pub(super) fn lead_drive(&mut self, asked: i64) {
+    pub(super) fn set_drive_outputs(&mut self, asked: i64) {
         let (velocity, effort) = self.drive_reference();
         let (velocity, effort) = (self.reference_across(velocity), self.reference_across(effort));
         self.is_backwards = velocity < 0.0;
@@ -304,7 +304,7 @@ impl Axis {
         self.output.velocity = self.unipolar(velocity);
         self.output.effort = effort;
         let is_position = self.setup.interface == Interface::Position;
-        self.output.acceleration = if is_position { self.across(self.command.acceleration) } else { 0.0 };
+        self.output.acceleration = if is_position { self.convert_direction(self.command.acceleration) } else { 0.0 };
     }
 
     /// Returns velocity (inc/s) and effort (in its unit) for the drive in the direction of the axis: as command, or as

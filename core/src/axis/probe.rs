@@ -17,7 +17,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
 use crate::profile::{Limits, Shape};
-use crate::vocabulary::Latched;
+use crate::vocabulary::LatchView;
 use serde::{Deserialize, Serialize};
 
 /// The latch for which a goal searches, and its end after that.
@@ -52,7 +52,7 @@ impl Search {
 }
 
 /// Returns true if the latch is an edge of that source with that polarity.
-pub(super) fn is_awaited(latch: &Latched, source: Object, edge: ProbeEdge) -> bool {
+pub(super) fn is_awaited(latch: &LatchView, source: Object, edge: ProbeEdge) -> bool {
     let is_edge = match edge {
         ProbeEdge::Rising => latch.rising,
         ProbeEdge::Falling => !latch.rising,
@@ -63,7 +63,7 @@ pub(super) fn is_awaited(latch: &Latched, source: Object, edge: ProbeEdge) -> bo
 }
 
 /// Returns the first matching latch of the cycle: the oldest.
-pub(super) fn first_latch(latches: &[Latched], source: Object, edge: ProbeEdge) -> Option<&Latched> {
+pub(super) fn first_latch(latches: &[LatchView], source: Object, edge: ProbeEdge) -> Option<&LatchView> {
     let awaited = latches.iter().filter(|latch| is_awaited(latch, source, edge));
     awaited.reduce(|first, next| if next.age_ns > first.age_ns { next } else { first })
 }
@@ -97,7 +97,7 @@ impl Axis {
 
     /// Uses the latch for which the active goal searches: from now on the goal moves to its end. Called before the
     /// commands of the cycle, so that a goal never uses a latch that was there before it.
-    pub(super) fn take_mark(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn use_latch(&mut self, cx: &mut Context<'_>) {
         if !self.searches() {
             return;
         }
@@ -141,7 +141,7 @@ impl Axis {
 
     /// Returns the position of the axis at a latch: captured by its own device, otherwise linear within the change of
     /// this cycle.
-    pub(super) fn position_at(&self, latch: &Latched) -> Position {
+    pub(super) fn position_at(&self, latch: &LatchView) -> Position {
         if let Some(position) = latch.captured.filter(|_| latch.object == self.object()) {
             // In the coordinate before this cycle.
             return position + self.moved;
@@ -176,7 +176,7 @@ impl Axis {
             let event = Event::done(self.object(), goal.sequence, refusal.code, self.command.position);
             cx.events.push(event.with(refusal.asked, refusal.limit));
         }
-        self.abandon(cx, Code::NOT_REACHED);
+        self.end_all_motion(cx, Code::NOT_REACHED);
         self.brake_to_rest(cx, &limits);
     }
 }

@@ -37,7 +37,7 @@ struct Shown {
 
 /// Returns the displayed values of a coupling with that error of the slave.
 #[inline]
-fn shown_of(coupling: &Coupling, leads: &Leads, error: Position) -> Shown {
+fn displayed_values(coupling: &Coupling, leads: &Leads, error: Position) -> Shown {
     let (error, window) = (error.floor(), coupling.accuracy);
     Shown {
         master: leads.get(coupling.leader).position.floor(),
@@ -54,7 +54,7 @@ impl Axis {
             return Shown { error: error.nearest(), ..Shown::default() };
         }
         let Some(coupling) = self.coupling() else { return Shown::default() };
-        let shown = shown_of(coupling, leads, coupling.follower.error(self.command.position) + self.held_back());
+        let shown = displayed_values(coupling, leads, coupling.follower.error(self.command.position) + self.missing_distance());
         Shown {
             status: shown.status | self.status_of_marks(),
             in_sync: shown.in_sync && !self.is_late() && self.has_marks(),
@@ -95,7 +95,7 @@ impl Axis {
         // An axis that is switched off again while its brake opens was never enabled.
         set(Enabled, bit(self.is_on() && !self.is_opening() && self.state != AxisState::Disabled));
         set(ModeOfOperation, int(self.shown.mode().into()));
-        set(Homed, bit(self.knows_zero()));
+        set(Homed, bit(self.is_referenced()));
         set(Warning, bit(self.shown.warns()));
         set(Brake, bit(self.is_braked()));
         set(Error, u64::from(self.alarm.code().0));
@@ -117,14 +117,14 @@ impl Axis {
         let (slave, master) = self.phase_left();
         set(SyncWaiting, self.engaging());
         set(SyncLeaving, self.leaving());
-        let (backward, owed) = self.kept_of_master();
+        let (backward, owed) = self.stored_of_master();
         let marks = self.shown_marks();
         set(MarkerError, real(marks.error));
         set(MarkerCorrection, real(marks.correction));
         set(MarkerDistance, real(marks.distance));
         set(MarkerMissed, marks.missed);
         set(MarkerExtra, marks.extra);
-        let (at_mark, master_at_mark) = self.places_of_marks(leads);
+        let (at_mark, master_at_mark) = self.positions_of_marks(leads);
         set(MarkerPosition, int(at_mark.floor()));
         set(MarkerFraction, real(at_mark.fraction()));
         set(MarkerMaster, int(master_at_mark.floor()));
@@ -155,7 +155,7 @@ impl Axis {
         }
         // An axis in a reduced cycle has no processing of the master motion.
         if let Some(coupling) = self.coupling() {
-            show_coupling(words, shown_of(coupling, leads, coupling.follower.error(self.command.position)));
+            show_coupling(words, displayed_values(coupling, leads, coupling.follower.error(self.command.position)));
         }
     }
 
@@ -176,7 +176,7 @@ impl Axis {
             if matches!(course.aim, Aim::Velocity(velocity) if command.velocity == velocity)
                 && command.acceleration == 0.0);
         let actual = self.actual.position.floor();
-        let asked = if self.turned().units { self.asked() } else { position };
+        let asked = if self.direction().units { self.commanded_increment() } else { position };
         let p = &self.parameters;
 
         let mut set = |signal: AxisSignal, word: u64| words[signal as usize] = word;
@@ -199,7 +199,7 @@ impl Axis {
         if self.closes_loop_here() {
             set(RegulatorSum, real(self.error_sum()));
         }
-        if self.takes_effort() {
+        if self.has_effort_command() {
             set(RegulatorVelocity, real(self.estimated_velocity()));
             set(RegulatorEffort, real(self.effort_output()));
             let (current, heat) = self.shown_current();

@@ -98,7 +98,7 @@ impl Failure {
 
 /// Reaction of an axis to an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Deed {
+enum Reaction {
     /// Only reports the error.
     Report,
     /// Ends the goal and stops with max_deceleration; the axis then accepts goals.
@@ -106,7 +106,7 @@ enum Deed {
     /// Removes the power at once.
     Off { brake: bool },
     /// Removes the power; an axis at rest closes its own brake first.
-    LetGo { brake: bool },
+    OffAfterBrake { brake: bool },
     /// The drive stops by itself.
     DriveStops,
     /// Stops with max_deceleration; then executes this value of error_reaction.
@@ -116,7 +116,7 @@ enum Deed {
     LeaveToDrive { then: i64 },
 }
 
-impl Deed {
+impl Reaction {
     /// Returns the reaction by the table.
     fn of(class: Class, reaction: i64, endswmod: i64, closes_loop: bool) -> Self {
         let by_parameter = match reaction {
@@ -138,17 +138,17 @@ impl Deed {
             Class::Feedback if closes_loop => Self::Off { brake: reaction != 0 },
             Class::Feedback => ending,
             Class::Drive => Self::Off { brake: closes_brake(reaction) },
-            Class::Command => Self::LetGo { brake: closes_brake(reaction) },
+            Class::Command => Self::OffAfterBrake { brake: closes_brake(reaction) },
             Class::Interlock => Self::Stop { then: if reaction == 3 { 3 } else { 2 } },
             Class::EmergencyStop => Self::Stop { then: 1 },
         }
     }
 
     /// Returns the same reaction for after a stop.
-    fn behind_stop(self) -> Self {
+    fn after_stop(self) -> Self {
         let then = match self {
             Self::Stop { then } | Self::LeaveToDrive { then } => then,
-            Self::Off { brake } | Self::LetGo { brake } => i64::from(brake),
+            Self::Off { brake } | Self::OffAfterBrake { brake } => i64::from(brake),
             Self::DriveStops | Self::Report | Self::End => 4,
         };
         Self::Stop { then }
@@ -156,31 +156,31 @@ impl Deed {
 }
 
 impl Axis {
-    fn deed(&self, class: Class) -> Deed {
+    fn reaction_to(&self, class: Class) -> Reaction {
         let p = &self.parameters;
         let reaction = if class == Class::Skew { p.gantry.skew_reaction } else { p.error_reaction };
-        Deed::of(class, reaction, p.supervision.endswmod, self.closes_loop_here())
+        Reaction::of(class, reaction, p.supervision.endswmod, self.closes_loop_here())
     }
 
     /// Whether an error of this code stops nothing.
     pub(super) fn only_reports(&self, code: Code) -> bool {
-        self.deed(Failure::of(code).class()) == Deed::Report
+        self.reaction_to(Failure::of(code).class()) == Reaction::Report
     }
 
     /// Returns the reaction as far as the axis can still be commanded.
-    fn possible(&self, deed: Deed, moment: Moment) -> Deed {
+    fn as_far_as_possible(&self, deed: Reaction, moment: Moment) -> Reaction {
         match deed {
-            Deed::Report | Deed::End => deed,
-            Deed::Stop { then } if self.is_left_to_drive() => Deed::LeaveToDrive { then },
-            Deed::DriveStops if self.is_left_to_drive() => Deed::LeaveToDrive { then: 4 },
-            _ if moment == Moment::AtLimit => deed.behind_stop(),
+            Reaction::Report | Reaction::End => deed,
+            Reaction::Stop { then } if self.is_left_to_drive() => Reaction::LeaveToDrive { then },
+            Reaction::DriveStops if self.is_left_to_drive() => Reaction::LeaveToDrive { then: 4 },
+            _ if moment == Moment::AtLimit => deed.after_stop(),
             // There is neither power nor a drive.
-            _ if self.is_virtual() => deed.behind_stop(),
+            _ if self.is_virtual() => deed.after_stop(),
             // While it is being switched off, the axis stops and is then switched off.
-            Deed::DriveStops if self.is_on() && !self.is_at_work() => deed.behind_stop(),
+            Reaction::DriveStops if self.is_on() && !self.is_operating() => deed.after_stop(),
             // An axis that is not on yet must not be switched on.
-            Deed::DriveStops if !self.is_on() => Deed::Off { brake: false },
-            Deed::Stop { then } if !self.is_on() => Deed::Off { brake: closes_brake(then) },
+            Reaction::DriveStops if !self.is_on() => Reaction::Off { brake: false },
+            Reaction::Stop { then } if !self.is_on() => Reaction::Off { brake: closes_brake(then) },
             _ => deed,
         }
     }
@@ -189,44 +189,44 @@ impl Axis {
     #[cold]
     pub(super) fn raise(&mut self, cx: &mut Context<'_>, failure: Failure) {
         let class = failure.class();
-        let deed = match self.deed(class) {
-            Deed::Off { brake } => Deed::Off { brake },
-            _ if failure.takes_power => Deed::Off { brake: closes_brake(self.parameters.gantry.skew_reaction) },
-            Deed::Report if failure.lasts && !self.alarm.is_none() => return,
+        let deed = match self.reaction_to(class) {
+            Reaction::Off { brake } => Reaction::Off { brake },
+            _ if failure.takes_power => Reaction::Off { brake: closes_brake(self.parameters.gantry.skew_reaction) },
+            Reaction::Report if failure.lasts && !self.alarm.is_none() => return,
             deed => deed,
         };
         if self.state == AxisState::ErrorStop {
-            return self.raise_beside(cx, failure, class, deed);
+            return self.raise_further(cx, failure, class, deed);
         }
         self.stops_others |= stops_all(failure.code) && self.parameters.supervision.following_error_stops_all == 1;
-        let deed = self.possible(deed, failure.moment);
+        let deed = self.as_far_as_possible(deed, failure.moment);
         self.record(cx, failure);
-        if deed == Deed::Report {
+        if deed == Reaction::Report {
             return;
         }
         self.end_all(cx, failure);
         match deed {
-            Deed::Report => {}
-            Deed::End => return self.brake_to_rest(cx, &self.stop_limits()),
-            Deed::Off { brake } => self.take_power(failure.code, class, brake),
-            Deed::LetGo { brake } => {
+            Reaction::Report => {}
+            Reaction::End => return self.brake_to_rest(cx, &self.stop_limits()),
+            Reaction::Off { brake } => self.take_power(failure.code, class, brake),
+            Reaction::OffAfterBrake { brake } => {
                 self.set_state(cx, AxisState::ErrorStop);
-                self.ask_for_brake(brake);
-                self.let_go(cx);
+                self.request_brake(brake);
+                self.switch_off_with_brake(cx);
             }
-            Deed::DriveStops => {
+            Reaction::DriveStops => {
                 self.power = Power::DriveStops { since: cx.cycle, then_off: self.creeps() };
-                self.stand_on_actual();
+                self.command_actual_position();
             }
-            Deed::LeaveToDrive { then } => {
-                self.leave_to_drive(cx);
-                self.judge.after_stop = self.behind_abort(then);
+            Reaction::LeaveToDrive { then } => {
+                self.let_drive_stop(cx);
+                self.judge.after_stop = self.with_brake_of_abort(then);
             }
-            Deed::Stop { then } => {
+            Reaction::Stop { then } => {
                 if failure.moment != Moment::AtLimit || self.is_open_loop() {
                     self.brake_to_rest(cx, &self.stop_limits());
                 }
-                self.judge.after_stop = self.behind_abort(then);
+                self.judge.after_stop = self.with_brake_of_abort(then);
             }
         }
         self.set_state(cx, AxisState::ErrorStop);
@@ -237,7 +237,7 @@ impl Axis {
     }
 
     /// Returns this value of error_reaction, combined with a brake that an abort was to close.
-    fn behind_abort(&self, then: i64) -> i64 {
+    fn with_brake_of_abort(&self, then: i64) -> i64 {
         match then {
             2 | 5 if closes_brake(self.judge.after_stop) => 3,
             0 | 4 if closes_brake(self.judge.after_stop) => 1,
@@ -246,22 +246,22 @@ impl Axis {
     }
 
     /// Handles an error while another one already stops the axis: the first error remains active.
-    fn raise_beside(&mut self, cx: &mut Context<'_>, failure: Failure, class: Class, deed: Deed) {
+    fn raise_further(&mut self, cx: &mut Context<'_>, failure: Failure, class: Class, deed: Reaction) {
         match (class, deed) {
             // The axis can no longer be stopped as planned.
-            (Class::Drive | Class::Feedback | Class::Skew, Deed::Off { brake }) => {
+            (Class::Drive | Class::Feedback | Class::Skew, Reaction::Off { brake }) => {
                 self.end_all(cx, failure);
-                self.tell_beside(cx, failure);
+                self.report_further(cx, failure);
                 self.take_power(failure.code, class, brake);
             }
-            (Class::Command, Deed::LetGo { brake }) => {
+            (Class::Command, Reaction::OffAfterBrake { brake }) => {
                 self.end_all(cx, failure);
-                self.ask_for_brake(brake);
-                self.let_go(cx);
+                self.request_brake(brake);
+                self.switch_off_with_brake(cx);
             }
             (Class::EmergencyStop, _) => {
                 if !failure.lasts {
-                    self.tell_beside(cx, failure);
+                    self.report_further(cx, failure);
                 }
                 // The present stop, or a drive that has stopped by itself, may leave the axis under power.
                 self.judge.after_stop = 1;
@@ -270,8 +270,8 @@ impl Axis {
                     self.brake = true;
                 }
             }
-            (Class::Switch, _) => self.tell_beside(cx, failure),
-            (Class::Skew, _) if !failure.lasts => self.tell_beside(cx, failure),
+            (Class::Switch, _) => self.report_further(cx, failure),
+            (Class::Skew, _) if !failure.lasts => self.report_further(cx, failure),
             _ => {}
         }
     }
@@ -280,23 +280,23 @@ impl Axis {
     fn record(&mut self, cx: &mut Context<'_>, failure: Failure) {
         let Failure { code, numbers: (found, allowed), .. } = failure;
         if !self.alarm.is_none() {
-            return self.tell_beside(cx, failure);
+            return self.report_further(cx, failure);
         }
         self.alarm.set((found, allowed), self.fault_of(cx.cycle, code));
         // A waiting reset was meant for the state before.
         self.waiting.fail_with(cx.events, self.setup.index, code, Until::Healthy, (found, allowed));
-        self.tell_error(cx, failure);
+        self.report_error(cx, failure);
     }
 
     /// Reports a further error; the first one remains active. A repeated code is reported only if it removes the power.
-    fn tell_beside(&self, cx: &mut Context<'_>, failure: Failure) {
+    fn report_further(&self, cx: &mut Context<'_>, failure: Failure) {
         if self.alarm.code() != failure.code || failure.takes_power {
-            self.tell_error(cx, failure);
+            self.report_error(cx, failure);
         }
     }
 
     /// Reports the error.
-    pub(super) fn tell_error(&self, cx: &mut Context<'_>, Failure { code, numbers: (found, allowed), .. }: Failure) {
+    pub(super) fn report_error(&self, cx: &mut Context<'_>, Failure { code, numbers: (found, allowed), .. }: Failure) {
         let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
         cx.events.push(Event { position: self.actual.position, ..event });
     }
@@ -316,9 +316,9 @@ impl Axis {
             self.vocabularies.notice(Notice::Alarm((code.0 % 100) as u8));
         }
         // Nothing stops the axis any more: a brake that was to close at rest closes now (MACS-IO-04).
-        self.ask_for_brake(brake || closes_brake(self.judge.after_stop));
+        self.request_brake(brake || closes_brake(self.judge.after_stop));
         self.power = Power::Off;
-        self.stand_on_actual();
+        self.command_actual_position();
     }
 
     /// Stops the axis because of the error of another axis, in the same cycle, after its own step.
@@ -339,7 +339,7 @@ impl Axis {
     }
 
     /// Whether the axis is on and is not being switched off.
-    fn is_at_work(&self) -> bool {
+    fn is_operating(&self) -> bool {
         matches!(self.power, Power::On | Power::Opening { .. })
     }
 
@@ -348,7 +348,7 @@ impl Axis {
         self.setup.analog.is_some()
     }
 
-    pub(super) fn stand_on_actual(&mut self) {
+    pub(super) fn command_actual_position(&mut self) {
         self.generator = Generator::Rest;
         self.command = Motion::at_rest(self.actual.position);
     }
@@ -367,13 +367,13 @@ impl Axis {
         let has_drive = !self.is_virtual();
         match reaction {
             0 | 1 if has_drive => {
-                self.give_to_brake(cycle);
-                self.ask_for_brake(reaction == 1);
+                self.switch_off_after_brake(cycle);
+                self.request_brake(reaction == 1);
             }
             // A virtual axis has no brake but that of o_brake (MACS-IO-04).
-            1 => self.ask_for_brake(self.parameters.outputs.brake != 0),
-            3 => self.ask_for_brake(true),
-            4 if has_drive && self.is_at_work() => {
+            1 => self.request_brake(self.parameters.outputs.brake != 0),
+            3 => self.request_brake(true),
+            4 if has_drive && self.is_operating() => {
                 self.power = Power::DriveStops { since: cycle, then_off: self.creeps() };
             }
             _ => {}

@@ -27,14 +27,14 @@ pub enum Pace {
     #[default]
     Full,
     /// Only the motion.
-    Calm,
+    Reduced,
     /// No part of it.
-    Passed,
+    Skipped,
 }
 
 /// Summary of the last cycles. It is not part of the state: a restored machine executes its first cycles in full.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Rhythm {
+pub(super) struct CyclePace {
     /// Pace of the present cycle.
     pace: Pace,
     /// Pace of the next cycle without disturbance.
@@ -63,8 +63,8 @@ impl Axis {
         rhythm.goes_on = is_quiet
             && match rhythm.found {
                 Pace::Full => false,
-                Pace::Calm => input.is_none_or(|input| is_alike(input, told)),
-                Pace::Passed => input.is_none_or(|input| is_alike(input, told) && is_same_motion(input, told)),
+                Pace::Reduced => input.is_none_or(|input| equals_except_motion(input, told)),
+                Pace::Skipped => input.is_none_or(|input| equals_except_motion(input, told) && is_same_motion(input, told)),
             };
         rhythm.pace = if rhythm.goes_on { rhythm.next } else { Pace::Full };
         rhythm.pace
@@ -93,37 +93,37 @@ impl Axis {
     }
 
     /// Notes an effect from outside its cycle, or an event: the next cycles are full.
-    pub fn disturb(&mut self) {
-        let Rhythm { told, has_stepped, has_compensated, .. } = self.rhythm;
-        self.rhythm = Rhythm { told, has_stepped, has_compensated, ..Rhythm::default() };
+    pub fn require_full_cycle(&mut self) {
+        let CyclePace { told, has_stepped, has_compensated, .. } = self.rhythm;
+        self.rhythm = CyclePace { told, has_stepped, has_compensated, ..CyclePace::default() };
     }
 
     /// Executes the cycle of an axis at rest.
     #[inline]
-    pub fn pass_over(&mut self) {
+    pub fn skip_cycle(&mut self) {
         self.judge.pass();
         self.streamed.pass();
     }
 
     /// Decides after a full cycle how much the next one needs; `shown` is its command as other axes see it.
-    pub fn note_rhythm(&mut self, input: Option<&DriveInput>, shown: &Lead, axes: usize) {
+    pub fn decide_pace(&mut self, input: Option<&DriveInput>, shown: &Lead, axes: usize) {
         let found = match self.generator {
             // The inputs of a moving axis are compared first, which costs little.
             Generator::Rest
                 if self.compensation.is_settled()
                     && !self.regulates()
-                    && self.is_well()
-                    && self.rests_for_good(shown)
+                    && self.is_inactive()
+                    && self.rests_permanently(shown)
                     && !self.shows_a_master(axes) =>
             {
-                Pace::Passed
+                Pace::Skipped
             }
-            Generator::Plan(_) | Generator::Follow(_) if self.moves_alone() => Pace::Calm,
+            Generator::Plan(_) | Generator::Follow(_) if self.moves_alone() => Pace::Reduced,
             _ => Pace::Full,
         };
         let fails = |input| self.failure(input).is_some();
-        let found = if found == Pace::Full || input.is_some_and(fails) || !self.sleeps() { Pace::Full } else { found };
-        let switches = self.has_own_brake() || self.parameters.outputs.brake != 0 || self.wiring().is_some();
+        let found = if found == Pace::Full || input.is_some_and(fails) || !self.is_reducible() { Pace::Full } else { found };
+        let switches = self.has_own_brake() || self.parameters.outputs.brake != 0 || self.speed_outputs().is_some();
         let rhythm = &mut self.rhythm;
         rhythm.switches = switches;
         rhythm.next = if rhythm.goes_on && rhythm.found == found { found } else { Pace::Full };
@@ -136,7 +136,7 @@ impl Axis {
     }
 
     /// Whether the axis is at rest, and nothing changes by itself any more.
-    fn rests_for_good(&self, shown: &Lead) -> bool {
+    fn rests_permanently(&self, shown: &Lead) -> bool {
         let holds = match self.state {
             AxisState::Standstill => self.power == Power::On && self.judge.in_position,
             AxisState::Disabled => self.power == Power::Off,
@@ -147,7 +147,7 @@ impl Axis {
             && self.command == at_rest
             && (shown.position, shown.change, shown.velocity) == (at_rest.position, Position::ZERO, 0.0)
             && self.actual.change == Position::ZERO
-            && self.judge.is_settled(self.asked(), self.parameters.max_following_error)
+            && self.judge.is_settled(self.commanded_increment(), self.parameters.max_following_error)
             && (self.is_virtual() || self.counter.is_settled())
             && self.goal.is_none()
             && self.at_limits.is_within()
@@ -163,14 +163,14 @@ impl Axis {
             && self.reference != Reference::Stream
             && !self.has_track()
             && !self.probes()
-            && !self.judge.has_left_something()
+            && !self.judge.has_pending_reaction()
             && self.judge.has_left_rest()
             // Outputs for the sign of a velocity follow it.
-            && !self.tells_sign()
+            && !self.outputs_sign()
     }
 
     /// Whether the parts that a reduced cycle omits are inactive.
-    fn sleeps(&self) -> bool {
+    fn is_reducible(&self) -> bool {
         let p = &self.parameters;
         let has_source = self.is_virtual() || self.actual.valid && self.shown.is_fresh() && self.counter.is_good();
         has_source
@@ -193,7 +193,7 @@ impl Axis {
             && self.at_limits.is_free()
             && self.moved == Position::ZERO
             && !self.stops_others
-            && !self.vocabularies.are_awake()
+            && !self.vocabularies.any_used()
             && self.override_seen == p.velocity_override
             && self.sensor.is_settled()
             && self.homing.is_settled()
@@ -203,7 +203,7 @@ impl Axis {
 }
 
 /// Whether two inputs are equal except for the values of motion. Inputs with an index pulse are never equal.
-fn is_alike(one: &DriveInput, other: &DriveInput) -> bool {
+fn equals_except_motion(one: &DriveInput, other: &DriveInput) -> bool {
     let DriveInput { epoch, status, mode, fault, online, fresh, inputs, index, bus, emergency, unacknowledged, .. } =
         *one;
     (epoch, inputs, status, fault) == (other.epoch, other.inputs, other.status, other.fault)

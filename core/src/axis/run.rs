@@ -67,7 +67,7 @@ impl Run {
 
     /// Returns the time of the trajectory after that real time since the cycle in which it begins (ns).
     pub(super) fn time_after(&self, elapsed_ns: u64) -> Moment {
-        self.stretch.moment(self.begin_ns, elapsed_ns)
+        self.stretch.time_after(self.begin_ns, elapsed_ns)
     }
 
     /// Returns the real time since its last point was due (ns); none before that.

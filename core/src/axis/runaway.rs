@@ -70,7 +70,7 @@ impl Axis {
         }
         self.supervise_stop(cx);
         if self.is_on() {
-            self.supervise_standing(cx);
+            self.supervise_standstill(cx);
         }
     }
 
@@ -98,10 +98,10 @@ impl Axis {
         }
     }
 
-    fn supervise_standing(&mut self, cx: &mut Context<'_>) {
-        let standing = self.standing();
+    fn supervise_standstill(&mut self, cx: &mut Context<'_>) {
+        let standing = self.standstill_values();
         (self.recovery.way, self.recovery.pushes) = standing;
-        if self.stands_too_long(standing) {
+        if self.is_standstill_too_long(standing) {
             let (way, pushes) = standing;
             // The cast saturates.
             let way = if pushes > 0 { self.judge.following_error } else { way as i64 };
@@ -113,7 +113,7 @@ impl Axis {
     /// Returns distance and cycles of the largest effort since the encoder last moved, from the command of the cycle
     /// before.
     #[inline]
-    pub(super) fn standing(&self) -> (f64, u64) {
+    pub(super) fn standstill_values(&self) -> (f64, u64) {
         let is_held = matches!(self.power, Power::Opening { .. } | Power::Closing { .. }) || self.is_braked();
         // If the motor has an encoder of its own, a load that has not moved yet is no dead encoder.
         let turns = self.has_velocity_encoder() && self.velocity_change() != 0;
@@ -121,8 +121,8 @@ impl Axis {
             return (0.0, 0);
         }
         let Recovery { way, pushes, .. } = self.recovery;
-        if self.takes_effort() {
-            return (0.0, if self.asks_for_all(ALL) { pushes.saturating_add(1) } else { 0 });
+        if self.has_effort_command() {
+            return (0.0, if self.is_at_largest_effort(ALL) { pushes.saturating_add(1) } else { 0 });
         }
         let output = self.regulator_output().abs();
         (if output > LEAST { way + output * self.parameters.max_velocity * self.cycle_s() } else { way }, 0)
@@ -130,7 +130,7 @@ impl Axis {
 
     /// Whether these values exceed those that an axis may have without motion.
     #[inline]
-    pub(super) fn stands_too_long(&self, (way, pushes): (f64, u64)) -> bool {
+    pub(super) fn is_standstill_too_long(&self, (way, pushes): (f64, u64)) -> bool {
         // Commands that have not reached the drive yet have moved nothing.
         let coming = self.parameters.max_velocity * self.cycle_s() * (self.delay() + 2) as f64;
         pushes.saturating_mul(self.setup.cycle_ns) > PUSH_NS
@@ -139,12 +139,12 @@ impl Axis {
 
     /// Stores these values in a reduced cycle, in which nothing else needs supervision.
     #[inline]
-    pub(super) fn keep_standing(&mut self, (way, pushes): (f64, u64)) {
+    pub(super) fn store_standstill(&mut self, (way, pushes): (f64, u64)) {
         (self.recovery.way, self.recovery.pushes) = (way, pushes);
     }
 
     /// Whether there is neither a stop nor a command without motion.
-    pub(super) fn is_well(&self) -> bool {
+    pub(super) fn is_inactive(&self) -> bool {
         self.recovery == Recovery::default()
     }
 }

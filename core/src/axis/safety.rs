@@ -5,7 +5,7 @@
 //! Refuses  with an open contact: enable and every motion
 //! Source   MACS-ERR-04; the contacts of a safety relay must act on the power of the drives as well
 
-use super::alarm::Fault;
+use super::alarm::ErrorSnapshot;
 use super::power::Power;
 use super::reaction::Failure;
 use super::{Axis, AxisState, Context};
@@ -61,13 +61,13 @@ impl Axis {
         if !self.open_contact.is_none() && before == self.open_contact {
             self.raise(cx, Failure::of(before));
         } else if let Some((found, allowed)) = lasting {
-            self.tell_following_error(cx, found, allowed);
+            self.raise_following_error(cx, found, allowed);
         }
     }
 
     /// Returns a snapshot of the axis for an error of this cycle.
-    pub(super) fn fault_of(&self, cycle: u64, code: Code) -> Fault {
-        Fault {
+    pub(super) fn fault_of(&self, cycle: u64, code: Code) -> ErrorSnapshot {
+        ErrorSnapshot {
             code,
             cycle,
             state: self.state,

@@ -106,11 +106,11 @@ mod tests {
     #[test]
     fn a_drive_is_awaited_for_some_cycles_and_fails_in_the_next_one() {
         for missed in [1, 10, 100] {
-            fails_behind(missed);
+            fails_after(missed);
         }
     }
 
-    fn fails_behind(missed: u32) {
+    fn fails_after(missed: u32) {
         let mut shown = DriveShown::new(false);
         let mut input = DriveInput { online: true, fresh: true, ..DriveInput::default() };
         shown.read(&input, 0.0);

@@ -14,7 +14,7 @@ use super::reaction::Failure;
 use super::{Axis, AxisState, Context};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::gantry::{Found, Gantry, Trouble};
+use crate::gantry::{Found, Gantry, GantryError};
 use crate::position::Position;
 use crate::profile::Limits;
 
@@ -26,7 +26,7 @@ impl Axis {
     }
 
     /// Converts a distance of its drives to the direction of the axis (inc).
-    pub fn in_its_sense(&self, counts: i64) -> i64 {
+    pub fn in_axis_direction(&self, counts: i64) -> i64 {
         self.turn_counts(counts)
     }
 
@@ -38,11 +38,11 @@ impl Axis {
         if self.power != Power::Off {
             return Ok(());
         }
-        self.fits_on(gantry).map_err(|(code, found, limit)| self.refuse(code).with(found, limit))
+        self.check_skew_at_present(gantry).map_err(|(code, found, limit)| self.refuse(code).with(found, limit))
     }
 
     /// Checks whether its gantry could be held with both drives at their positions.
-    fn fits_on(&self, gantry: &Gantry) -> Result<(), (Code, Number, Number)> {
+    fn check_skew_at_present(&self, gantry: &Gantry) -> Result<(), (Code, Number, Number)> {
         let (skew, limit) = (gantry.skew(), self.parameters.gantry.skew_limit());
         match () {
             () if !gantry.is_second_read() => Err((Code::SECOND_UNREAD, Number::None, Number::None)),
@@ -53,7 +53,7 @@ impl Axis {
 
     /// Returns the failure that prevents switching on with its two drives at their positions.
     pub(super) fn unfit_to_come_on(&self, cx: &Context<'_>) -> Option<Failure> {
-        let (code, found, limit) = self.fits_on(cx.gantry.as_deref()?).err()?;
+        let (code, found, limit) = self.check_skew_at_present(cx.gantry.as_deref()?).err()?;
         Some(Failure::of(code).with(found, limit).before_motion().taking_power())
     }
 
@@ -65,7 +65,7 @@ impl Axis {
     /// Supervises the skew of both drives.
     pub(super) fn supervise_gantry(&mut self, cx: &mut Context<'_>) {
         let Some(gantry) = cx.gantry.as_deref_mut() else { return };
-        if gantry.is_anew() {
+        if gantry.has_new_coordinate() {
             self.note_new_coordinate();
         }
         if gantry.is_assumed() {
@@ -79,7 +79,7 @@ impl Axis {
             gantry.advance(cx.cycle);
             is_left
         } else {
-            gantry.let_go()
+            gantry.hold_present_difference()
         };
         self.holding.second_moves = gantry.is_squaring();
         if is_left {
@@ -88,16 +88,16 @@ impl Axis {
         }
         let limit = self.parameters.gantry.skew_limit();
         let is_run = self.is_on() || matches!(self.power, Power::DriveStops { .. });
-        let failure = match gantry.trouble(cx.cycle, limit, self.homing.is_running()).filter(|_| is_run) {
+        let failure = match gantry.error(cx.cycle, limit, self.homing.is_running()).filter(|_| is_run) {
             // Data of different cycles show neither that the skew lasts nor that it has ended.
             None if is_run && !gantry.is_fresh() => return,
             None => {
-                gantry.note_beyond(false);
+                gantry.set_skew_exceeded(false);
                 return;
             }
-            Some(Trouble::Unread) => Failure::of(Code::SECOND_UNREAD),
-            Some(Trouble::Skewed(by)) => {
-                let lasts = gantry.note_beyond(true);
+            Some(GantryError::Unread) => Failure::of(Code::SECOND_UNREAD),
+            Some(GantryError::Skewed(by)) => {
+                let lasts = gantry.set_skew_exceeded(true);
                 let is_far = by.saturating_abs() > limit.saturating_mul(2);
                 let by = Number::Position(self.turn_counts(by));
                 let failure = Failure::of(Code::SKEW).with(by, Number::Position(limit)).lasting(lasts);
@@ -115,7 +115,7 @@ impl Axis {
             velocity: p.homing_index_velocity(),
             acceleration,
             deceleration: p.deceleration_limit() * (acceleration / p.max_acceleration),
-            shape: p.usual_shape(),
+            shape: p.default_goal_shape(),
         }
     }
 
@@ -141,13 +141,13 @@ impl Axis {
 
     /// Whether the second drive moves into a limit switch during squaring.
     pub(super) fn squares_into_limit(&self, cx: &Context<'_>) -> bool {
-        let way = cx.gantry.as_deref().filter(|gantry| gantry.is_squaring()).and_then(Gantry::goes_up);
+        let way = cx.gantry.as_deref().filter(|gantry| gantry.is_squaring()).and_then(Gantry::squaring_is_upward);
         way.is_some_and(|up| if up { self.switches.positive } else { self.switches.negative })
     }
 
     /// Returns the distance moved with the switch of only one drive active, and the allowed distance, if it exceeds
     /// that.
-    pub(super) fn parted(&self, cx: &Context<'_>) -> Option<(i64, i64)> {
+    pub(super) fn distance_with_one_switch(&self, cx: &Context<'_>) -> Option<(i64, i64)> {
         let limit = self.parameters.gantry.squaring_limit();
         let gone = cx.gantry.as_deref()?.differs_for()?;
         (gone > limit).then_some((gone, limit))

@@ -15,7 +15,7 @@
 //! Source   MACS-MARK-14 to -17
 
 use super::engage::Engagement;
-use super::gear_in::Way;
+use super::gear_in::CurveData;
 use super::marker::MarkPath;
 use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
@@ -27,7 +27,7 @@ use crate::sync::approach::{Approach, Begin};
 use crate::sync::filter::MasterFilter;
 use crate::sync::follower::Follower;
 use crate::sync::gear::Ratio;
-use crate::sync::marker::Of;
+use crate::sync::marker::MarkSide;
 use crate::sync::{SyncMode, Transmission};
 use serde::{Deserialize, Serialize};
 
@@ -101,7 +101,7 @@ impl Mean {
     }
 
     /// Whether it is slower than an increment in that time.
-    fn stands(&self, cycle_ms: f64) -> bool {
+    fn is_at_rest(&self, cycle_ms: f64) -> bool {
         self.velocity.abs() * MEAN_TIME < cycle_ms
     }
 }
@@ -207,23 +207,23 @@ impl Axis {
         let velocity = smooth.mean.velocity;
         // One count does not give the speed, but the mean does.
         let filter = self.parameters.master_tau(true).map(|_| MasterFilter::settled(velocity));
-        self.conditioning.go_on_with(filter);
+        self.conditioning.continue_filter(filter);
         if let Some(path) = &mut self.conditioning.marks {
             path.begin_smooth(smooth.start, velocity, begun.then_some(Curve { mean: smooth.mean, velocity }));
-            let known = [(Of::Master, smooth.master), (Of::Slave, smooth.slave)];
+            let known = [(MarkSide::Master, smooth.master), (MarkSide::Slave, smooth.slave)];
             for (of, since) in known.into_iter().filter(|_| begun) {
-                since.into_iter().for_each(|since| path.marker.know(of, since));
+                since.into_iter().for_each(|since| path.marker.set_travel(of, since));
             }
         }
         self.begin_motion(cx, AxisState::SynchronizedMotion, Reference::Gear, Generator::Follow(coupling));
         if let Some(why) = why {
-            self.tell_fallback(cx, smooth.start, why);
+            self.report_fallback(cx, smooth.start, why);
         }
         Ok(None)
     }
 
     /// Reports that another start replaces a smooth one.
-    fn tell_fallback(&self, cx: &mut Context<'_>, start: i64, why: Fallback) {
+    fn report_fallback(&self, cx: &mut Context<'_>, start: i64, why: Fallback) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SMOOTH_START_FALLBACK);
         let event = event.with(Number::Count(why as i64), Number::Count(start));
         cx.events.push(Event { position: self.command.position, ..event });
@@ -236,7 +236,7 @@ impl Axis {
         let rests = matches!(self.generator, Generator::Rest);
         // A counted master shows its speed only after some time.
         let is_known = lead.uneven == 0.0 || mean.since >= MEAN_TIME;
-        if is_known && mean.stands(cycle_ms) {
+        if is_known && mean.is_at_rest(cycle_ms) {
             return Ok(Outcome::FallsBack(Fallback::MasterStands));
         }
         if slave.is_none() && rests {
@@ -252,8 +252,8 @@ impl Axis {
         let request = &engagement.request;
         let ratio = self.ratio_of(request)?;
         let bounds = self.bounds_of(request)?;
-        let (present, cycle_s, speed) = (self.present(), self.cycle_s(), mean.velocity);
-        let led = self.led_ahead(request.mode);
+        let (present, cycle_s, speed) = (self.present_motion(), self.cycle_s(), mean.velocity);
+        let led = self.leading_distance(request.mode);
         // An axis coupled to a counted master shows the velocity of single counts.
         let velocity = if self.coupling().is_some() { self.steady_velocity() } else { present.velocity };
         let from = Begin {
@@ -261,7 +261,7 @@ impl Axis {
             slope: velocity * cycle_s / speed,
             bend: present.acceleration * cycle_s * cycle_s / speed / speed,
         };
-        let way = Way { ratio, speed, from, bounds };
+        let way = CurveData { ratio, speed, from, bounds };
         let since = if speed < 0.0 { -master } else { master };
         let least = self.least_length(&way) + since.to_f64();
         let fewest = (least / group).ceil().max(1.0);
@@ -272,7 +272,7 @@ impl Axis {
             if let Some(approach) = self.curve(&way, left, slave) {
                 let transmission = Transmission::Approach(approach);
                 let follower = Follower::new(lead.uneven, transmission, request.mode, present, Position::ZERO, bounds);
-                return Ok(Outcome::Begins(follower.led_ahead(led).passing()));
+                return Ok(Outcome::Begins(follower.leading_by(led).passing()));
             }
         }
         Ok(Outcome::Waits)
@@ -280,7 +280,7 @@ impl Axis {
 
     /// Returns the shortest distance of the master (inc) in which a curve with free end stays below acceleration and
     /// jerk.
-    fn least_length(&self, way: &Way) -> f64 {
+    fn least_length(&self, way: &CurveData) -> f64 {
         let cycle_s = self.cycle_s();
         let turn = (way.ratio.to_f64() - way.from.slope).abs();
         let speed = way.speed.abs() / cycle_s;
@@ -291,8 +291,8 @@ impl Axis {
 
     /// Returns the curve to the pair at distance `left` ahead of the master, if the axis can follow it; `since`:
     /// distance since its last mark.
-    fn curve(&self, way: &Way, left: Position, since: Position) -> Option<Approach> {
-        let Way { ratio, speed, from, .. } = *way;
+    fn curve(&self, way: &CurveData, left: Position, since: Position) -> Option<Approach> {
+        let CurveData { ratio, speed, from, .. } = *way;
         // Whole increments; the rest of the distance is after the curve.
         let whole = left.floor();
         let rest = left - Position::whole(whole);
@@ -310,8 +310,8 @@ impl Axis {
         let is_smooth = self.parameters.max_jerk.is_none_or(|most| jerk <= most);
         // A short distance would need a start in the wrong direction.
         let turns = from.slope * ratio.to_f64() < 0.0;
-        let is_onward = turns || approach.keeps_sense(ratio.to_f64());
-        let fits = is_smooth && is_onward && self.leads_forward(&approach, speed) && self.bears(shape, *way);
+        let is_onward = turns || approach.keeps_sign(ratio.to_f64());
+        let fits = is_smooth && is_onward && self.leads_forward(&approach, speed) && self.can_follow(shape, *way);
         fits.then_some(approach)
     }
 
@@ -331,13 +331,13 @@ impl Axis {
 
     /// Aborts a curve whose master has changed its velocity: the gear starts from the present motion, and marks start
     /// as with start 5.
-    pub(super) fn watch_curve(&mut self, cx: &mut Context<'_>, path: &mut MarkPath, change: f64) {
+    pub(super) fn supervise_curve(&mut self, cx: &mut Context<'_>, path: &mut MarkPath, change: f64) {
         let cycle_ms = self.cycle_s() * 1e3;
         let slave = self.underlying();
         let Generator::Follow(coupling) = &mut self.generator else { return };
         if let Some(start) = path.leaves_curve(change, cycle_ms, coupling.follower.transmission().approaches()) {
-            coupling.follower.give_approach_up(slave);
-            self.tell_fallback(cx, start, Fallback::MasterChanged);
+            coupling.follower.replace_approach_by_gear(slave);
+            self.report_fallback(cx, start, Fallback::MasterChanged);
         }
     }
 }

@@ -73,7 +73,7 @@ impl Axis {
 
     /// Stops with the maximum deceleration, then switches off, without reporting the end.
     pub(super) fn begin_disable(&mut self, cx: &mut Context<'_>) {
-        self.abandon(cx, Code::DISABLED);
+        self.end_all_motion(cx, Code::DISABLED);
         if self.is_virtual() {
             // A virtual axis is always on: only its motion has to end.
             self.function = None;
@@ -95,7 +95,7 @@ impl Axis {
 
     pub(super) fn halt(&mut self, cx: &mut Context<'_>, sequence: u64) {
         let limits = self.active_limits();
-        self.abandon(cx, Code::HALTED);
+        self.end_all_motion(cx, Code::HALTED);
         if self.is_moving_freely() {
             self.brake_to_rest(cx, &limits);
         }
@@ -114,7 +114,7 @@ impl Axis {
     /// and on; an error keeps its own lock. I_BREAK leaves an axis without power unchanged, all other stops lock it as
     /// well. [`heed_stop`](Self::heed_stop) does the rest once all commands of the cycle are known.
     pub(super) fn stop_and_lock(&mut self, cx: &mut Context<'_>, code: Code) {
-        self.abandon(cx, code);
+        self.end_all_motion(cx, code);
         self.holding.locked = Some((cx.cycle, code));
         if self.state == AxisState::ErrorStop {
             return;
@@ -136,7 +136,7 @@ impl Axis {
     /// Cancels commands of this cycle that would let the axis continue: they were meant for the state before the stop,
     /// also if they come after it, because commands are executed in the order of their queues. An axis that is being
     /// switched on is switched off again.
-    pub(super) fn heed_stop(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn apply_stop_priority(&mut self, cx: &mut Context<'_>) {
         let Some(code) = self.locked_in(cx.cycle) else { return };
         self.waiting.fail(cx.events, self.setup.index, code, Until::Enabled);
         if matches!(self.power, Power::SwitchingOn { .. }) {
@@ -205,8 +205,8 @@ impl Axis {
             if lasting.is_some() && self.own_brake().is_some() {
                 // The brake holds it away from its command: the command starts at the actual position, as with enable.
                 self.note_stop_given_up();
-                self.stand_on_actual();
-                self.judge.fill(self.asked());
+                self.command_actual_position();
+                self.judge.fill(self.commanded_increment());
                 lasting = None;
             }
             // Its own brake opens again from the next cycle on, within its opening time.
@@ -275,7 +275,7 @@ impl Axis {
             let velocity = if self.reverses_alone() { steady } else { steady.max(0.0) };
             let most = self.parameters.max_velocity;
             let aim = Aim::velocity(velocity.clamp(-most, most));
-            let course = self.course(cx.cycle, self.present(), aim, limits);
+            let course = self.course(cx.cycle, self.present_motion(), aim, limits);
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
         } else {
             if let Some(goal) = &mut self.goal {

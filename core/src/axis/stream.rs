@@ -75,7 +75,7 @@ impl Axis {
         }
         if age > timeout {
             self.end_overlay(cx, Code::STREAM_TIMEOUT, NO_NUMBERS);
-            self.brake_to_rest(cx, &self.parameters.usual_limits());
+            self.brake_to_rest(cx, &self.parameters.default_goal_limits());
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::STREAM_TIMEOUT));
         } else if self.streamed.duration.is_some_and(|duration| age >= duration) {
             self.stream_at(cx, 0.0);
@@ -145,7 +145,7 @@ impl Axis {
 
     fn stream_at(&mut self, cx: &mut Context<'_>, velocity: f64) {
         let from = self.base();
-        let usual = self.parameters.usual_limits();
+        let usual = self.parameters.default_goal_limits();
         let aim = Aim::velocity(velocity);
         let mut course = self.course(cx.cycle, from, aim, usual);
         // A reversal before a limit may need more than the default deceleration.

@@ -7,7 +7,7 @@
 //! Writes   whether a stream has been reported at that limit
 //! Source   contract section 3
 
-use super::course::{self, Aim, Course};
+use super::course::{self, Aim, PlannedMotion};
 use super::{Axis, Generator};
 use crate::code::Code;
 use crate::event::{Number, Refusal};
@@ -23,7 +23,7 @@ impl Axis {
     /// Whether a setpoint leads further into the software limit that has ended its stream. A setpoint that leads away
     /// clears that state.
     pub(super) fn is_held_at_limit(&mut self, velocity: f64, checked: &Result<bool, Refusal>) -> bool {
-        let Some(up) = self.at_limits.told_stream().filter(|_| self.stops_streams()) else { return false };
+        let Some(up) = self.at_limits.reported_stream().filter(|_| self.stops_streams()) else { return false };
         let is_away = if up { velocity < 0.0 } else { velocity > 0.0 };
         match checked {
             Ok(true) if is_away => {
@@ -32,7 +32,7 @@ impl Axis {
             }
             Ok(true) if velocity == 0.0 => false,
             Ok(true) if self.streams() => self.ends_at_limit(up, velocity),
-            Ok(true) => self.room(up, self.command.position) <= self.slack(),
+            Ok(true) => self.room(up, self.command.position) <= self.rest_tolerance(),
             Ok(false) => false,
             Err(refusal) => is_software_limit(refusal) && !is_away,
         }
@@ -42,14 +42,14 @@ impl Axis {
     pub(super) fn note_refused_at_limit(&mut self, velocity: f64, refusal: &Refusal) {
         if self.stops_streams() && is_software_limit(refusal) {
             let up = velocity > 0.0;
-            self.at_limits.tell_stream(up, self.room(up, self.command.position));
+            self.at_limits.report_stream(up, self.room(up, self.command.position));
         }
     }
 
     /// Returns the motion of a stream that ends at a limit, with the requested velocity; none if another motion is
     /// active, or the motion would pass the limit.
-    pub(super) fn stream_to_limit(&self, cycle: u64, before: Motion, up: bool) -> Option<Course> {
-        let Generator::Plan(Course { aim: Aim::Velocity(asked), limits, .. }) = &self.generator else { return None };
+    pub(super) fn stream_to_limit(&self, cycle: u64, before: Motion, up: bool) -> Option<PlannedMotion> {
+        let Generator::Plan(PlannedMotion { aim: Aim::Velocity(asked), limits, .. }) = &self.generator else { return None };
         let is_towards = if up { *asked > 0.0 } else { *asked < 0.0 };
         if !is_towards || !self.streams() || !self.stops_streams() || self.overlay.is_some() {
             return None;

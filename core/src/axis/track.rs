@@ -13,7 +13,7 @@ use super::{Axis, AxisState, Context, Generator, Reference};
 use crate::code::Code;
 use crate::encoder::Lead;
 use crate::event::Number;
-use crate::parameter::Rule;
+use crate::parameter::ReversingRule;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::follower::{Bounds, Follower, Phase, Reserve};
@@ -66,14 +66,14 @@ impl Tracker {
     }
 
     /// Returns the motion of the track after that real time since the cycle in which the trajectory begins (ns).
-    pub(super) fn asked_after(&self, run: &Run, elapsed_ns: u64) -> Motion {
+    pub(super) fn motion_after(&self, run: &Run, elapsed_ns: u64) -> Motion {
         let sample = run.sample_after(usize::from(self.track), &self.begin(run), elapsed_ns);
         Motion { position: sample.position + self.shift, ..sample }
     }
 
     /// Returns the motion of the track in a cycle.
     fn asked(&self, run: &Run, cycle: u64) -> Motion {
-        self.asked_after(run, run.elapsed_ns(cycle))
+        self.motion_after(run, run.elapsed_ns(cycle))
     }
 }
 
@@ -104,7 +104,7 @@ impl Axis {
 
     /// Returns the trajectory that moves it until the cycle in which another one begins; not one that ends in motion in
     /// an earlier cycle.
-    fn led_until<'a>(&self, begins: u64, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
+    fn tracker_until<'a>(&self, begins: u64, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
         let lasts = |run: &Run| run.late_ns(begins).is_none_or(|late| late < run.cycle_ns);
         self.led_by(runs).filter(|(_, run)| !run.trajectory.ends_in_motion() || lasts(run))
     }
@@ -166,21 +166,21 @@ impl Axis {
     }
 
     /// Whether nothing moves its command.
-    pub fn stands(&self) -> bool {
+    pub fn is_command_at_rest(&self) -> bool {
         self.rests()
     }
 
     /// Returns its motion in the cycle in which a track begins: it follows its trajectory until then, or stops from now
     /// on.
     pub fn motion_at(&self, cycle: u64, begins: u64, runs: &[Option<Run>]) -> Motion {
-        let present = self.present();
+        let present = self.present_motion();
         if begins <= cycle {
             return present;
         }
-        if let Some((tracker, run)) = self.led_until(begins, runs) {
+        if let Some((tracker, run)) = self.tracker_until(begins, runs) {
             return tracker.asked(run, begins);
         }
-        let course = self.course(cycle, present, Aim::Stop, self.parameters.usual_limits());
+        let course = self.course(cycle, present, Aim::Stop, self.parameters.default_goal_limits());
         if course.has_ended(begins) { self.resting(course.at(begins).position) } else { course.at(begins) }
     }
 
@@ -189,9 +189,9 @@ impl Axis {
     pub fn take_track(&mut self, cx: &mut Context<'_>, run: &Run, (slot, track): (usize, usize)) {
         let runs = cx.runs;
         let waits = run.begins > cx.cycle;
-        let before = self.led_until(run.begins, runs).map(|(tracker, _)| tracker).filter(|_| waits);
+        let before = self.tracker_until(run.begins, runs).map(|(tracker, _)| tracker).filter(|_| waits);
         let from = self.motion_at(cx.cycle, run.begins, runs);
-        self.abandon(cx, Code::REPLACED);
+        self.end_all_motion(cx, Code::REPLACED);
         let (begin, shift) = (self.takes_over(from, run, track), self.shift(from, run, track));
         let at = Begin { motion: begin, time_ns: run.begin_ns, shift };
         let first = run.trajectory.first_spline(track, &at).map(|spline| spline.reach());
@@ -220,10 +220,10 @@ impl Axis {
         let Some(goal) = self.goal else { return };
         let Some(tracker) = goal.track else { return };
         let generator = if !tracker.waits {
-            self.track_from(self.present(), tracker.begin.position + tracker.shift, run.trajectory.limits().margin)
+            self.track_from(self.present_motion(), tracker.begin.position + tracker.shift, run.trajectory.limits().margin)
         } else {
             if goal.before.is_none() {
-                self.brake_to_rest(cx, &self.parameters.usual_limits());
+                self.brake_to_rest(cx, &self.parameters.default_goal_limits());
             }
             self.generator
         };
@@ -262,7 +262,7 @@ impl Axis {
         if let Err(refusal) = self.check_zero() {
             return self.end_goal(cx, refusal.code);
         }
-        let present = self.present();
+        let present = self.present_motion();
         let planned = Motion { position: present.position - tracker.shift, ..present };
         let expected = tracker.begin;
         tracker.begin = self.takes_over_at(planned, run, usize::from(tracker.track));
@@ -288,13 +288,13 @@ impl Axis {
         let sample = tracker.asked(run, cx.cycle);
         let change = sample.position - follower.target();
         let halt = run.trajectory.straight_end(track, &begin, run.time(cx.cycle).ns);
-        follower.halt_at(halt.map(|halt| halt + tracker.shift));
+        follower.set_halt(halt.map(|halt| halt + tracker.shift));
         let lead = Lead { position: sample.position, change, velocity: sample.velocity, uneven: 0.0, valid: true };
         // A position beyond a limit that comes only from rounding was not commanded, and must not cause a lag.
         let held = (follower.target() - self.command.position).to_f64().abs() <= ROUNDING && tracker.exact;
         let position = if held { follower.target() } else { self.command.position };
         let slave = Motion { position, velocity: tracker.moved, ..self.command };
-        let rule = if self.reverses_alone() { Rule::Always } else { Rule::Never };
+        let rule = if self.reverses_alone() { ReversingRule::Always } else { ReversingRule::Never };
         let next = follower.step(slave, (lead, &[]), self.cycle_s(), Reserve::default(), rule);
         tracker.moved = next.velocity;
         // Not where two straight segments meet, nor at the end: there a stop begins with the step of this cycle.
@@ -383,7 +383,7 @@ impl Axis {
     pub fn end_violation(&self, cycle: u64, run: &Run) -> Option<Violation> {
         let tracker = self.tracker()?;
         let goal = run.trajectory.tracks().get(usize::from(tracker.track))?.goal;
-        let (lag, most) = (self.track_error_position()?.to_f64().abs(), self.nearness());
+        let (lag, most) = (self.track_error_position()?.to_f64().abs(), self.position_tolerance());
         let whole = |value: f64| Number::Position(value as i64);
         let lags = (lag > most).then(|| (whole(lag.ceil()), whole(most)));
         lags.or_else(|| self.violation(&goal, self.answered(cycle, (run, &tracker))?))
@@ -431,7 +431,7 @@ impl Axis {
     pub fn release_track(&mut self, cx: &mut Context<'_>) {
         self.goal = None;
         if self.is_on() && matches!(self.generator, Generator::Track(_)) {
-            self.brake_to_rest(cx, &self.parameters.usual_limits());
+            self.brake_to_rest(cx, &self.parameters.default_goal_limits());
         }
         self.reference = Reference::Stop;
         if self.rests() && self.state == AxisState::DiscreteMotion {

@@ -26,7 +26,7 @@ impl Axis {
     pub fn check_track(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_free()?;
-        self.check_is_there(from, run, track)?;
+        self.check_ends_here(from, run, track)?;
         let trajectory = &run.trajectory;
         let refuse = || Refusal::new(Code::BAD_REQUEST, self.object());
         let demand = trajectory.demand(track).ok_or_else(refuse)?;
@@ -38,7 +38,7 @@ impl Axis {
         }
         let begin = self.takes_over(from, run, track).position + shift;
         for (reach, peaks) in self.reaches(from, run, track).into_iter().flatten() {
-            self.check_track_way(trajectory, (&reach, &peaks), begin)?;
+            self.check_track_positions(trajectory, (&reach, &peaks), begin)?;
         }
         Ok(())
     }
@@ -142,19 +142,19 @@ impl Axis {
     /// As [`takes_over`](Self::takes_over), from a motion without the shift.
     pub(super) fn takes_over_at(&self, motion: Motion, run: &Run, track: usize) -> Motion {
         let is_near = |given: &Motion| {
-            (given.position - motion.position).to_f64().abs() <= self.nearness()
+            (given.position - motion.position).to_f64().abs() <= self.position_tolerance()
                 && (run.stretch.real(*given).velocity - motion.velocity).abs() <= self.most_step().0
         };
         run.trajectory.given(track, run.begin_ns).filter(is_near).unwrap_or_else(|| run.stretch.planned(motion))
     }
 
     /// Returns the distance within which two positions count as the same (inc).
-    pub(super) fn nearness(&self) -> f64 {
+    pub(super) fn position_tolerance(&self) -> f64 {
         self.parameters.in_position_window.max(1) as f64
     }
 
     /// Checks that a trajectory without remaining time ends at the axis.
-    fn check_is_there(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
+    fn check_ends_here(&self, from: Motion, run: &Run, track: usize) -> Result<(), Refusal> {
         let shift = self.shift(from, run, track);
         let Some(end) = run.trajectory.end(track, shift).filter(|_| run.trajectory.end_ns() <= run.begin_ns) else {
             return Ok(());
@@ -168,7 +168,7 @@ impl Axis {
             return Err(refusal.with(number(run.trajectory.end_ns()), number(run.begin_ns)));
         }
         let goal = run.trajectory.tracks().get(track).and_then(|track| track.goal.position);
-        let most = goal.unwrap_or(self.nearness());
+        let most = goal.unwrap_or(self.position_tolerance());
         let off = |from: Position| (end - from).to_f64().abs();
         // A client that requests the present position may mean the commanded or the actual one.
         let off = off(self.command.position).min(off(self.actual.position));
@@ -181,7 +181,7 @@ impl Axis {
     }
 
     /// Checks the positions of a track, and that it does not move backward if that is not allowed.
-    fn check_track_way(
+    fn check_track_positions(
         &self,
         trajectory: &Trajectory,
         (reach, peaks): (&Reach, &Peaks),
@@ -216,7 +216,7 @@ impl Axis {
         // The stop begins in the first cycle that is not before the end.
         let cycle_ns = run.cycle_ns.max(1);
         let passed = velocity * ((cycle_ns - run.duration_ns() % cycle_ns) % cycle_ns) as f64 / 1e9;
-        let stop = profile::stopping_way(Motion { velocity, ..Motion::default() }, &self.parameters.usual_limits());
+        let stop = profile::stopping_distance(Motion { velocity, ..Motion::default() }, &self.parameters.default_goal_limits());
         (ends_with != 0.0).then(|| last + Position::from_f64(passed + stop))
     }
 

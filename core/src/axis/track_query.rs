@@ -37,7 +37,7 @@ impl Axis {
             let lasts = run.duration_ns();
             if let Some(elapsed) = u64::try_from(elapsed).ok().filter(|elapsed| *elapsed <= lasts) {
                 let ahead = run.trajectory.point_ahead(run.time_after(elapsed).ns);
-                return Ok((tracker.asked_after(run, elapsed), Some(place(&run.trajectory, ahead))));
+                return Ok((tracker.motion_after(run, elapsed), Some(place(&run.trajectory, ahead))));
             }
             let ns = |time: i128| Number::Time(time.clamp(i64::MIN.into(), i64::MAX.into()) as i64);
             // From time 0 of the trajectory, which is up to a cycle before the cycle in which it begins.

@@ -35,7 +35,7 @@ const LEAST: f64 = 16.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Pair {
     /// Difference at the start of this section (inc).
-    apart: f64,
+    start_difference: f64,
     /// Travel of both since then (inc).
     load: f64,
     motor: f64,
@@ -43,12 +43,12 @@ struct Pair {
 
 impl Pair {
     fn is_sound(&self) -> bool {
-        [self.apart, self.load, self.motor].iter().all(|way| way.is_finite())
+        [self.start_difference, self.load, self.motor].iter().all(|way| way.is_finite())
     }
 
     /// Returns the difference of both.
     fn distance(&self) -> f64 {
-        self.apart + self.load - self.motor
+        self.start_difference + self.load - self.motor
     }
 
     /// Adds these changes, in sections of length `piece`.
@@ -62,8 +62,8 @@ impl Pair {
         let goes_together = self.load * self.motor > 0.0 && shorter >= (1.0 - SHARE) * longer;
         let borne = if goes_together { SHARE * longer } else { 0.0 };
         let left = (apart.abs() - borne).max(0.0);
-        *self = Self { apart: if apart < 0.0 { -left } else { left }, ..Self::default() };
-        if !self.apart.is_finite() {
+        *self = Self { start_difference: if apart < 0.0 { -left } else { left }, ..Self::default() };
+        if !self.start_difference.is_finite() {
             *self = Self::default();
         }
     }
@@ -105,14 +105,14 @@ pub fn may_find_velocity(
     parameters: &AxisParameters,
 ) -> Result<(), (&'static str, Code)> {
     let encoder = parameters.amplifier.encoder;
-    if !interface.is_some_and(Interface::takes_effort) || !encoder.is_own() {
+    if !interface.is_some_and(Interface::takes_effort) || !encoder.is_separate() {
         return Ok(());
     }
     encoder.check(own.saturating_add(1), has_two_drives)?;
     // With one encoder for both loops, a tens digit of its own would make one loop accelerate what the other one
     // brakes.
     let is_one = !matches!(Source::of(wired, encoders, parameters), Ok(Source::Encoder(_)));
-    if is_one && parameters.turns_loops_apart() {
+    if is_one && parameters.has_loop_directions() {
         return Err(("posdrct", Code::NO_VELOCITY_LOOP));
     }
     Ok(())
@@ -129,7 +129,7 @@ impl Axis {
     /// Whether its velocity loop has another encoder than its position loop.
     #[inline]
     pub(super) fn has_velocity_encoder(&self) -> bool {
-        self.parameters.has_velocity_encoder() && self.takes_effort()
+        self.parameters.has_velocity_encoder() && self.has_effort_command()
     }
 
     /// Returns the form of the values from its drive.
@@ -171,7 +171,7 @@ impl Axis {
             return self.motor_change().floor();
         }
         let change = self.turn_counts(self.velocity_feedback.change);
-        let sense = self.turned();
+        let sense = self.direction();
         // The direction of the position loop is that of the reference, so it also applies to this feedback.
         if sense.position == sense.velocity { change } else { change.wrapping_neg() }
     }
@@ -184,7 +184,7 @@ impl Axis {
 
     /// Returns increments of the axis per increment of the encoder of the velocity loop.
     pub(super) fn per_velocity_encoder(&self) -> f64 {
-        let full = self.full_in_force();
+        let full = self.full_velocity_in_use();
         full / self.full_of_loop(full)
     }
 
@@ -262,7 +262,7 @@ mod tests {
         assert_eq!(pair.distance(), 800.0);
         pair.step(f64::INFINITY, 1.0, 100.0);
         assert_eq!(pair, Pair::default());
-        assert!(!Pair { apart: f64::INFINITY, ..Pair::default() }.is_sound());
+        assert!(!Pair { start_difference: f64::INFINITY, ..Pair::default() }.is_sound());
         assert_eq!(most([(100.0, 50.0)]), 0.0);
         assert_eq!(most([(100.0, 49.0)]), 51.0);
         assert_eq!(most([(99.0, 0.0)]), 99.0);

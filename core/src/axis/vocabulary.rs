@@ -15,11 +15,11 @@ use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
 use crate::sync::Leads;
 use crate::table::Table;
-use crate::vocabulary::{Latched, Order, Owner, Problem, View, Vocabulary, Writes, check};
+use crate::vocabulary::{LatchView, Order, Owner, Problem, View, Vocabulary, ParameterChange, check};
 use std::sync::Arc;
 
 impl Axis {
-    fn view<'a>(&'a self, cycle: u64, owner: Owner, leads: &'a Leads, latches: &'a [Latched]) -> View<'a> {
+    fn view<'a>(&'a self, cycle: u64, owner: Owner, leads: &'a Leads, latches: &'a [LatchView]) -> View<'a> {
         let p = &self.parameters;
         let position = self.command.position.floor();
         View {
@@ -38,11 +38,11 @@ impl Axis {
             contact: self.open_contact,
             homing: self.homing.is_running(),
             search_speed: self.search_speed(),
-            homed: self.knows_zero(),
+            homed: self.is_referenced(),
             command: self.command,
-            present: self.present(),
+            present: self.present_motion(),
             rests: self.rests(),
-            idle: self.stands_idle(),
+            idle: self.is_idle_at_rest(),
             has_end: self.course_end().is_some(),
             target: match &self.generator {
                 Generator::Follow(coupling) => coupling.follower.target(),
@@ -55,7 +55,7 @@ impl Axis {
             modulo: self.setup.modulo,
             unit: self.setup.unit,
             interface: self.setup.drive.map(|_| self.setup.interface),
-            regulates: self.closes_loop_here() && self.setup.law == Law::Integer,
+            closes_loop: self.closes_loop_here() && self.setup.law == Law::Integer,
             wiring: self.setup.vocabularies,
             parameters: p,
             leads,
@@ -73,7 +73,7 @@ impl Axis {
     /// Steps each vocabulary that has been used, in their order.
     pub(super) fn step_vocabularies(&mut self, cx: &mut Context<'_>) {
         for owner in Owner::VOCABULARIES {
-            if self.vocabularies.wakes(owner, &self.parameters)
+            if self.vocabularies.is_step_due(owner, &self.parameters)
                 && let Some(mut tried) = self.vocabularies.copy(owner)
             {
                 self.step_vocabulary(cx, owner, &mut tried);
@@ -109,18 +109,18 @@ impl Axis {
 
     /// Shows the new state of a vocabulary in the very cycle in which its homing ends, or the axis is locked.
     pub(super) fn settle_vocabularies(&mut self, cx: &mut Context<'_>) {
-        if !self.vocabularies.watches_end() {
+        if !self.vocabularies.needs_cycle_end() {
             return;
         }
         if self.is_locked() {
-            let writes = self.vocabularies.give_up();
+            let writes = self.vocabularies.deselect();
             return self.write_selection(cx, writes);
         }
         if self.homing.is_running() || self.state != AxisState::Standstill {
             return;
         }
         let owner = self.owner;
-        let Some(mut tried) = self.vocabularies.homes(owner) else { return };
+        let Some(mut tried) = self.vocabularies.homing_owner(owner) else { return };
         let (order, writes) = tried.end_homing(&self.view(cx.cycle, owner, cx.leads, cx.latches));
         self.try_order(cx, owner, order);
         self.vocabularies.keep(&tried);
@@ -130,7 +130,7 @@ impl Axis {
     }
 
     /// Writes the selection of a vocabulary, which is a parameter, and reports a change.
-    fn write_selection(&mut self, cx: &mut Context<'_>, writes: Writes) {
+    fn write_selection(&mut self, cx: &mut Context<'_>, writes: ParameterChange) {
         let is_new = ROWS.get(usize::from(writes.row)).is_some_and(|row| row.value(&self.parameters) != writes.value);
         if is_new {
             self.write_own(cx, None, [(writes.row, writes.value)].into_iter());
@@ -192,11 +192,11 @@ impl Axis {
     /// Checks whether a selected reference may move this way. Its target and the software limits are checked
     /// separately.
     fn check_selected_way(&self, cycle: u64, aim: Aim, limits: Limits) -> Result<(), Refusal> {
-        let course = self.course(cycle, self.present(), aim, limits);
-        self.check_course_forward(&course, self.present())?;
+        let course = self.course(cycle, self.present_motion(), aim, limits);
+        self.check_course_forward(&course, self.present_motion())?;
         match aim {
             Aim::Velocity(velocity) => self.check_velocity_switches(velocity),
-            _ => self.check_course_switches(&course, self.present()),
+            _ => self.check_course_switches(&course, self.present_motion()),
         }
     }
 
@@ -212,7 +212,7 @@ impl Axis {
 
     /// Executes an order for which no command waits, and reports a refusal of the axis.
     fn try_order(&mut self, cx: &mut Context<'_>, owner: Owner, order: Option<Order>) -> Option<Refusal> {
-        let refusal = self.obey(cx, owner, order?).err()?;
+        let refusal = self.execute(cx, owner, order?).err()?;
         self.warn_of(cx, refusal);
         Some(refusal)
     }

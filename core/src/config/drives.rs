@@ -17,7 +17,7 @@ pub(super) fn check_drive(axis: &AxisConfig, offers: &Capabilities) -> Result<()
     }
     let homes = [Some(axis.parameters), axis.saved].into_iter().flatten().any(|p| p.homing.in_drive);
     if homes && !offers.homes {
-        return Err(ConfigError::HomesNot { axis: name() });
+        return Err(ConfigError::HomingNotOffered { axis: name() });
     }
     Ok(())
 }
@@ -48,9 +48,9 @@ impl MachineConfig {
             let mut offers = backends.iter().filter_map(|backend| backend.capabilities(place));
             let name = axis.name.clone();
             match (offers.next(), offers.next()) {
-                (None, _) => return Err(ConfigError::NotServed { axis: name }),
-                (_, Some(_)) => return Err(ConfigError::ServedTwice { axis: name }),
-                (offers, None) if offers != Some(expected) => return Err(ConfigError::OtherDrive { axis: name }),
+                (None, _) => return Err(ConfigError::NoBackend { axis: name }),
+                (_, Some(_)) => return Err(ConfigError::TwoBackends { axis: name }),
+                (offers, None) if offers != Some(expected) => return Err(ConfigError::DriveMismatch { axis: name }),
                 _ => {}
             }
         }

@@ -1,6 +1,6 @@
 //! Errors of the configuration of a machine.
 
-use super::{SlotProblem, SumProblem, names_no_io};
+use super::{SlotProblem, SumProblem, missing_io_text};
 use crate::axis::MAX_DELAY;
 use crate::code::{Code, not_built_here};
 use crate::drive::Interface;
@@ -44,7 +44,7 @@ pub enum ConfigError {
     },
     /// Homing by a drive that does not offer it.
     #[error("drive of {axis}: homing.in_drive is true, and its backend offers no homing")]
-    HomesNot {
+    HomingNotOffered {
         /// Name of the axis.
         axis: String,
     },
@@ -58,19 +58,19 @@ pub enum ConfigError {
     },
     /// A drive without a backend.
     #[error("drive of {axis}: no backend serves it")]
-    NotServed {
+    NoBackend {
         /// Name of the axis.
         axis: String,
     },
     /// A drive of two backends.
     #[error("drive of {axis}: two backends serve it")]
-    ServedTwice {
+    TwoBackends {
         /// Name of the axis.
         axis: String,
     },
     /// A drive that differs from the description of the cell.
     #[error("drive of {axis}: its backend offers something else than the cell was read for")]
-    OtherDrive {
+    DriveMismatch {
         /// Name of the axis.
         axis: String,
     },
@@ -131,7 +131,7 @@ pub enum ConfigError {
         entry: u16,
     },
     /// A number of an input or output that does not exist.
-    #[error("{}{}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")), names_no_io(key, &number.to_string(), *is_output, &count.to_string()))]
+    #[error("{}{}", axis.as_ref().map_or("machine: ".to_owned(), |name| format!("{name}: ")), missing_io_text(key, &number.to_string(), *is_output, &count.to_string()))]
     NoSuchIo {
         /// Name of the axis; `None` for the machine.
         axis: Option<String>,
@@ -178,7 +178,7 @@ pub enum ConfigError {
     },
     /// A parameter that requires an object that does not exist.
     #[error("{axis}: {key} {}", not_built_here(*code))]
-    NotBuilt {
+    NotImplemented {
         /// Name of the axis.
         axis: String,
         /// Key of the parameter.

@@ -19,7 +19,7 @@ pub type Function = (&'static str, i64);
 
 /// Owner of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Switcher {
+pub enum OutputOwner {
     /// A parameter of that axis, or of [`MACHINE`].
     Parameter(u16, Function),
     /// The axis directly: its brake, or an output of `wf`.
@@ -36,7 +36,7 @@ pub struct OutputShared {
     /// Parameter that names the output, and its value.
     pub function: Function,
     /// Present owner of the output.
-    pub other: Switcher,
+    pub other: OutputOwner,
 }
 
 impl AxisParameters {
@@ -70,7 +70,7 @@ impl MachineConfig {
                 if self.io.get(entry).is_some_and(|io| io.kind == IoKind::DigitalOutput)
                     && let Some(switcher) = switchers.get_mut(self.io_place(entry) + 1)
                 {
-                    *switcher = Some(Switcher::Axis(index as u16));
+                    *switcher = Some(OutputOwner::Axis(index as u16));
                 }
             }
         }
@@ -79,7 +79,7 @@ impl MachineConfig {
                 if let Object::Io(entry) = line.object
                     && let Some(switcher) = switchers.get_mut(self.io_place(entry.into()) + 1)
                 {
-                    *switcher = Some(Switcher::Slot(place as u16));
+                    *switcher = Some(OutputOwner::Slot(place as u16));
                 }
             }
         }
@@ -92,8 +92,8 @@ impl MachineConfig {
             let place = usize::try_from(function.1.unsigned_abs()).unwrap_or(OUTPUTS);
             let Some(switcher) = switchers.get_mut(place).filter(|_| place != 0) else { continue };
             match *switcher {
-                None => *switcher = Some(Switcher::Parameter(axis, function)),
-                Some(Switcher::Parameter(_, other)) if other == function && function.0 != "revers" => {}
+                None => *switcher = Some(OutputOwner::Parameter(axis, function)),
+                Some(OutputOwner::Parameter(_, other)) if other == function && function.0 != "revers" => {}
                 Some(other) => return Err(OutputShared { axis, function, other }),
             }
         }

@@ -134,18 +134,18 @@ impl MachineConfig {
 
     /// Returns the axes whose commands a leader reads, directly or through sinks and other masters: they move before
     /// its followers, and must not follow them. The leader of the virtual master is not part of the cell.
-    pub fn commanded(&self, leader: Leader) -> AxisSet {
+    pub fn commanded_axes(&self, leader: Leader) -> AxisSet {
         let axis = |leader| if let Leader::AxisCommand(axis) = leader { Some(axis) } else { None };
-        self.read_by(leader).into_iter().filter_map(axis).collect()
+        self.read_leaders(leader).into_iter().filter_map(axis).collect()
     }
 
     /// Returns true if a leader reads the virtual master, directly or through sinks and other masters.
     pub(crate) fn reads_virtual(&self, leader: Leader) -> bool {
-        self.read_by(leader).contains(&Leader::Virtual)
+        self.read_leaders(leader).contains(&Leader::Virtual)
     }
 
     /// Returns a leader and those that it reads, directly or through sinks and other masters.
-    fn read_by(&self, leader: Leader) -> Vec<Leader> {
+    fn read_leaders(&self, leader: Leader) -> Vec<Leader> {
         let (mut reached, mut next) = (vec![leader], 0);
         // Each leader is visited once, so that a loop ends, too.
         while let Some(leader) = reached.get(next).copied() {
@@ -177,15 +177,15 @@ impl MachineConfig {
 
     /// A vocabulary may couple its axis at any time: a chain of masters must not be a loop.
     pub(super) fn check_masters(&self) -> Result<(), ConfigError> {
-        let master = |axis: &super::AxisConfig| axis.vocabularies.master().map(|leader| self.commanded(leader));
+        let master = |axis: &super::AxisConfig| axis.vocabularies.master().map(|leader| self.commanded_axes(leader));
         let leaders: Vec<AxisSet> = self.axes.iter().map(|axis| master(axis).unwrap_or_default()).collect();
         for (index, axis) in self.axes.iter().enumerate() {
             let mut reached = leaders.get(index).copied().unwrap_or_default();
             let mut next = reached;
             while let Some(leader) = next.pop() {
                 let leaders = leaders.get(usize::from(leader)).copied().unwrap_or_default();
-                next = next.with(&leaders.without(&reached));
-                reached = reached.with(&leaders);
+                next = next.union(&leaders.difference(&reached));
+                reached = reached.union(&leaders);
             }
             if reached.contains(index as u16) {
                 return Err(ConfigError::MasterLoop { axis: axis.name.clone() });
@@ -298,7 +298,7 @@ mod tests {
             master(&[Leader::Sink(0)], &[Leader::AxisCommand(Y)]),
         ];
         let config = MachineConfig { slots: vec![slot], masters, ..config(0) };
-        let through = |leader| config.commanded(leader).iter().collect::<Vec<_>>();
+        let through = |leader| config.commanded_axes(leader).iter().collect::<Vec<_>>();
         assert_eq!(through(Leader::Sum(0)), [X]);
         assert_eq!(through(Leader::Sink(0)), [X]);
         assert_eq!(through(Leader::Sum(1)), [X, Y]);

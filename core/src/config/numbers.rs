@@ -24,18 +24,18 @@ pub struct NoSuchIo {
 }
 
 /// Returns the error text of a number that names no input or output: `o_error is 8; the cell has 2 digital outputs`.
-pub fn names_no_io(key: &str, number: &str, outputs: bool, count: &str) -> String {
+pub fn missing_io_text(key: &str, number: &str, outputs: bool, count: &str) -> String {
     // The number is in the tens digits of these values.
     let is = match key {
         "revers" => "needs output",
         "vmencmtyp" => "needs input",
         _ => "is",
     };
-    format!("{key} {is} {number}; {}", cell_has(outputs, count))
+    format!("{key} {is} {number}; {}", io_count_text(outputs, count))
 }
 
 /// Returns the text about the number of digital inputs or outputs of the cell.
-fn cell_has(outputs: bool, count: &str) -> String {
+fn io_count_text(outputs: bool, count: &str) -> String {
     let what = if outputs { "output" } else { "input" };
     format!("the cell has {count} digital {what}{}", if count == "1" { "" } else { "s" })
 }

@@ -7,7 +7,7 @@
 
 use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
-    self, Bit, Cell, Description, Input, Kind, LINES, Mark, Need, OnAxisError, Output, Room, Sink, Source, WORDS,
+    self, Bit, OutputCell, Description, Input, Kind, LINES, Mark, Requirement, OnAxisError, Output, MemorySize, Sink, Source, WORDS,
     Width, Wires, Word,
 };
 use crate::modulo::Modulo;
@@ -125,7 +125,7 @@ pub struct SlotConfig {
     /// Initial parameter set, value by value.
     pub values: Box<[i64]>,
     /// Memory for its mean and its cams.
-    pub room: Room,
+    pub room: MemorySize,
 }
 
 impl SlotConfig {
@@ -151,7 +151,7 @@ impl SlotConfig {
             factor: 1,
             on_axis_error: OnAxisError::Run,
             values: kind.description().defaults(),
-            room: Room::default(),
+            room: MemorySize::default(),
         }
     }
 
@@ -207,13 +207,13 @@ impl MachineConfig {
 
     fn check_slot(&self, place: usize, slot: &SlotConfig) -> Result<(), SlotProblem> {
         let row = slot.kind.description();
-        let is_wrong = |need: Need, has: bool| need == Need::Must && !has || need == Need::Never && has;
+        let is_wrong = |need: Requirement, has: bool| need == Requirement::Must && !has || need == Requirement::Never && has;
         let has_source = slot.source != SourceConfig::None;
         if is_wrong(row.source, has_source) {
             return Err(SlotProblem::Source(row.name, !has_source));
         }
         let has_sink = slot.sink != SinkConfig::None;
-        if row.sink == Need::Never && has_sink {
+        if row.sink == Requirement::Never && has_sink {
             return Err(SlotProblem::Sink(row.name, !has_sink));
         }
         if !(1..=MAX_FACTOR).contains(&slot.factor) {
@@ -389,9 +389,9 @@ impl MachineConfig {
                 Sink::Axis(axis, directory.find(&name).ok_or(SlotProblem::Place("sink"))?)
             }
             SinkConfig::Memory(place) => match self.cell(place, directory).ok_or(SlotProblem::Place("sink"))? {
-                Cell::Real(signal) => Sink::Real(signal),
-                Cell::Int(signal, width) => Sink::Memory(signal, width),
-                Cell::Bit(_) => return Err(SlotProblem::Place("sink")),
+                OutputCell::Real(signal) => Sink::Real(signal),
+                OutputCell::Int(signal, width) => Sink::Memory(signal, width),
+                OutputCell::Bit(_) => return Err(SlotProblem::Place("sink")),
             },
             SinkConfig::Output(place) => {
                 full_scale = (self.full_scale(place) * 1000.0).round() as i64;
@@ -421,7 +421,7 @@ impl MachineConfig {
             }
         }
         let reads: Option<Box<[Word]>> = slot.reads.iter().map(|name| word(name)).collect();
-        let writes: Option<Box<[Cell]>> = slot.writes.iter().map(|place| self.cell(*place, directory)).collect();
+        let writes: Option<Box<[OutputCell]>> = slot.writes.iter().map(|place| self.cell(*place, directory)).collect();
         Ok(Wires {
             kind: slot.kind,
             first,
@@ -451,15 +451,15 @@ impl MachineConfig {
     }
 
     /// Returns a memory cell that a slot writes.
-    fn cell(&self, place: u16, directory: &Directory) -> Option<Cell> {
+    fn cell(&self, place: u16, directory: &Directory) -> Option<OutputCell> {
         let kind = self.memory.get(usize::from(place))?.kind;
         let signal = directory.find(self.name(Object::Memory(place)))?;
         Some(match kind {
-            MemoryKind::Bit => Cell::Bit(signal),
-            MemoryKind::F64 => Cell::Real(signal),
-            MemoryKind::I16 => Cell::Int(signal, Width::W16),
-            MemoryKind::I32 => Cell::Int(signal, Width::W32),
-            MemoryKind::I64 => Cell::Int(signal, Width::W64),
+            MemoryKind::Bit => OutputCell::Bit(signal),
+            MemoryKind::F64 => OutputCell::Real(signal),
+            MemoryKind::I16 => OutputCell::Int(signal, Width::W16),
+            MemoryKind::I32 => OutputCell::Int(signal, Width::W32),
+            MemoryKind::I64 => OutputCell::Int(signal, Width::W64),
         })
     }
 

@@ -50,7 +50,7 @@ pub trait Service: Send {
 
     /// Does pending work for a moment between start and stop while no cycle runs, for example while other backends
     /// start or stop.
-    fn idle(&mut self) {
+    fn poll_without_cycle(&mut self) {
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
 

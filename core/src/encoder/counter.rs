@@ -16,7 +16,7 @@ pub enum Circle {
 impl Circle {
     /// Returns the shortest distance from `last` to `count` (inc). If both directions are equal: the negative one for
     /// bits and the positive one for steps.
-    pub fn way(self, last: i64, count: i64) -> i64 {
+    pub fn shortest_distance(self, last: i64, count: i64) -> i64 {
         match self {
             // Shifting the difference to the top and back extends its sign; wrapping is intended.
             Self::Bits(bits) => {
@@ -62,7 +62,7 @@ impl Counter {
     #[inline]
     pub fn take(&mut self, count: i64, epoch: u32) -> i64 {
         let change = match self.last {
-            Some((last, same)) if same == epoch => self.circle.way(last, count),
+            Some((last, same)) if same == epoch => self.circle.shortest_distance(last, count),
             Some(_) => 0,
             None => {
                 self.position = count;
@@ -83,7 +83,7 @@ impl Counter {
     /// Returns the position of raw counts near the last ones (inc).
     pub fn locate(&self, count: i64) -> i64 {
         let (last, _) = self.last.unwrap_or((count, 0));
-        self.position.wrapping_add(self.circle.way(last, count))
+        self.position.wrapping_add(self.circle.shortest_distance(last, count))
     }
 
     /// Increases the position by `by` (inc), for a new coordinate. This is no motion.

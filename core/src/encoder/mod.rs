@@ -44,7 +44,7 @@ pub struct Lead {
 
 /// Event of an encoder, reported once at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Told {
+pub enum EncoderReport {
     /// The encoder has no usable value.
     Invalid,
     /// A bad value was replaced by an extrapolated one, the first of a series.
@@ -92,7 +92,7 @@ impl Encoder {
     }
 
     /// Advances by one cycle and returns an event that begins in it.
-    pub fn step(&mut self, input: &EncoderInput, cycle_s: f64) -> Option<Told> {
+    pub fn step(&mut self, input: &EncoderInput, cycle_s: f64) -> Option<EncoderReport> {
         let was_valid = self.lead.valid;
         let epoch = self.reader.epoch();
         let reading = self.reader.take(input.count, input.epoch, input.valid);
@@ -111,15 +111,15 @@ impl Encoder {
             valid: reading.valid && off.is_none(),
         };
         match off {
-            Some(by) => Some(Told::Pulses { by, tolerance: self.check.map_or(0, |check| check.tolerance) }),
-            None if was_valid && !reading.valid => Some(Told::Invalid),
-            None if reading.substituted && self.reader.bad_in_a_row() == 1 => Some(Told::Substituted),
+            Some(by) => Some(EncoderReport::Pulses { by, tolerance: self.check.map_or(0, |check| check.tolerance) }),
+            None if was_valid && !reading.valid => Some(EncoderReport::Invalid),
+            None if reading.substituted && self.reader.bad_in_a_row() == 1 => Some(EncoderReport::Substituted),
             None => None,
         }
     }
 
     /// Whether its counts started again in this cycle. This is no motion, but its zero is no longer valid.
-    pub fn is_anew(&self) -> bool {
+    pub fn is_restarted(&self) -> bool {
         self.anew
     }
 

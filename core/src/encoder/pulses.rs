@@ -30,14 +30,14 @@ struct Mark {
 
 /// Motion of an encoder in a cycle.
 #[derive(Clone, Copy)]
-struct Way {
+struct CycleMotion {
     position: i64,
     change: i64,
 }
 
-impl Way {
+impl CycleMotion {
     /// Whether it moved in that direction. Without a net change it moved in neither.
-    fn goes(self, forward: bool) -> bool {
+    fn moves_in(self, forward: bool) -> bool {
         if forward { self.change > 0 } else { self.change < 0 }
     }
 
@@ -69,9 +69,9 @@ impl Pulses {
     pub fn step(&mut self, check: &PulseCheck, position: i64, change: i64, mark: Option<i64>) -> Option<i64> {
         let PulseCheck { every, tolerance } = *check;
         let every = every.max(1);
-        let way = Way { position, change };
+        let way = CycleMotion { position, change };
         if let Some(last) = &mut self.last {
-            last.turned |= way.goes(!last.forward) || mark.is_some_and(|mark| !way.passes(mark));
+            last.turned |= way.moves_in(!last.forward) || mark.is_some_and(|mark| !way.passes(mark));
         }
         let off = match (self.last, mark) {
             (Some(last), Some(mark)) => {

@@ -93,7 +93,7 @@ impl Reader {
     }
 
     /// Checks values by this form from now on; the conversion to counts stays the same.
-    pub fn judge_by(&mut self, form: Form) {
+    pub fn set_check_form(&mut self, form: Form) {
         if form.circle() == self.form.circle() {
             self.form = form;
         }
@@ -126,9 +126,9 @@ impl Reader {
     fn take_word(&mut self, word: i64, epoch: u32, valid: bool) -> Reading {
         let count = self.form.decode(word).filter(|_| valid);
         match (self.counter.last(), count) {
-            (Some((last, same)), count) if same == epoch => match self.judge(last, count) {
+            (Some((last, same)), count) if same == epoch => match self.check_reachable(last, count) {
                 Ok(count) => self.follow(count, epoch),
-                Err(bad) => self.survive(bad, last, count, epoch),
+                Err(bad) => self.substitute(bad, last, count, epoch),
             },
             // The first value of a coordinate: there is nothing for a comparison.
             (_, Some(count)) => {
@@ -144,12 +144,12 @@ impl Reader {
     }
 
     /// Checks whether the encoder can have reached a count.
-    fn judge(&self, last: i64, count: Option<i64>) -> Result<i64, Bad> {
+    fn check_reachable(&self, last: i64, count: Option<i64>) -> Result<i64, Bad> {
         let count = count.ok_or(Bad::NoWord)?;
         let circle = self.form.circle();
         let is_small = |from: i64| {
             let largest = self.form.largest_step();
-            largest.is_none_or(|most| circle.way(from, count).unsigned_abs() <= most.unsigned_abs())
+            largest.is_none_or(|most| circle.shortest_distance(from, count).unsigned_abs() <= most.unsigned_abs())
         };
         let is_confirmed = !self.form.corrects() && self.doubted.is_some_and(is_small);
         if is_small(last) || is_confirmed { Ok(count) } else { Err(Bad::Step) }
@@ -164,14 +164,14 @@ impl Reader {
         Reading { change, valid: true, ..Reading::default() }
     }
 
-    fn survive(&mut self, bad: Bad, last: i64, count: Option<i64>, epoch: u32) -> Reading {
+    fn substitute(&mut self, bad: Bad, last: i64, count: Option<i64>, epoch: u32) -> Reading {
         self.count_bad();
         if !self.form.corrects() {
             self.doubted = count.filter(|_| bad == Bad::Step);
             return Reading::default();
         }
         if self.bad <= MOST_SUBSTITUTED {
-            let guess = self.around(last.saturating_add(self.pace));
+            let guess = self.wrapped(last.saturating_add(self.pace));
             let change = self.counter.take(guess, epoch);
             return Reading { change, valid: true, substituted: true, ..Reading::default() };
         }
@@ -183,7 +183,7 @@ impl Reader {
     }
 
     /// Returns a count wrapped at the range of the encoder.
-    fn around(&self, count: i64) -> i64 {
+    fn wrapped(&self, count: i64) -> i64 {
         match self.form.circle() {
             Circle::Steps(steps) => count.rem_euclid(steps),
             _ => count,

@@ -40,7 +40,7 @@ fn a_new_epoch_is_no_motion() {
 fn an_invalid_value_is_left_out_and_what_moved_meanwhile_is_caught_up() {
     let mut encoder = Encoder::new(Form::Incremental(64), None);
     assert_eq!(encoder.step(&word(10), 0.001), None);
-    assert_eq!(encoder.step(&EncoderInput { valid: false, ..word(999_999) }, 0.001), Some(Told::Invalid));
+    assert_eq!(encoder.step(&EncoderInput { valid: false, ..word(999_999) }, 0.001), Some(EncoderReport::Invalid));
     assert_eq!((encoder.lead().change, encoder.lead().valid), (Position::ZERO, false));
     assert_eq!(encoder.step(&EncoderInput { valid: false, ..word(999_999) }, 0.001), None, "told once");
     encoder.step(&word(13), 0.001);

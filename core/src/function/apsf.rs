@@ -9,8 +9,8 @@
 //! Source   AMK-APSF-01 to -46, A-32 to -36
 
 use super::field::{Field, Words, number, place, width};
-use super::program::{Fault, LINES, Occasion, Outcome, Program, Seen, Setting};
-use super::wires::{Cell, Word};
+use super::program::{Fault, LINES, Occasion, Outcome, FunctionProgram, CallInputs, Setting};
+use super::wires::{OutputCell, Word};
 use crate::code::Code;
 use crate::signal::Board;
 use crate::table::Form;
@@ -48,7 +48,7 @@ pub(super) struct Host<'a> {
     /// Signals that the program reads.
     pub reads: &'a [Word],
     /// Memory cells that the program writes.
-    pub writes: &'a [Cell],
+    pub writes: &'a [OutputCell],
     /// First output that the program may write, counted from 0.
     pub first_output: u8,
 }
@@ -62,7 +62,7 @@ pub(super) struct Apsf {
     /// Whether the program failed; the next START initializes it again.
     has_failed: bool,
     /// Whether an exchange initialized the program: the next call passes command START.
-    begins: bool,
+    was_initialized: bool,
     /// Instructions of the last call.
     used: [i64; 1],
 }
@@ -70,7 +70,7 @@ pub(super) struct Apsf {
 impl Apsf {
     pub(super) fn new(module: Option<&Module>) -> Self {
         let instance = module.map_or_else(|| Instance::with_room(ROOM), |module| Instance::new(module, ROOM));
-        Self { instance, outputs: 0, has_failed: false, begins: false, used: [0] }
+        Self { instance, outputs: 0, has_failed: false, was_initialized: false, used: [0] }
     }
 
     /// Returns the value that the last call left for a memory cell.
@@ -89,21 +89,21 @@ impl Apsf {
         if !self.instance.exchange((module, before), keeps) {
             return false;
         }
-        self.begins = !keeps;
+        self.was_initialized = !keeps;
         self.has_failed = false;
         true
     }
 
     /// Returns true if calls of that module can lead to this state. `runs`: the function is started.
-    pub(super) fn is_of(&self, module: &Module, runs: bool) -> bool {
-        self.instance.has_room(module) && (self.has_failed && !runs || self.instance.is_of(module))
+    pub(super) fn belongs_to(&self, module: &Module, runs: bool) -> bool {
+        self.instance.has_room(module) && (self.has_failed && !runs || self.instance.belongs_to(module))
     }
 
     pub(super) fn room(&self) -> usize {
         self.instance.room()
     }
 
-    fn call(&mut self, seen: &Seen<'_>, outputs: u8, command: Command) -> Outcome {
+    fn call(&mut self, seen: &CallInputs<'_>, outputs: u8, command: Command) -> Outcome {
         // A slot of this type has a module.
         let Some(host) = seen.host else { return Outcome::default() };
         let mut image = self.instance.image(host.module);
@@ -121,7 +121,7 @@ impl Apsf {
         }
         let result = self.instance.call(host.module, host.fuel);
         let image = self.instance.image(host.module);
-        let is_finite = |(place, cell): (usize, &Cell)| cell.takes(image.write(place));
+        let is_finite = |(place, cell): (usize, &OutputCell)| cell.can_hold(image.write(place));
         let (used, failed) = match result {
             Ok(used) if host.writes.iter().enumerate().all(is_finite) => (used, None),
             Ok(used) => (used, Some(Code::AMK_NOT_FINITE)),
@@ -141,9 +141,9 @@ impl Clone for Apsf {
     /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         // Lists every field, so that the compiler reports a new one.
-        let Self { instance, outputs, has_failed, begins, used } = other;
+        let Self { instance, outputs, has_failed, was_initialized: begins, used } = other;
         self.instance.clone_from(instance);
-        (self.outputs, self.has_failed, self.begins, self.used) = (*outputs, *has_failed, *begins, *used);
+        (self.outputs, self.has_failed, self.was_initialized, self.used) = (*outputs, *has_failed, *begins, *used);
     }
 }
 
@@ -153,7 +153,7 @@ fn set_db(image: &mut Image<'_>, words: &[i64]) {
     image.set_db(words.iter().map(|word| *word as u16));
 }
 
-impl Program for Apsf {
+impl FunctionProgram for Apsf {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let is_kept = setting.occasion == Occasion::Kept && setting.runs;
         if is_kept && self.outputs != outputs(words, setting.first_output) {
@@ -174,12 +174,12 @@ impl Program for Apsf {
         Ok(())
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         let Some(host) = seen.host else { return Outcome::default() };
         if self.has_failed {
             self.instance.restart(host.module);
         }
-        self.begins = false;
+        self.was_initialized = false;
         self.outputs = outputs(words, host.first_output);
         let mut image = self.instance.image(host.module);
         for place in 0..PARAMETERS {
@@ -189,12 +189,12 @@ impl Program for Apsf {
         self.call(seen, seen.outputs, Command::Start)
     }
 
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
-        let command = if std::mem::take(&mut self.begins) { Command::Start } else { Command::None };
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
+        let command = if std::mem::take(&mut self.was_initialized) { Command::Start } else { Command::None };
         self.call(seen, seen.outputs, command)
     }
 
-    fn leave(&mut self, seen: &Seen<'_>) -> Option<Outcome> {
+    fn leave(&mut self, seen: &CallInputs<'_>) -> Option<Outcome> {
         Some(self.call(seen, seen.outputs, Command::Reset))
     }
 }

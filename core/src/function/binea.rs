@@ -9,7 +9,7 @@
 //! Source   AMK-BINEA-01 to -35, B1 to B10
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Outcome, Program, Seen, Setting};
+use super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
 use super::time::{self, HALF_MS, wrapped};
 use super::track::{self, Track};
 use super::window::Window;
@@ -63,7 +63,7 @@ impl Base {
 
 /// Values taken at START and VALUE_NEW, and the current x.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Course {
+struct RunState {
     base: Base,
     compensates: bool,
     dead_time: i64,
@@ -81,14 +81,14 @@ struct Course {
 pub(super) struct Binea {
     /// Whether the cell names a word that holds the offset.
     has_offset_word: bool,
-    course: Course,
+    course: RunState,
     window: Window,
 }
 
 impl Binea {
     /// Creates a function that can average over `capacity` calls.
     pub(super) fn new(capacity: usize, has_offset_word: bool) -> Self {
-        let course = Course {
+        let course = RunState {
             base: Base::Absolute,
             compensates: false,
             dead_time: 0,
@@ -115,7 +115,7 @@ impl Binea {
     }
 
     /// Returns the position at which the table is looked up.
-    fn place(&self, points: Points<'_>, seen: &Seen<'_>) -> i64 {
+    fn lookup_position(&self, points: Points<'_>, seen: &CallInputs<'_>) -> i64 {
         let offset = if self.has_offset_word { seen.words[0] } else { self.course.offset };
         match self.course.base {
             // A saturated sum is far beyond every point.
@@ -134,7 +134,7 @@ impl Binea {
     }
 
     /// Adds the travel or the time since the last call to x.
-    fn advance(&mut self, points: Points<'_>, seen: &Seen<'_>) {
+    fn advance(&mut self, points: Points<'_>, seen: &CallInputs<'_>) {
         match self.course.base {
             Base::Absolute => {}
             Base::Incremental => {
@@ -156,7 +156,7 @@ impl Binea {
     }
 
     /// Returns the outputs of a segment.
-    fn write(&mut self, seen: &Seen<'_>, output: impl Fn(&mut Track, u8, bool) -> bool) -> Outcome {
+    fn write(&mut self, seen: &CallInputs<'_>, output: impl Fn(&mut Track, u8, bool) -> bool) -> Outcome {
         let mut outcome = Outcome { sink: seen.sink, ..Outcome::default() };
         for (track, bit) in self.course.tracks.iter_mut().zip(0..self.course.count.min(LINES as u8)) {
             let mask = 1 << bit;
@@ -170,7 +170,7 @@ impl Binea {
     }
 }
 
-impl Program for Binea {
+impl FunctionProgram for Binea {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let base = Base::new(words.get(BA));
         self.check_mean(words)?;
@@ -190,7 +190,7 @@ impl Program for Binea {
         check_table(track::check_words(setting)?, base, modes.into_iter().any(Track::has_pulse))
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         self.course.base = Base::new(words.get(BA));
         self.course.compensates = words.get(FCT) != 0;
         for (place, track) in self.course.tracks.iter_mut().enumerate() {
@@ -200,24 +200,24 @@ impl Program for Binea {
         self.course.count = words.get(TRACKS) as u8;
         time::restart(&mut self.window, words.get(MEAN_FACTOR));
         (self.course.x, self.course.travel) = (0, seen.source.travel);
-        self.renew(words);
+        self.apply_values(words);
         let Some(points) = Points::seen(seen) else { return Outcome { sink: seen.sink, ..Outcome::default() } };
-        let (_, bits, _) = points.get(points.find(self.place(points, seen)));
+        let (_, bits, _) = points.get(points.segment_at(self.lookup_position(points, seen)));
         self.write(seen, |track, mask, input| track.start(bits & mask != 0, input))
     }
 
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         (self.course.dead_time, self.course.offset) = (words.get(DEAD_TIME), words.get(FEEDBACK_OFFSET));
     }
 
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let Some(points) = Points::seen(seen) else { return Outcome { sink: seen.sink, ..Outcome::default() } };
         self.advance(points, seen);
-        let (_, bits, time) = points.get(points.find(self.place(points, seen)));
+        let (_, bits, time) = points.get(points.segment_at(self.lookup_position(points, seen)));
         self.write(seen, |track, mask, input| track.step(bits & mask != 0, time, input, seen.call_ns))
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         usize::from(self.course.count) <= LINES && (0..1 << 50).contains(&self.course.x) && self.window.is_sound()
     }
 }
@@ -250,7 +250,7 @@ impl<'a> Points<'a> {
         Self(points.get(..count).unwrap_or(points))
     }
 
-    fn seen(seen: &Seen<'a>) -> Option<Self> {
+    fn seen(seen: &CallInputs<'a>) -> Option<Self> {
         track::words(seen).map(Self::new)
     }
 
@@ -271,7 +271,7 @@ impl<'a> Points<'a> {
     }
 
     /// Returns the segment that contains x; beyond the last point it is the last one (B5).
-    fn find(self, x: i64) -> usize {
+    fn segment_at(self, x: i64) -> usize {
         let below = self.0.partition_point(|[low, high, ..]| i64::from(double(*low, *high)) <= x);
         below.min(self.0.len().saturating_sub(1))
     }

@@ -13,12 +13,12 @@ mod master;
 mod table;
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Outcome, Program, Seen, Setting};
+use super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
 use super::time;
 use super::track::{self, Track};
 use super::window::Window;
 use crate::code::Code;
-use hysteresis::{At, Overrun, Ring, is_inside};
+use hysteresis::{TrackPosition, HysteresisState, Ring, is_inside};
 use master::Master;
 use serde::{Deserialize, Serialize};
 use table::CamTable;
@@ -51,7 +51,7 @@ const HYSTERESIS: usize = place(FIELDS, "hysteresis");
 
 /// One track.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Lane {
+struct CamTrack {
     track: Track,
     /// Number of cams.
     count: u16,
@@ -63,12 +63,12 @@ struct Lane {
     x: i64,
 }
 
-impl Lane {
+impl CamTrack {
     /// Returns true if one of the cams of the track is on at x.
     fn bit(
         &mut self,
         cams: impl Iterator<Item = (i32, i32)>,
-        overruns: &mut [Overrun],
+        overruns: &mut [HysteresisState],
         (ring, x): (Ring, i64),
         is_first: bool,
     ) -> bool {
@@ -76,7 +76,7 @@ impl Lane {
         if self.hysteresis == 0 {
             return cams.fold(false, |is_on, (on, off)| is_on | is_inside(on, off, x));
         }
-        let at = At { ring, x, way: ring.way(before, x), hysteresis: self.hysteresis };
+        let at = TrackPosition { ring, x, way: ring.travel(before, x), hysteresis: self.hysteresis };
         // Every cam has to be stepped: no short circuit.
         cams.zip(overruns).fold(false, |is_on, (cam, overrun)| is_on | overrun.step(cam, at, is_first))
     }
@@ -84,28 +84,28 @@ impl Lane {
 
 /// The whole state without the heap memory.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Course {
+struct RunState {
     master: Master,
     /// Offset words at the last call.
     words: [i16; LINES],
-    lanes: [Lane; LINES],
+    lanes: [CamTrack; LINES],
 }
 
 /// State of the function.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Cam {
     /// `None` before the first START.
-    course: Option<Course>,
+    course: Option<RunState>,
     window: Window,
     /// State of all cams in the order of the table; unused for tracks without hysteresis.
-    overruns: Box<[Overrun]>,
+    overruns: Box<[HysteresisState]>,
 }
 
 impl Cam {
     /// Creates a function that can average over `capacity` calls and has room for `cams` cams, limited to `USUAL_CAMS`
     /// to `MOST_CAMS`.
     pub(super) fn new(capacity: usize, cams: usize) -> Self {
-        let overruns = vec![Overrun::default(); cams.clamp(USUAL_CAMS, MOST_CAMS)].into();
+        let overruns = vec![HysteresisState::default(); cams.clamp(USUAL_CAMS, MOST_CAMS)].into();
         Self { course: None, window: Window::new(capacity), overruns }
     }
 
@@ -120,12 +120,12 @@ impl Cam {
     }
 
     /// Evaluates all tracks at the position of this call.
-    fn evaluate(&mut self, seen: &Seen<'_>, is_first: bool) -> Outcome {
+    fn evaluate(&mut self, seen: &CallInputs<'_>, is_first: bool) -> Outcome {
         let mut outcome = Outcome { sink: seen.sink, ..Outcome::default() };
         let (Some(course), Some(table)) = (&mut self.course, track::words(seen).map(CamTable::new)) else {
             return outcome;
         };
-        let Course { master, words, lanes } = course;
+        let RunState { master, words, lanes } = course;
         let ring = master.ring();
         if !is_first {
             master.advance(table.cycle_time(), &mut self.window, seen);
@@ -133,7 +133,7 @@ impl Cam {
         let before = std::mem::replace(words, table.offsets());
         if before != *words {
             for ((lane, word), before) in lanes.iter_mut().zip(words).zip(before) {
-                lane.offset = master.shifted(lane.offset, word.wrapping_sub(before));
+                lane.offset = master.changed_offset(lane.offset, word.wrapping_sub(before));
             }
         }
         if let Some(lane) = lanes.get(usize::from(table.track_select())) {
@@ -171,7 +171,7 @@ fn hysteresis_inc(field: i64) -> i64 {
     field.saturating_mul(100)
 }
 
-impl Program for Cam {
+impl FunctionProgram for Cam {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         self.check_mean(words)?;
         time::check_cycle(words.get(SF_CYCLE), number(FIELDS, "sf_cycle"), setting)?;
@@ -190,34 +190,34 @@ impl Program for Cam {
         check_table(words, setting)
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         let cycle_time = track::words(seen).map_or(0, |table| CamTable::new(table).cycle_time());
-        let mut lanes = [Lane::default(); LINES];
+        let mut lanes = [CamTrack::default(); LINES];
         for (number, lane) in lanes.iter_mut().enumerate() {
             lane.track = Track::new(words.get(MODE + number));
             lane.count = words.get(CAMS + number) as u16;
             lane.hysteresis = hysteresis_inc(words.get(HYSTERESIS + number));
         }
         let master = Master::new(words.get(BA), words.get(MODULO), cycle_time, seen);
-        self.course = Some(Course { master, words: [0; LINES], lanes });
+        self.course = Some(RunState { master, words: [0; LINES], lanes });
         time::restart(&mut self.window, words.get(DEAD_TIME_MEAN));
         self.evaluate(seen, true)
     }
 
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         self.evaluate(seen, false)
     }
 
-    fn is_sound(&self) -> bool {
-        let is_sound = |course: &Course| {
-            let Course { master, lanes, .. } = course;
+    fn is_valid_state(&self) -> bool {
+        let is_sound = |course: &RunState| {
+            let RunState { master, lanes, .. } = course;
             let cams = lanes.iter().map(|lane| usize::from(lane.count)).sum::<usize>();
-            let fits = |lane: &Lane| {
+            let fits = |lane: &CamTrack| {
                 (0..=6_553_500).contains(&lane.hysteresis) && master.has(lane.offset) && master.has(lane.x)
             };
             master.is_sound() && cams <= self.overruns.len() && lanes.iter().all(fits)
         };
-        self.overruns.iter().all(Overrun::is_sound)
+        self.overruns.iter().all(HysteresisState::is_sound)
             && self.course.as_ref().is_none_or(is_sound)
             && self.window.is_sound()
     }

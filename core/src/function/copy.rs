@@ -9,7 +9,7 @@
 //! Source   AMK-DCOPY-01 to -05 with A-15, AMK-ECOPY-01 to -05 with, AMK-GEN-16 to -18 with A-11
 
 use super::field::{Field, Words, place};
-use super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
 use serde::{Deserialize, Serialize};
 
 /// Parameter set of DCOPY.
@@ -33,7 +33,7 @@ const VALUE_E1_1: usize = place(ECOPY_FIELDS, "value_e1_1");
 
 /// Mode of DCOPY.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-enum Way {
+enum CopyMode {
     Absolute,
     Incremental { acc: i32, last: i16 },
 }
@@ -41,34 +41,34 @@ enum Way {
 /// A copy without a condition.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Dcopy {
-    way: Way,
+    way: CopyMode,
 }
 
 impl Dcopy {
     pub(super) fn new() -> Self {
-        Self { way: Way::Absolute }
+        Self { way: CopyMode::Absolute }
     }
 }
 
-impl Program for Dcopy {
+impl FunctionProgram for Dcopy {
     fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         Ok(())
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         self.way = match words.get(place(DCOPY_FIELDS, "mode")) {
-            0 => Way::Absolute,
+            0 => CopyMode::Absolute,
             // The casts keep the low words of sink and source, as the mode requires.
-            _ => Way::Incremental { acc: seen.sink as i32, last: seen.source.value as i16 },
+            _ => CopyMode::Incremental { acc: seen.sink as i32, last: seen.source.value as i16 },
         };
         self.step(seen)
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let sink = match &mut self.way {
-            Way::Absolute => seen.source.value,
-            Way::Incremental { acc, last } => {
+            CopyMode::Absolute => seen.source.value,
+            CopyMode::Incremental { acc, last } => {
                 let now = seen.source.value as i16;
                 *acc = acc.wrapping_add(now.wrapping_sub(std::mem::replace(last, now)).into());
                 (*acc).into()
@@ -91,19 +91,19 @@ impl Ecopy {
     }
 }
 
-impl Program for Ecopy {
+impl FunctionProgram for Ecopy {
     fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         Ok(())
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         let mode = words.get(MODE);
         self.chosen = [mode & 1 != 0, mode & 2 != 0].map(|is_value| is_value.then_some(0));
-        self.renew(words);
+        self.apply_values(words);
         self.step(seen)
     }
 
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         // The mode stays as started: a value that copies the source continues to do so.
         let values = [words.get(VALUE_E1_0), words.get(VALUE_E1_1)];
         for (chosen, value) in self.chosen.iter_mut().zip(values) {
@@ -112,7 +112,7 @@ impl Program for Ecopy {
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let e1 = seen.inputs & 1;
         let [while_0, while_1] = self.chosen;
         let chosen = if e1 == 0 { while_0 } else { while_1 };
@@ -122,13 +122,13 @@ impl Program for Ecopy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::program::Reading;
+    use super::super::program::SourceValue;
     use super::super::trial::{at_rest, set};
     use super::*;
     use proptest::prelude::*;
 
-    fn source<'a>(value: i64) -> Seen<'a> {
-        Seen { source: Reading { value, ..Reading::default() }, ..at_rest() }
+    fn source<'a>(value: i64) -> CallInputs<'a> {
+        CallInputs { source: SourceValue { value, ..SourceValue::default() }, ..at_rest() }
     }
 
     /// Starts with the first value of the source, and steps with the others.
@@ -136,7 +136,7 @@ mod tests {
         let (words, mut dcopy) = (set(DCOPY_FIELDS, &[("mode", mode)]), Dcopy::new());
         let mut sinks = Vec::new();
         for (k, value) in values.iter().enumerate() {
-            let seen = Seen { sink: *sinks.last().unwrap_or(&sink), ..source(*value) };
+            let seen = CallInputs { sink: *sinks.last().unwrap_or(&sink), ..source(*value) };
             let outcome = if k == 0 { dcopy.start(Words(&words), &seen) } else { dcopy.step(&seen) };
             assert_eq!((outcome.outputs, outcome.writes), (0, 0));
             sinks.push(outcome.sink);
@@ -174,9 +174,9 @@ mod tests {
         let mut ecopy = Ecopy::new();
         assert_eq!(ecopy.start(Words(&words), &source(77)), Outcome { sink: 10_000, writes: 1, ..Outcome::default() });
         // E2 to E8 are ignored.
-        let high = ecopy.step(&Seen { inputs: 0xFF, ..source(77) });
+        let high = ecopy.step(&CallInputs { inputs: 0xFF, ..source(77) });
         assert_eq!(high, Outcome { sink: 5_000, outputs: 1, writes: 1, ..Outcome::default() });
-        assert_eq!(ecopy.step(&Seen { inputs: 0xFE, ..source(77) }).sink, 10_000);
+        assert_eq!(ecopy.step(&CallInputs { inputs: 0xFE, ..source(77) }).sink, 10_000);
     }
 
     /// Proves: AMK-ECOPY-03
@@ -186,7 +186,7 @@ mod tests {
             let words = set(ECOPY_FIELDS, &[("mode", mode), ("value_e1_0", -1), ("value_e1_1", -2)]);
             let mut ecopy = Ecopy::new();
             let low = ecopy.start(Words(&words), &source(77)).sink;
-            [low, ecopy.step(&Seen { inputs: 1, ..source(77) }).sink]
+            [low, ecopy.step(&CallInputs { inputs: 1, ..source(77) }).sink]
         };
         assert_eq!([0, 1, 2, 3].map(sinks), [[77, 77], [-1, 77], [77, -2], [-1, -2]]);
     }
@@ -198,9 +198,9 @@ mod tests {
         let second = set(ECOPY_FIELDS, &[("mode", 2), ("value_e1_0", 3), ("value_e1_1", 4)]);
         let mut ecopy = Ecopy::new();
         assert_eq!(ecopy.start(Words(&first), &source(77)).sink, 1);
-        ecopy.renew(Words(&second));
+        ecopy.apply_values(Words(&second));
         assert_eq!(ecopy.step(&source(77)).sink, 3);
-        assert_eq!(ecopy.step(&Seen { inputs: 1, ..source(77) }).sink, 77);
+        assert_eq!(ecopy.step(&CallInputs { inputs: 1, ..source(77) }).sink, 77);
     }
 
     proptest! {

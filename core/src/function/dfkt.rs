@@ -17,7 +17,7 @@
 mod points;
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Occasion, Outcome, Program, Seen, Setting};
+use super::program::{Fault, LINES, Occasion, Outcome, FunctionProgram, CallInputs, Setting};
 use super::shown::Shown;
 use super::time::check_cycle;
 use crate::code::Code;
@@ -124,14 +124,14 @@ struct Mode {
     by_way: bool,
     by_inputs: bool,
     /// Whether the ratio is relative to that of the last point to in_final.
-    relates: bool,
+    is_relative: bool,
     tables: u8,
 }
 
 impl Mode {
     fn of(words: Words<'_>) -> Self {
         let (ba, tables) = (words.get(BA), words.get(TABLE_COUNT).clamp(0, LINES as i64 - 1) as u8);
-        Self { by_way: ba & 1 != 0, by_inputs: ba & 2 != 0, relates: ba & 4 != 0, tables }
+        Self { by_way: ba & 1 != 0, by_inputs: ba & 2 != 0, is_relative: ba & 4 != 0, tables }
     }
 }
 
@@ -144,7 +144,7 @@ struct Ratio {
 
 /// Values that VALUE_NEW takes at once.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Live {
+struct LiveValues {
     /// Speed of one increment per call, as a reduced fraction.
     of_way: (i64, i64),
     in_final: i64,
@@ -156,7 +156,7 @@ struct Live {
     extends: bool,
 }
 
-impl Live {
+impl LiveValues {
     fn of(words: Words<'_>, call_ns: i64) -> Self {
         let get = |name| words.get(name);
         let (turn, call) = (get(IN_RESOLUTION).clamp(1, 65_535), call_ns.clamp(1, CALL_BOUND));
@@ -188,7 +188,7 @@ impl Live {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Dfkt {
     mode: Mode,
-    live: Live,
+    live: LiveValues,
     ratio: Ratio,
     /// Ratio that the next strobe activates.
     waiting: Ratio,
@@ -217,7 +217,7 @@ struct Input {
 
 impl Dfkt {
     pub(super) fn new() -> Self {
-        let live = Live {
+        let live = LiveValues {
             of_way: (1, 1),
             in_final: 1,
             outputs: (0, 0),
@@ -259,7 +259,7 @@ impl Dfkt {
 
     /// Returns the speed of the source.
     #[inline]
-    fn input(&mut self, seen: &Seen<'_>) -> Input {
+    fn input(&mut self, seen: &CallInputs<'_>) -> Input {
         let way = seen.source.travel.wrapping_sub(std::mem::replace(&mut self.travel, seen.source.travel));
         if !self.mode.by_way {
             return Input { n: seen.source.value.into(), unit: 1 };
@@ -271,7 +271,7 @@ impl Dfkt {
     }
 
     /// A rising E2 activates the selected table, if it exists, and the waiting ratio.
-    fn choose(&mut self, seen: &Seen<'_>) {
+    fn choose(&mut self, seen: &CallInputs<'_>) {
         let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
         if rising & STROBE != 0 {
             // With three tables or fewer E5 is not used.
@@ -284,23 +284,23 @@ impl Dfkt {
         self.is_taken &= seen.inputs & STROBE != 0;
     }
 
-    fn may_choose(&self, table: u8, seen: &Seen<'_>) -> bool {
+    fn may_choose(&self, table: u8, seen: &CallInputs<'_>) -> bool {
         if table == 0 {
             return true;
         }
         let points = points(table, seen);
-        table <= self.mode.tables && points.is_some_and(|points| !self.mode.relates || points.last() != 0)
+        table <= self.mode.tables && points.is_some_and(|points| !self.mode.is_relative || points.last() != 0)
     }
 
     /// Returns the output for an input, and its status. n is below 2^31 * 2^50 for travel, and below 2^63 with unit 1
     /// for a speed; unit is below 2^57. Points and words have 15 bits, in_final 29 in units: the largest product, n *
     /// 126 * a rise * mult, stays below 2^81 * 2^7 * 2^16 * 2^15.
     #[inline]
-    fn output(&mut self, input: Input, seen: &Seen<'_>) -> (i64, u8) {
+    fn output(&mut self, input: Input, seen: &CallInputs<'_>) -> (i64, u8) {
         let (t, divisor, beyond) = match points(self.table, seen) {
             Some(points) => {
                 let t = self.look_up(input, points);
-                let base = if self.mode.relates { points.last() } else { self.live.in_final };
+                let base = if self.mode.is_relative { points.last() } else { self.live.in_final };
                 let divisor = i128::from(base.unsigned_abs()) * input.unit;
                 (if base < 0 { -t } else { t }, divisor, self.beyond(input))
             }
@@ -377,7 +377,7 @@ impl Dfkt {
     }
 
     /// Returns the outcome of a call.
-    fn told(&self, sink: i64, runs: bool) -> Outcome {
+    fn outcome(&self, sink: i64, runs: bool) -> Outcome {
         let a1 = if runs { 0 } else { A1 };
         let a2 = if self.is_taken { A2 } else { 0 };
         let (outputs, writes) = if self.mode.by_inputs { (a1 | a2, A1 | A2) } else { (0, 0) };
@@ -406,7 +406,7 @@ impl Dfkt {
         {
             return Err(Fault::new(Code::AMK_TABLE_IN_USE).with(place as i64, 0));
         }
-        let Some(points) = Points::of(table).filter(|_| mode.relates) else { return Ok(()) };
+        let Some(points) = Points::of(table).filter(|_| mode.is_relative) else { return Ok(()) };
         if points.last() == 0 {
             return Err(Fault::new(Code::AMK_LAST_POINT).with(place as i64, 0));
         }
@@ -420,7 +420,7 @@ impl Dfkt {
     }
 }
 
-impl Program for Dfkt {
+impl FunctionProgram for Dfkt {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let get = |name| words.get(name);
         let mode = Mode::of(words);
@@ -442,7 +442,7 @@ impl Program for Dfkt {
         self.check_active(words, setting)
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         *self = Self {
             mode: Mode::of(words),
             call_ns: i64::try_from(seen.call_ns).unwrap_or(i64::MAX),
@@ -450,13 +450,13 @@ impl Program for Dfkt {
             before: seen.inputs,
             ..Self::new()
         };
-        self.renew(words);
+        self.apply_values(words);
         (self.ratio, self.table) = (self.waiting, words.get(ACTIVE_TABLE).clamp(0, self.mode.tables.into()) as u8);
         self.step(seen)
     }
 
-    fn renew(&mut self, words: Words<'_>) {
-        self.live = Live::of(words, self.call_ns);
+    fn apply_values(&mut self, words: Words<'_>) {
+        self.live = LiveValues::of(words, self.call_ns);
         self.waiting = Ratio { mult: words.get(MULT), div: words.get(DIV) };
         if !self.mode.by_inputs {
             (self.ratio, self.table) = (self.waiting, words.get(ACTIVE_TABLE).clamp(0, self.mode.tables.into()) as u8);
@@ -464,7 +464,7 @@ impl Program for Dfkt {
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let input = self.input(seen);
         if self.mode.by_inputs {
             self.choose(seen);
@@ -472,10 +472,10 @@ impl Program for Dfkt {
         let runs = !self.mode.by_inputs || seen.inputs & RUN != 0;
         let (sink, status) = if runs { self.output(input, seen) } else { (0, 0) };
         self.show(status);
-        self.told(sink, runs)
+        self.outcome(sink, runs)
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         let is_sound = |ratio: Ratio| (-WORD..=WORD).contains(&ratio.mult) && (1..=WORD).contains(&ratio.div);
         let tables = 0..=LINES as u8 - 1;
         self.live.is_sound()
@@ -489,7 +489,7 @@ impl Program for Dfkt {
 
 /// Returns the points of Tab0 to Tab6, counted from 1; `None` for table 0.
 #[inline]
-fn points<'a>(table: u8, seen: &Seen<'a>) -> Option<Points<'a>> {
+fn points<'a>(table: u8, seen: &CallInputs<'a>) -> Option<Points<'a>> {
     seen.tables.get(usize::from(table).checked_sub(1)?).and_then(Points::of)
 }
 

@@ -8,7 +8,7 @@
 //! Source   AMK-DIGDREH-01 to -08 with
 
 use super::field::{Field, Words, place};
-use super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -23,32 +23,32 @@ const STOP: u8 = 1 << 2;
 
 /// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Digdreh {
+pub(super) struct SpeedSwitch {
     speed: i64,
     runs: bool,
     /// Inputs of the last call.
-    before: u8,
+    last_inputs: u8,
 }
 
-impl Digdreh {
+impl SpeedSwitch {
     pub(super) fn new() -> Self {
         Self::default()
     }
 }
 
-impl Program for Digdreh {
+impl FunctionProgram for SpeedSwitch {
     fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         Ok(())
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
-        *self = Self { speed: words.get(place(FIELDS, "speed")), runs: false, before: seen.inputs };
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
+        *self = Self { speed: words.get(place(FIELDS, "speed")), runs: false, last_inputs: seen.inputs };
         self.step(seen)
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
-        let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
+        let rising = seen.inputs & !std::mem::replace(&mut self.last_inputs, seen.inputs);
         let may_run = seen.inputs & (ENABLE | STOP) == ENABLE;
         self.runs = may_run && (self.runs || rising & BEGIN != 0);
         let sink = if self.runs { self.speed } else { 0 };
@@ -67,10 +67,10 @@ mod tests {
 
     /// Returns speed and A1 of each call; the first one is START.
     fn switched(speed: i64, inputs: &[u8]) -> Vec<(i64, u8)> {
-        let (words, mut digdreh) = (set(FIELDS, &[("speed", speed)]), Digdreh::new());
+        let (words, mut digdreh) = (set(FIELDS, &[("speed", speed)]), SpeedSwitch::new());
         let mut given = Vec::new();
         for (k, inputs) in inputs.iter().enumerate() {
-            let seen = Seen { inputs: *inputs, ..at_rest() };
+            let seen = CallInputs { inputs: *inputs, ..at_rest() };
             let outcome = if k == 0 { digdreh.start(Words(&words), &seen) } else { digdreh.step(&seen) };
             assert_eq!(outcome.writes, 1);
             given.push((outcome.sink, outcome.outputs));

@@ -17,10 +17,10 @@
 mod ramp;
 
 use super::field::{Field, Words, number, place};
-use super::program::{Asked, Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
+use super::program::{GoalRequest, Fault, Outcome, FunctionProgram, Progress, CallInputs, Setting, WORDS};
 use super::time::{check_cycle, check_cycle_bounds};
 use crate::code::Code;
-use ramp::{FARTHEST, FASTEST, INC, approach, approach_end, change, is_enough, length, parts, velocity};
+use ramp::{MAX_DISTANCE, MAX_VELOCITY, INC, approach, approach_end, change, is_long_enough, length, quotient_in_parts, velocity};
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -80,9 +80,9 @@ const SEARCH_CYCLES: (i64, i64) = (2, 18);
 /// Override of 100 %.
 const FULL: i64 = 1024;
 /// Maximum override of the velocity.
-const LARGEST: i64 = 32_767;
+const MAX_VELOCITY_OVERRIDE: i64 = 32_767;
 /// Minimum override of the acceleration.
-const LEAST: i64 = 102;
+const MIN_ACCELERATION_OVERRIDE: i64 = 102;
 
 const E1: u8 = 1 << 0;
 const E2: u8 = 1 << 1;
@@ -181,9 +181,9 @@ pub(super) struct Epos {
     speed: i128,
     travel: i64,
     /// Whether the approach is in negative direction.
-    is_back: bool,
+    is_negative: bool,
     /// Override of the acceleration of the current order.
-    share: i64,
+    acceleration_override: i64,
     /// Maximum change of velocity per call, and the same on the stop ramp of E2.
     ramps: (i128, i128),
     /// Travel per call, in parts of an increment.
@@ -203,7 +203,7 @@ pub(super) struct Epos {
 impl Epos {
     /// Creates a positioning; `has_words` says which overrides have a word.
     pub(super) fn new(has_words: [bool; WORDS]) -> Self {
-        Self { has_words, share: FULL, ramps: (1, 1), ..Self::default() }
+        Self { has_words, acceleration_override: FULL, ramps: (1, 1), ..Self::default() }
     }
 
     /// Returns true if both functions have words for the same overrides.
@@ -224,13 +224,13 @@ impl Epos {
             Phase::Run if rising & E2 != 0 => self.phase = Phase::Stopping,
             Phase::Run if goes && self.mode.retriggers => {
                 self.take_order(share);
-                self.left = self.left.saturating_add(whole(self.travel)).clamp(-FARTHEST, FARTHEST);
+                self.left = self.left.saturating_add(whole(self.travel)).clamp(-MAX_DISTANCE, MAX_DISTANCE);
                 self.end = if self.reaches() { End::Ramp } else { End::Beyond };
             }
             Phase::Idle if goes => {
                 self.take_order(share);
                 self.left = whole(self.travel);
-                self.is_back = if self.mode.substitutional { self.live.velocity < 0 } else { self.travel < 0 };
+                self.is_negative = if self.mode.substitutional { self.live.velocity < 0 } else { self.travel < 0 };
                 self.end = if self.mode.substitutional { End::Unknown } else { End::Ramp };
                 (self.phase, self.is_settled) = (Phase::Run, false);
                 return true;
@@ -253,13 +253,13 @@ impl Epos {
     }
 
     fn take_share(&mut self, share: i64) {
-        self.share = if self.has_words[1] { share.clamp(LEAST, FULL) } else { FULL };
+        self.acceleration_override = if self.has_words[1] { share.clamp(MIN_ACCELERATION_OVERRIDE, FULL) } else { FULL };
         self.take_ramps();
     }
 
     fn take_ramps(&mut self) {
         let of = |rate| change(rate, self.mode.turns.0, self.call_ns);
-        let ramp = of(self.live.acceleration) * i128::from(self.share) / i128::from(FULL);
+        let ramp = of(self.live.acceleration) * i128::from(self.acceleration_override) / i128::from(FULL);
         self.ramps = (ramp.max(1), of(self.live.stop_decel));
     }
 
@@ -276,14 +276,14 @@ impl Epos {
     fn reaches(&self) -> bool {
         let sense = self.sense();
         let left = self.left * sense;
-        left >= 0 && is_enough(self.velocity * sense - self.ramps.0, left, self.ramps.0)
+        left >= 0 && is_long_enough(self.velocity * sense - self.ramps.0, left, self.ramps.0)
     }
 
     /// Sets the reference, which was at `place` of the sink: the sink counts from there now.
-    fn refer(&mut self, place: i64) {
+    fn set_reference(&mut self, place: i64) {
         self.position = self.position.wrapping_sub(place);
         let left = i128::from(self.travel) - i128::from(self.position);
-        self.left = (left * INC - self.rest).clamp(-FARTHEST, FARTHEST);
+        self.left = (left * INC - self.rest).clamp(-MAX_DISTANCE, MAX_DISTANCE);
         self.end = End::Ramp;
         if self.left * self.approach_sense() < 0 || !self.reaches() {
             self.end = if self.mode.turns_round { End::Beyond } else { End::Step };
@@ -292,7 +292,7 @@ impl Epos {
     }
 
     fn approach_sense(&self) -> i128 {
-        if self.is_back { -1 } else { 1 }
+        if self.is_negative { -1 } else { 1 }
     }
 
     /// At rest the distance to the end is treated like any other; but without bit 2 the direction never changes.
@@ -305,23 +305,23 @@ impl Epos {
 
     /// Returns the target velocity of this call.
     #[inline]
-    fn wanted(&self, way: i64, percent: i64) -> i128 {
+    fn target_velocity(&self, way: i64, percent: i64) -> i128 {
         let speed = if self.mode.follows {
             // No encoder travels further in a call.
             let way = i128::from(way.unsigned_abs()).min(i128::from(i32::MAX));
-            parts(way * i128::from(self.mode.turns.0), self.mode.turns.1.into())
+            quotient_in_parts(way * i128::from(self.mode.turns.0), self.mode.turns.1.into())
         } else {
             self.speed
         };
         if !self.has_words[0] {
             return speed;
         }
-        (speed * i128::from(percent.clamp(0, LARGEST)) / i128::from(FULL)).min(FASTEST)
+        (speed * i128::from(percent.clamp(0, MAX_VELOCITY_OVERRIDE)) / i128::from(FULL)).min(MAX_VELOCITY)
     }
 
     /// Advances an order by one call.
     #[inline]
-    fn go(&mut self, wanted: i128, goes_on: bool) {
+    fn advance(&mut self, wanted: i128, goes_on: bool) {
         let sense = self.sense();
         let (v, mut left) = (self.velocity * sense, self.left * sense);
         let (wanted, ramp) = if self.phase == Phase::Run { (wanted, self.ramps.0) } else { (0, self.ramps.1) };
@@ -331,20 +331,20 @@ impl Epos {
             End::Step => approach(v, wanted, ramp).min(left),
             End::Ramp => {
                 if self.mode.modulo && self.phase == Phase::Run {
-                    left = self.put_off(approach(v, wanted, ramp), left, goes_on);
+                    left = self.extend_end(approach(v, wanted, ramp), left, goes_on);
                 }
                 approach_end(v, wanted, left, ramp)
             }
         };
         self.velocity = next * sense;
         if self.end != End::Unknown {
-            self.left = (left * sense).saturating_sub(self.velocity).clamp(-FARTHEST, FARTHEST);
+            self.left = (left * sense).saturating_sub(self.velocity).clamp(-MAX_DISTANCE, MAX_DISTANCE);
         }
         let sum = self.rest + self.velocity;
         // A step is at most as long as the distance to go: its whole increments have 63 bits.
         self.position = self.position.wrapping_add((sum >> ramp::BITS) as i64);
         self.rest = sum & (INC - 1);
-        if self.is_there() {
+        if self.has_reached_end() {
             self.velocity = 0;
         }
         self.rest_beyond();
@@ -353,8 +353,8 @@ impl Epos {
     /// Returns the distance to the end that applies to this call: at the point where the ramp down to a multiple would
     /// begin, E1 decides.
     #[inline]
-    fn put_off(&mut self, next: i128, left: i128, goes_on: bool) -> i128 {
-        if self.is_settled || is_enough(next, left, self.ramps.0) {
+    fn extend_end(&mut self, next: i128, left: i128, goes_on: bool) -> i128 {
+        if self.is_settled || is_long_enough(next, left, self.ramps.0) {
             return left;
         }
         self.is_settled = !goes_on;
@@ -363,17 +363,17 @@ impl Epos {
         }
         let (step, short) = (whole(self.travel).abs().max(INC), length(next, self.ramps.0) - left);
         let steps = (short.max(1) - 1) / step + 1;
-        left.saturating_add(steps.saturating_mul(step)).min(FARTHEST)
+        left.saturating_add(steps.saturating_mul(step)).min(MAX_DISTANCE)
     }
 
     /// Returns true if the end is reached, without a return from beyond it.
-    fn is_there(&self) -> bool {
+    fn has_reached_end(&self) -> bool {
         self.left == 0 && matches!(self.end, End::Ramp | End::Step)
     }
 
     /// Changes to a phase at rest if the motion has ended.
     fn settle(&mut self) {
-        if self.is_there() {
+        if self.has_reached_end() {
             self.phase = Phase::Idle;
         } else if self.phase == Phase::Stopping && self.velocity == 0 {
             self.phase = Phase::Halted;
@@ -386,7 +386,7 @@ fn whole(increments: i64) -> i128 {
     i128::from(increments) * INC
 }
 
-impl Program for Epos {
+impl FunctionProgram for Epos {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let field = |name| number(FIELDS, name);
         let fault = |code, name, asked, limit| Err(Fault::new(code).of(number(FIELDS, name)).with(asked, limit));
@@ -428,7 +428,7 @@ impl Program for Epos {
         }
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         *self = Self {
             mode: Mode::of(words),
             call_ns: seen.call_ns,
@@ -437,37 +437,37 @@ impl Program for Epos {
             before: seen.inputs,
             ..Self::new(self.has_words)
         };
-        self.renew(words);
+        self.apply_values(words);
         self.step(seen)
     }
 
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         self.live = Live::of(words);
         self.take_ramps();
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
         let way = seen.source.travel.wrapping_sub(std::mem::replace(&mut self.seen, seen.source.travel));
         let [percent, share] = seen.words;
         let mut anew = 0;
         if let Some(place) = seen.source.mark.filter(|_| self.phase != Phase::Idle && self.end == End::Unknown) {
-            self.refer(place);
+            self.set_reference(place);
             anew = place.wrapping_neg();
         }
         // A goal adds its edges to those of the inputs.
         let rising = match seen.asked {
-            Asked::Begin => rising | E1,
-            Asked::Stop => rising | E2,
-            Asked::Nothing | Asked::Hold => rising,
+            GoalRequest::Begin => rising | E1,
+            GoalRequest::Stop => rising | E2,
+            GoalRequest::Nothing | GoalRequest::Hold => rising,
         };
-        let goes_on = seen.inputs & E1 != 0 || matches!(seen.asked, Asked::Begin | Asked::Hold);
+        let goes_on = seen.inputs & E1 != 0 || matches!(seen.asked, GoalRequest::Begin | GoalRequest::Hold);
         let begins = self.switch(rising, share);
         let mut outputs = 0;
         if matches!(self.phase, Phase::Run | Phase::Stopping) {
-            let wanted = self.wanted(way, percent);
-            self.go(wanted, goes_on);
+            let wanted = self.target_velocity(way, percent);
+            self.advance(wanted, goes_on);
             if !begins {
                 self.settle();
             }
@@ -478,7 +478,7 @@ impl Program for Epos {
         let is_open = self.phase != Phase::Idle && self.end != End::Unknown;
         self.shown = [if is_open { ((self.left + self.rest) >> ramp::BITS) as i64 } else { 0 }];
         let writes = A1 | if self.mode.modulo { A2 } else { 0 };
-        Outcome { sink: self.position, outputs, writes, anew, ..Outcome::default() }
+        Outcome { sink: self.position, outputs, writes, coordinate_change: anew, ..Outcome::default() }
     }
 
     fn progress(&self) -> Progress {
@@ -494,18 +494,18 @@ impl Program for Epos {
         self.shown = [0];
     }
 
-    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+    fn runs_with(&self, words: Words<'_>, call_ns: u64) -> bool {
         self.mode == Mode::of(words) && self.live == Live::of(words) && self.call_ns == call_ns
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         let ramps = [self.ramps.0, self.ramps.1];
-        ramps.into_iter().all(|ramp| (1..=FASTEST).contains(&ramp))
-            && (0..=FASTEST).contains(&self.speed)
-            && self.velocity.saturating_abs() <= FASTEST
-            && self.left.saturating_abs() <= FARTHEST
+        ramps.into_iter().all(|ramp| (1..=MAX_VELOCITY).contains(&ramp))
+            && (0..=MAX_VELOCITY).contains(&self.speed)
+            && self.velocity.saturating_abs() <= MAX_VELOCITY
+            && self.left.saturating_abs() <= MAX_DISTANCE
             && (0..INC).contains(&self.rest)
-            && (LEAST..=FULL).contains(&self.share)
+            && (MIN_ACCELERATION_OVERRIDE..=FULL).contains(&self.acceleration_override)
             && i32::try_from(self.travel).is_ok()
     }
 }

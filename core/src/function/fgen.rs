@@ -16,10 +16,10 @@
 mod pace;
 
 use super::field::{Field, Words, number, place};
-use super::program::{Drive, Fault, LINES, Outcome, Program, Seen, Setting};
+use super::program::{Drive, Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
 use super::time::check_cycle;
 use crate::code::Code;
-use pace::{FULL, Motion, Pace, Rate};
+use pace::{FULL, Motion, VelocityStep, Rate};
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -135,7 +135,7 @@ pub(super) struct Fgen {
     /// The position X.
     position: i64,
     /// Increments since the start: the floor of the exact travel.
-    way: i64,
+    travel_since_start: i64,
     /// Travel of the source at the last call.
     travel: i64,
     /// Inputs of the last call.
@@ -147,10 +147,10 @@ pub(super) struct Fgen {
 }
 
 /// Returns the velocity and ramps per call of a parameter set.
-fn pace(words: Words<'_>, call_ns: u64) -> Pace {
+fn pace(words: Words<'_>, call_ns: u64) -> VelocityStep {
     let follows = words.get(at("ba")) & 1 != 0;
     let rate = (!follows).then(|| rate(words));
-    Pace::new(rate, [at("accel"), at("accel2")].map(|place| words.get(place).max(0)), call_ns)
+    VelocityStep::new(rate, [at("accel"), at("accel2")].map(|place| words.get(place).max(0)), call_ns)
 }
 
 fn limits(words: Words<'_>) -> [i64; LIMITS] {
@@ -185,7 +185,7 @@ impl Fgen {
 
     /// Returns the factor of the velocity step in this call.
     #[inline]
-    fn asked(&self, way: i64, seen: &Seen<'_>) -> i64 {
+    fn velocity_factor(&self, way: i64, seen: &CallInputs<'_>) -> i64 {
         let percent = if self.has_word { seen.words[0].clamp(-LARGEST_OVERRIDE, LARGEST_OVERRIDE) } else { FULL };
         // No encoder travels further in a call.
         if self.mode.follows { way.clamp(i32::MIN.into(), i32::MAX.into()).saturating_mul(percent) } else { percent }
@@ -207,22 +207,22 @@ impl Fgen {
     fn go(&mut self, asked: i64, inputs: u8, begins: bool) {
         let target = if self.phase == Phase::Run { self.motion.target(asked) } else { 0 };
         if begins {
-            self.way = 0;
+            self.travel_since_start = 0;
         }
         if begins && self.is_sequence {
-            self.motion.jump(target);
+            self.motion.set_velocity(target);
         } else {
             self.motion.approach(target, self.mode.has_two_ramps && inputs & E2 != 0);
         }
         let step = self.motion.advance();
-        (self.way, self.position) = (self.way.wrapping_add(step), self.position.wrapping_add(step));
+        (self.travel_since_start, self.position) = (self.travel_since_start.wrapping_add(step), self.position.wrapping_add(step));
         if self.is_sequence && self.is_done() {
             let end = self.mode.cycle_increments;
-            let surplus = self.way.wrapping_sub(if self.way < 0 { -end } else { end });
+            let surplus = self.travel_since_start.wrapping_sub(if self.travel_since_start < 0 { -end } else { end });
             self.position = self.position.wrapping_sub(surplus);
             self.motion.stop();
-            (self.phase, self.way) = (Phase::Idle, 0);
-        } else if self.phase == Phase::Stopping && self.motion.sense() == 0 {
+            (self.phase, self.travel_since_start) = (Phase::Idle, 0);
+        } else if self.phase == Phase::Stopping && self.motion.direction() == 0 {
             self.phase = Phase::Halted;
         }
     }
@@ -231,21 +231,21 @@ impl Fgen {
     /// negative direction too early.
     fn is_done(&self) -> bool {
         let end = self.mode.cycle_increments;
-        self.way >= end || self.way < -end || self.way == -end && !self.motion.has_rest()
+        self.travel_since_start >= end || self.travel_since_start < -end || self.travel_since_start == -end && !self.motion.has_rest()
     }
 
     /// Counts the travel from the last boundary of a cycle instead of the start, so that a sequence ends at the next
     /// boundary (G9).
-    fn fold(&mut self) {
+    fn count_from_boundary(&mut self) {
         let end = self.mode.cycle_increments;
-        let sense = self.motion.sense();
-        self.way = if sense < 0 || sense == 0 && self.way < 0 {
+        let sense = self.motion.direction();
+        self.travel_since_start = if sense < 0 || sense == 0 && self.travel_since_start < 0 {
             // Counted from the exact travel, which is above its floor.
             let more = i64::from(self.motion.has_rest());
-            let behind = self.way.wrapping_add(more).wrapping_neg();
+            let behind = self.travel_since_start.wrapping_add(more).wrapping_neg();
             behind.rem_euclid(end).wrapping_neg().wrapping_sub(more)
         } else {
-            self.way.rem_euclid(end)
+            self.travel_since_start.rem_euclid(end)
         };
     }
 
@@ -277,7 +277,7 @@ impl Fgen {
     }
 }
 
-impl Program for Fgen {
+impl FunctionProgram for Fgen {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         check_cycle(words.get(at("sf_cycle_time")), number(FIELDS, "sf_cycle_time"), setting)?;
         let (ba, mode) = (words.get(at("ba")), Mode::of(words));
@@ -305,7 +305,7 @@ impl Program for Fgen {
         Ok(())
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         *self = Self {
             mode: Mode::of(words),
             call_ns: seen.call_ns,
@@ -315,29 +315,29 @@ impl Program for Fgen {
             before: seen.inputs,
             ..Self::new(self.has_word)
         };
-        self.renew(words);
+        self.apply_values(words);
         self.step(seen)
     }
 
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         self.limits = limits(words);
-        self.motion.renew(pace(words, self.call_ns));
+        self.motion.set_pace(pace(words, self.call_ns));
         let is_sequence = is_sequence(words);
         if is_sequence && !self.is_sequence {
-            self.fold();
+            self.count_from_boundary();
         }
         self.is_sequence = is_sequence;
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
         let way = seen.source.travel.wrapping_sub(std::mem::replace(&mut self.travel, seen.source.travel));
         // Without a generator no movement is continued (G11).
         let begins = if self.mode.generates { self.switch(seen.inputs, rising) } else { rising & E1 != 0 };
         self.watch(seen.drives, begins && self.mode.zeroes);
         if matches!(self.phase, Phase::Run | Phase::Stopping) {
-            self.go(self.asked(way, seen), seen.inputs, begins);
+            self.go(self.velocity_factor(way, seen), seen.inputs, begins);
         }
         let Mode { generates, monitors, .. } = self.mode;
         let rests = matches!(self.phase, Phase::Idle | Phase::Halted);
@@ -349,7 +349,7 @@ impl Program for Fgen {
         }
     }
 
-    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+    fn runs_with(&self, words: Words<'_>, call_ns: u64) -> bool {
         let live = (self.is_sequence, self.limits);
         self.mode == Mode::of(words)
             && live == (is_sequence(words), limits(words))
@@ -357,7 +357,7 @@ impl Program for Fgen {
             && self.motion.is_of(pace(words, call_ns))
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         self.motion.is_sound() && self.mode.cycle_increments > 0
     }
 }

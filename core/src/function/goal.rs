@@ -7,7 +7,7 @@
 //! Reads    the progress of the order after each call
 //! Source   Lineshaft: contract section 7; AMK-EPOS-24, -25 for the definition of an order
 
-use super::program::{Asked, Progress};
+use super::program::{GoalRequest, Progress};
 use crate::code::{Class, Code};
 use crate::event::{Event, Number};
 use crate::object::Object;
@@ -39,16 +39,16 @@ impl Goal {
     }
 
     /// Returns the request for the next call.
-    pub(super) fn asks(&self) -> Asked {
+    pub(super) fn request(&self) -> GoalRequest {
         match self.phase {
-            Phase::Waits => Asked::Begin,
-            Phase::Runs => Asked::Hold,
-            Phase::Stops => Asked::Stop,
+            Phase::Waits => GoalRequest::Begin,
+            Phase::Runs => GoalRequest::Hold,
+            Phase::Stops => GoalRequest::Stop,
         }
     }
 
     /// Takes the progress after a call. Returns the final code, or `None` if the goal continues.
-    pub(super) fn take(&mut self, progress: Progress) -> Option<Code> {
+    pub(super) fn advance(&mut self, progress: Progress) -> Option<Code> {
         let next = if self.phase == Phase::Waits { Phase::Runs } else { self.phase };
         match (std::mem::replace(&mut self.phase, next), progress) {
             (_, Progress::Moves) => None,

@@ -9,7 +9,7 @@
 //! Source   AMK-IMES-01 to -26 with I1 to I10
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
 use crate::code::Code;
 use crate::event::Number;
 use serde::{Deserialize, Serialize};
@@ -80,7 +80,7 @@ struct Pulses {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Imes {
     mode: Mode,
-    sets_on: bool,
+    restarts_at_invalid: bool,
     spacing: i64,
     window: i64,
     blocked: i64,
@@ -94,7 +94,7 @@ const A2: u8 = 1 << 1;
 
 impl Imes {
     pub(super) fn new() -> Self {
-        Self { mode: Mode::Absolute, sets_on: false, spacing: 0, window: 0, blocked: 0, pulses: None, was_valid: false }
+        Self { mode: Mode::Absolute, restarts_at_invalid: false, spacing: 0, window: 0, blocked: 0, pulses: None, was_valid: false }
     }
 
     /// Evaluates a pulse. Returns the value of the sink if the pulse is valid.
@@ -117,7 +117,7 @@ impl Imes {
         self.was_valid = measured.is_some();
         if self.was_valid {
             *pulses = Pulses { start: pulse, valid: pulse };
-        } else if self.sets_on {
+        } else if self.restarts_at_invalid {
             // The blocked range stays at the last valid pulse (I9).
             pulses.start = pulse;
         }
@@ -143,7 +143,7 @@ fn difference(limitation: Limitation, distance: i64, spacing: i64, window: i64) 
     (is_within && (limitation != Limitation::Positive || distance >= spacing)).then_some(output)
 }
 
-impl Program for Imes {
+impl FunctionProgram for Imes {
     fn check(&self, words: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         let ba = words.get(BA);
         if Mode::of(ba).is_some() {
@@ -152,26 +152,26 @@ impl Program for Imes {
         Err(Fault { asked: Number::Count(ba), ..Fault::new(Code::AMK_LIMITATION).of(number(FIELDS, "ba")) })
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         let ba = words.get(BA);
-        *self = Self { mode: Mode::of(ba).unwrap_or(Mode::Absolute), sets_on: ba & 2 != 0, ..Self::new() };
-        self.renew(words);
+        *self = Self { mode: Mode::of(ba).unwrap_or(Mode::Absolute), restarts_at_invalid: ba & 2 != 0, ..Self::new() };
+        self.apply_values(words);
         self.step(seen)
     }
 
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         (self.spacing, self.window, self.blocked) = (words.get(SPACING), words.get(WINDOW), words.get(BLOCKED));
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let measured = seen.source.mark.and_then(|pulse| self.pulse(pulse));
         let a1 = if measured.is_some() { A1 } else { 0 };
         let a2 = if self.was_valid { A2 } else { 0 };
         Outcome { sink: measured.unwrap_or(seen.sink), outputs: a1 | a2, writes: A1 | A2, ..Outcome::default() }
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         self.spacing >= 0 && self.window >= 0 && self.blocked >= 0
     }
 }

@@ -45,7 +45,7 @@ pub enum Kind {
 
 /// Whether a type has a source or a sink.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Need {
+pub enum Requirement {
     /// Not available.
     Never,
     /// Optional; `none` is allowed.
@@ -89,9 +89,9 @@ pub struct Description {
     /// Fields of its parameter set.
     pub fields: &'static [Field],
     /// Whether it has a source.
-    pub source: Need,
+    pub source: Requirement,
     /// Whether it has a sink, which may be an axis.
-    pub sink: Need,
+    pub sink: Requirement,
     /// Quantity of the sink, unless the cell sets it.
     pub quantity: Quantity,
     /// Whether the cell may set the quantity of the sink.
@@ -154,15 +154,15 @@ const FEEDBACK: &str = "actual position of the axis with that number, since it w
 /// All types.
 pub const TYPES: &[Description] = &[
     Description {
-        source: Need::Must,
-        sink: Need::Must,
+        source: Requirement::Must,
+        sink: Requirement::Must,
         chooses_quantity: true,
         moves_axes: true,
         ..Description::of(Kind::Dcopy, "dcopy", "copies its source into its sink", types::DCOPY)
     },
     Description {
-        source: Need::May,
-        sink: Need::Must,
+        source: Requirement::May,
+        sink: Requirement::Must,
         chooses_quantity: true,
         moves_axes: true,
         inputs: 1,
@@ -183,7 +183,7 @@ pub const TYPES: &[Description] = &[
         )
     },
     Description {
-        source: Need::Must,
+        source: Requirement::Must,
         moves_axes: true,
         inputs: 4,
         outputs: 1,
@@ -197,7 +197,7 @@ pub const TYPES: &[Description] = &[
         )
     },
     Description {
-        source: Need::Never,
+        source: Requirement::Never,
         quantity: Quantity::Speed,
         moves_axes: true,
         inputs: 3,
@@ -206,14 +206,14 @@ pub const TYPES: &[Description] = &[
         ..Description::of(Kind::Digdreh, "digdreh", "switches a speed on and off by inputs", types::DIGDREH)
     },
     Description {
-        source: Need::Must,
+        source: Requirement::Must,
         inputs: 1,
         outputs: 2,
         renews: true,
         ..Description::of(Kind::Imes, "imes", "measures the distance of marks", types::IMES)
     },
     Description {
-        sink: Need::Never,
+        sink: Requirement::Never,
         inputs: 8,
         outputs: 8,
         tables: 1,
@@ -242,7 +242,7 @@ pub const TYPES: &[Description] = &[
         )
     },
     Description {
-        source: Need::Never,
+        source: Requirement::Never,
         moves_axes: true,
         inputs: 8,
         outputs: 1,
@@ -272,7 +272,7 @@ pub const TYPES: &[Description] = &[
         )
     },
     Description {
-        source: Need::Must,
+        source: Requirement::Must,
         quantity: Quantity::Speed,
         moves_axes: true,
         inputs: 5,
@@ -300,7 +300,7 @@ pub const TYPES: &[Description] = &[
         )
     },
     Description {
-        source: Need::Must,
+        source: Requirement::Must,
         quantity: Quantity::Speed,
         moves_axes: true,
         inputs: 4,
@@ -343,8 +343,8 @@ impl Description {
             name,
             help,
             fields,
-            source: Need::May,
-            sink: Need::May,
+            source: Requirement::May,
+            sink: Requirement::May,
             quantity: Quantity::Position,
             chooses_quantity: false,
             moves_axes: false,

@@ -12,42 +12,42 @@ const BURST: u64 = 8;
 
 /// Events of a slot so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Notice {
+pub(super) struct EventRateLimit {
     /// State in the previous cycle.
     seen: u16,
     /// Changes that have not been reported.
-    untold: u32,
+    unreported: u32,
     /// Cycle in which the average is one event per second again.
-    even: u64,
+    average_reached_at: u64,
 }
 
-impl Notice {
+impl EventRateLimit {
     /// Takes the state of the slot. Returns the number of unreported changes before it if an event is due now.
     #[inline]
     pub(super) fn take(&mut self, state: u16, cycle: u64, cycle_ns: u64) -> Option<u32> {
         if state != self.seen {
             self.seen = state;
-            self.untold = self.untold.saturating_add(1);
+            self.unreported = self.unreported.saturating_add(1);
         }
-        if self.is_pending() { self.tell(cycle, cycle_ns) } else { None }
+        if self.is_pending() { self.due_count(cycle, cycle_ns) } else { None }
     }
 
     /// Returns true if a change has not been reported.
     #[inline]
     pub(super) fn is_pending(&self) -> bool {
-        self.untold > 0
+        self.unreported > 0
     }
 
-    fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<u32> {
+    fn due_count(&mut self, cycle: u64, cycle_ns: u64) -> Option<u32> {
         // A cycle lasts at most one second.
         let second = 1_000_000_000_u64.checked_div(cycle_ns).unwrap_or(1).max(1);
         // A restored state may hold any value.
-        self.even = self.even.min(cycle.saturating_add(second.saturating_mul(BURST)));
-        if self.even > cycle.saturating_add(second.saturating_mul(BURST - 1)) {
+        self.average_reached_at = self.average_reached_at.min(cycle.saturating_add(second.saturating_mul(BURST)));
+        if self.average_reached_at > cycle.saturating_add(second.saturating_mul(BURST - 1)) {
             return None;
         }
-        self.even = self.even.max(cycle).saturating_add(second);
-        Some(std::mem::take(&mut self.untold) - 1)
+        self.average_reached_at = self.average_reached_at.max(cycle).saturating_add(second);
+        Some(std::mem::take(&mut self.unreported) - 1)
     }
 }
 
@@ -60,7 +60,7 @@ mod tests {
 
     /// Returns the cycles with an event, and the number of changes left out before each.
     fn told(states: impl IntoIterator<Item = u16>) -> Vec<(usize, u32)> {
-        let mut notice = Notice::default();
+        let mut notice = EventRateLimit::default();
         let tell = |(cycle, state)| Some((cycle, notice.take(state, cycle as u64, MS)?));
         states.into_iter().enumerate().filter_map(tell).collect()
     }

@@ -15,7 +15,7 @@ pub const WORDS: usize = 2;
 
 /// Source of a function in one call.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Reading {
+pub(super) struct SourceValue {
     /// Value of the source: 16 and 32 bits are sign-extended.
     pub value: i64,
     /// Unwrapped travel of the source; only differences count. A new coordinate of an axis or encoder does not change
@@ -60,7 +60,7 @@ impl<'a> Tables<'a> {
 
 /// Request of a goal to its function in a call.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Asked {
+pub(super) enum GoalRequest {
     /// No goal.
     #[default]
     Nothing,
@@ -85,14 +85,14 @@ pub(super) enum Progress {
 
 /// Inputs of a function in one call.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen<'a> {
+pub(super) struct CallInputs<'a> {
     /// Time between two calls (ns), above 0.
     pub call_ns: u64,
-    pub source: Reading,
+    pub source: SourceValue,
     /// E1 in bit 0 to E8 in bit 7, after inversion.
     pub inputs: u8,
     /// Request of a goal, in addition to the inputs.
-    pub asked: Asked,
+    pub asked: GoalRequest,
     /// Value of the sink: at START that of its object, later that of the function.
     pub sink: i64,
     /// Values of the words that the cell names (`word_addr`, `mw_offset_addr`..), in the order of the type; 0 without a
@@ -113,7 +113,7 @@ pub(super) struct Outcome {
     /// Value of the sink; the slot truncates it to the width of the sink.
     pub sink: i64,
     /// Part of its change that is a new coordinate and no travel; 0 at START.
-    pub anew: i64,
+    pub coordinate_change: i64,
     /// A1 in bit 0 to A8 in bit 7, before inversion.
     pub outputs: u8,
     /// Outputs that the function writes; the others keep their values.
@@ -183,18 +183,18 @@ pub(super) enum Occasion {
 }
 
 /// A function of some type. It does not allocate after its creation.
-pub(super) trait Program {
+pub(super) trait FunctionProgram {
     /// Checks the fields against each other, and the tables; ranges were checked before.
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault>;
 
     /// Executes the first call, with a checked set.
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome;
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome;
 
     /// Applies the live fields of a checked set (VALUE_NEW). Only called for types with live fields.
-    fn renew(&mut self, _words: Words<'_>) {}
+    fn apply_values(&mut self, _words: Words<'_>) {}
 
     /// Executes each further call.
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome;
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome;
 
     /// Returns the answer to READ_VALUE at rest, and the index of its value in the set.
     fn read(&self, _words: Words<'_>, _setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
@@ -202,7 +202,7 @@ pub(super) trait Program {
     }
 
     /// Executes the call of RESET, if the type has one; its outputs are kept.
-    fn leave(&mut self, _seen: &Seen<'_>) -> Option<Outcome> {
+    fn leave(&mut self, _seen: &CallInputs<'_>) -> Option<Outcome> {
         None
     }
 
@@ -220,12 +220,12 @@ pub(super) trait Program {
     fn drop_order(&mut self) {}
 
     /// Returns true if the function runs with that set. Only called if it is started.
-    fn is_set(&self, _words: Words<'_>, _call_ns: u64) -> bool {
+    fn runs_with(&self, _words: Words<'_>, _call_ns: u64) -> bool {
         true
     }
 
     /// Returns true if a restored state is valid.
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         true
     }
 }

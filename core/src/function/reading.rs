@@ -3,7 +3,7 @@
 //! Law      a voltage is read in mV, rounded to the nearest; any other real is truncated towards zero; 16 and 32 bits
 //!          are the low ones, sign-extended
 
-use super::wires::{Cell, Source, Wires, Word};
+use super::wires::{OutputCell, Source, Wires, Word};
 use crate::encoder::Lead;
 use crate::object::Leader;
 use crate::position::Position;
@@ -23,14 +23,14 @@ pub(super) fn read_inputs(wires: &Wires, board: &Board) -> u8 {
 
 /// The source of a slot.
 #[derive(Clone, Copy)]
-pub(super) struct Read<'a> {
+pub(super) struct SourceReading<'a> {
     /// Value in the width of the source; 0 without one.
     pub value: i64,
     /// Lead of the source; `None` if it is no position. An object that does not exist has an invalid lead.
     pub lead: Option<&'a Lead>,
 }
 
-impl<'a> Read<'a> {
+impl<'a> SourceReading<'a> {
     /// Reads the source; `room` holds a lead that has to be computed as a sum.
     #[inline]
     pub(super) fn new(wires: &Wires, board: &Board, leads: &'a Leads, room: &'a mut Option<Lead>) -> Self {
@@ -43,7 +43,7 @@ impl<'a> Read<'a> {
                     let is_actual = matches!(leader, Leader::AxisActual(_));
                     (if is_actual { lead.position.floor() } else { word.read(board) }, Some(lead))
                 }
-                None => added(leads, leader, room),
+                None => sum_of_leads(leads, leader, room),
             },
         };
         Self { value: wires.source_width.cut(value), lead }
@@ -64,7 +64,7 @@ impl<'a> Read<'a> {
 
 /// Returns a sum of positions; the board is updated after the axes, too.
 #[cold]
-fn added<'a>(leads: &Leads, leader: Leader, room: &'a mut Option<Lead>) -> (i64, Option<&'a Lead>) {
+fn sum_of_leads<'a>(leads: &Leads, leader: Leader, room: &'a mut Option<Lead>) -> (i64, Option<&'a Lead>) {
     let lead = room.insert(leads.get(leader));
     (lead.position.floor(), Some(lead))
 }
@@ -96,7 +96,7 @@ impl Word {
     }
 }
 
-impl Cell {
+impl OutputCell {
     /// Returns the value as the image of a program holds it.
     pub(super) fn bits(self, board: &Board) -> u64 {
         match self {
@@ -106,7 +106,7 @@ impl Cell {
     }
 
     /// Returns true if it can hold the value of a program.
-    pub(super) fn takes(self, word: u64) -> bool {
+    pub(super) fn can_hold(self, word: u64) -> bool {
         !matches!(self, Self::Real(_)) || f64::from_bits(word).is_finite()
     }
 

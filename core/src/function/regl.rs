@@ -12,7 +12,7 @@
 //! Source   AMK-REGL-01 to -41 with R1 to R9
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, Outcome, Program, Seen, Setting, WORDS};
+use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting, WORDS};
 use crate::code::Code;
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,7 @@ const A1: u8 = 1 << 0;
 const A2: u8 = 1 << 1;
 
 /// Bits of ba that VALUE_NEW must not change.
-const KEPT: i64 = !0b1100;
+const FIXED_BITS: i64 = !0b1100;
 
 const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
@@ -84,7 +84,7 @@ impl Mode {
     fn of(words: Words<'_>) -> Self {
         let get = |place| words.get(place);
         Self {
-            ba: get(at("ba")) & KEPT,
+            ba: get(at("ba")) & FIXED_BITS,
             filter: get(at("filter_type")),
             assess: get(at("source_assess")),
             i_max: get(at("i_max")),
@@ -141,7 +141,7 @@ impl Live {
 
 /// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(super) struct Regl {
+pub(super) struct PidFunction {
     /// Whether the slot has a word for w1, and for w2.
     has_words: [bool; WORDS],
     mode: Mode,
@@ -153,12 +153,12 @@ pub(super) struct Regl {
     /// Error of the last control cycle with S2 closed; `None` if S2 has been open since.
     error: Option<i64>,
     /// P + I + D of that control cycle, in 1/256; 0 with S2 open.
-    share: i64,
+    control_output: i64,
     /// Inputs of the last call.
-    before: u8,
+    last_inputs: u8,
 }
 
-impl Regl {
+impl PidFunction {
     /// Creates a controller; `has_words` says whether w1 and w2 have words.
     pub(super) fn new(has_words: [bool; WORDS]) -> Self {
         Self { has_words, ..Self::default() }
@@ -175,13 +175,13 @@ impl Regl {
         let [first, second] = self.has_words;
         let [cmd1, cmd2] = self.live.commands;
         let [word1, word2] = words;
-        [if first { short(word1) } else { cmd1 }, if second { long(word2) } else { cmd2 }]
+        [if first { limit_to_16_bits(word1) } else { cmd1 }, if second { limit_to_32_bits(word2) } else { cmd2 }]
     }
 
     /// Returns x of a control cycle.
     #[inline]
     fn sample(&mut self, raw: i64) -> i64 {
-        let x = if self.mode.assess & 2 != 0 { short(raw) } else { (raw & 0xFFF) - 0x800 };
+        let x = if self.mode.assess & 2 != 0 { limit_to_16_bits(raw) } else { (raw & 0xFFF) - 0x800 };
         let x = match self.mode.filter {
             1 => x & !3,
             2 => {
@@ -208,19 +208,19 @@ impl Regl {
     #[inline]
     fn output(&self, w2: i64) -> Outcome {
         let (first, behind) = if self.mode.sums_first() { (ONE * w2, 0) } else { (0, w2) };
-        let y = self.live.gain * (self.share + first) / ONE;
+        let y = self.live.gain * (self.control_output + first) / ONE;
         let (least, most) = self.live.limits;
         let outputs = if y > most { A1 } else { 0 } | if y < least { A2 } else { 0 };
-        let sink = long(y.max(least).min(most) + behind);
+        let sink = limit_to_32_bits(y.max(least).min(most) + behind);
         Outcome { sink, outputs, writes: A1 | A2, ..Outcome::default() }
     }
 }
 
-impl Program for Regl {
+impl FunctionProgram for PidFunction {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let (ba, mode) = (words.get(at("ba")), Mode::of(words));
         if setting.runs && mode.ba != self.mode.ba {
-            let kept = self.mode.ba | ba & !KEPT;
+            let kept = self.mode.ba | ba & !FIXED_BITS;
             return Err(Fault::new(Code::AMK_BA_KEPT).of(number(FIELDS, "ba")).with(ba, kept));
         }
         if words.get(at("gain_v")) == 0 {
@@ -229,24 +229,24 @@ impl Program for Regl {
         Ok(())
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
-        *self = Self { mode: Mode::of(words), before: seen.inputs, ..Self::new(self.has_words) };
-        self.renew(words);
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
+        *self = Self { mode: Mode::of(words), last_inputs: seen.inputs, ..Self::new(self.has_words) };
+        self.apply_values(words);
         self.step(seen)
     }
 
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         self.live = Live::of(words);
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
-        let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
+        let rising = seen.inputs & !std::mem::replace(&mut self.last_inputs, seen.inputs);
         let switches = if self.mode.by_inputs() { seen.inputs } else { self.live.switches };
         let is_closed = |switch: u8| switches & switch != 0;
         let [w1, w2] = self.commands(seen.words);
         if !is_closed(S2) {
-            (self.share, self.error) = (0, None);
+            (self.control_output, self.error) = (0, None);
             if self.mode.clears() {
                 self.integral = 0;
             }
@@ -254,35 +254,35 @@ impl Program for Regl {
         if self.mode.sync().is_none_or(|input| rising & input != 0) {
             let x = self.sample(seen.source.value);
             if is_closed(S2) {
-                self.share = self.control(if is_closed(S1) { w1 - x } else { -x });
+                self.control_output = self.control(if is_closed(S1) { w1 - x } else { -x });
             }
         }
         self.output(if is_closed(S3) { w2 } else { 0 })
     }
 
-    fn is_set(&self, words: Words<'_>, _: u64) -> bool {
+    fn runs_with(&self, words: Words<'_>, _: u64) -> bool {
         self.mode == Mode::of(words) && self.live == Live::of(words)
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         let is_error = |error: &i64| (-E_BOUND..=E_BOUND).contains(error);
         let most = ONE * I_MAX;
         (-most..=most).contains(&self.integral)
             && self.error.iter().all(is_error)
             && self.samples.iter().flatten().all(is_error)
-            && self.share.saturating_abs() < 1 << 40
+            && self.control_output.saturating_abs() < 1 << 40
     }
 }
 
 /// Limits a value to 16 bits.
 #[inline]
-fn short(value: i64) -> i64 {
+fn limit_to_16_bits(value: i64) -> i64 {
     value.clamp(i16::MIN.into(), i16::MAX.into())
 }
 
 /// Limits a value to 32 bits.
 #[inline]
-fn long(value: i64) -> i64 {
+fn limit_to_32_bits(value: i64) -> i64 {
     value.clamp(i32::MIN.into(), i32::MAX.into())
 }
 

@@ -11,7 +11,7 @@
 //! Source   AMK-SIDIFF-01 to -17 with
 
 use super::field::{Field, Words, place};
-use super::program::{Drive, Fault, LINES, Outcome, Program, Seen, Setting};
+use super::program::{Drive, Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
 use super::window::Window;
 use crate::code::Code;
 use crate::table::{Form, Table};
@@ -59,7 +59,7 @@ impl Limit {
     /// Reads the limits of the drive with this number, from 0.
     fn read(table: Option<&Table>, drive: usize) -> Self {
         let Some(table) = table else { return Self::DEFAULT };
-        let (threshold, divider, multiplier) = Self::raw(table, drive);
+        let (threshold, divider, multiplier) = Self::raw_words(table, drive);
         Self {
             // The table may have been replaced after the check, so it may hold any values.
             threshold: threshold.clamp(0, LARGEST_THRESHOLD),
@@ -69,7 +69,7 @@ impl Limit {
     }
 
     /// Returns the raw words; the word after the threshold is 0, so that both are one number.
-    fn raw(table: &Table, drive: usize) -> (i32, i32, i32) {
+    fn raw_words(table: &Table, drive: usize) -> (i32, i32, i32) {
         let base = WORDS.saturating_mul(drive);
         let double = |offset| table.double(base.saturating_add(offset));
         (double(0), double(2), double(4))
@@ -93,18 +93,18 @@ impl Limit {
 
 /// State of a monitored drive.
 #[derive(Debug, Serialize, Deserialize)]
-struct Watch {
+struct DriveMonitor {
     limit: Limit,
     values: Window,
     /// Output bit of the drive.
     is_above: bool,
     /// Number of consecutive calls that disagree with the bit.
-    against: u8,
+    disagreements: u8,
 }
 
-impl Watch {
+impl DriveMonitor {
     fn new() -> Self {
-        Self { limit: Limit::DEFAULT, values: Window::new(LARGEST), is_above: false, against: 0 }
+        Self { limit: Limit::DEFAULT, values: Window::new(LARGEST), is_above: false, disagreements: 0 }
     }
 
     /// Adds a difference and returns the mean.
@@ -124,21 +124,21 @@ impl Watch {
 
     /// Evaluates a mean and returns the bit.
     #[inline]
-    fn judge(&mut self, mean: i64, agreements: u8) -> bool {
+    fn evaluate(&mut self, mean: i64, agreements: u8) -> bool {
         let is_above = mean.unsigned_abs() > self.limit.threshold.unsigned_abs().into();
-        self.against = if is_above == self.is_above { 0 } else { self.against.saturating_add(1) };
-        if self.against >= agreements {
-            (self.is_above, self.against) = (is_above, 0);
+        self.disagreements = if is_above == self.is_above { 0 } else { self.disagreements.saturating_add(1) };
+        if self.disagreements >= agreements {
+            (self.is_above, self.disagreements) = (is_above, 0);
         }
         self.is_above
     }
 
     fn release(&mut self) {
-        (self.is_above, self.against) = (false, 0);
+        (self.is_above, self.disagreements) = (false, 0);
     }
 }
 
-impl Clone for Watch {
+impl Clone for DriveMonitor {
     fn clone(&self) -> Self {
         Self { values: self.values.clone(), ..*self }
     }
@@ -146,7 +146,7 @@ impl Clone for Watch {
     /// Does not allocate if both functions belong to the same machine.
     fn clone_from(&mut self, other: &Self) {
         self.values.clone_from(&other.values);
-        (self.limit, self.is_above, self.against) = (other.limit, other.is_above, other.against);
+        (self.limit, self.is_above, self.disagreements) = (other.limit, other.is_above, other.disagreements);
     }
 }
 
@@ -190,7 +190,7 @@ impl Live {
 pub(super) struct Sidiff {
     live: Live,
     is_short: bool,
-    watches: [Watch; LINES],
+    watches: [DriveMonitor; LINES],
     /// Whether table 0 has to be read.
     is_new: bool,
     /// Bits of drives that VALUE_NEW removed from the monitored ones.
@@ -202,7 +202,7 @@ impl Sidiff {
         Self {
             live: Live { aw_mask: 0, display_aw: 0, mean_n: 1, agreements: 1 },
             is_short: false,
-            watches: std::array::from_fn(|_| Watch::new()),
+            watches: std::array::from_fn(|_| DriveMonitor::new()),
             is_new: false,
             left: 0,
         }
@@ -228,7 +228,7 @@ impl Clone for Sidiff {
     }
 }
 
-impl Program for Sidiff {
+impl FunctionProgram for Sidiff {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let Some(table) = setting.tables.first().copied().flatten() else { return Ok(()) };
         if table.form() != Form::Words {
@@ -240,7 +240,7 @@ impl Program for Sidiff {
             return Err(Fault::new(Code::AMK_TABLE_SHORT).with(table.len() as i64, needed as i64));
         }
         for drive in (0..LINES).filter(|drive| selected >> drive & 1 == 1) {
-            let (threshold, divider, _) = Limit::raw(table, drive);
+            let (threshold, divider, _) = Limit::raw_words(table, drive);
             if !(0..=LARGEST_THRESHOLD).contains(&threshold) {
                 return Err(Fault::new(Code::AMK_THRESHOLD).with(threshold.into(), LARGEST_THRESHOLD.into()));
             }
@@ -251,7 +251,7 @@ impl Program for Sidiff {
         Ok(())
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         (self.live, self.is_short) = (Live::of(words), words.get(MODE) & 1 != 0);
         (self.is_new, self.left) = (true, 0);
         for watch in &mut self.watches {
@@ -262,7 +262,7 @@ impl Program for Sidiff {
     }
 
     /// Bits, counts and means continue; a mean restarts if its length changes.
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         let (old, new) = (self.live, Live::of(words));
         for (drive, watch) in self.watches.iter_mut().enumerate() {
             let is_new = |old: u8, new: u8| new & !old & (1 << drive) != 0;
@@ -279,7 +279,7 @@ impl Program for Sidiff {
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         if std::mem::take(&mut self.is_new) {
             self.read_limits(seen.tables.get(0));
         }
@@ -296,15 +296,15 @@ impl Program for Sidiff {
             if displayed & bit != 0 {
                 outcome.sink = mean;
             }
-            if aw_mask & bit != 0 && watch.judge(mean, agreements) {
+            if aw_mask & bit != 0 && watch.evaluate(mean, agreements) {
                 outcome.outputs |= bit;
             }
         }
         outcome
     }
 
-    fn is_sound(&self) -> bool {
-        let is_sound = |watch: &Watch| {
+    fn is_valid_state(&self) -> bool {
+        let is_sound = |watch: &DriveMonitor| {
             watch.limit.divider > 0
                 && watch.limit.threshold >= 0
                 && watch.values.is_sound()

@@ -20,12 +20,12 @@ use self::programs::{first_output, module};
 use super::field::{Field, Words};
 use super::goal::{Goal, GoalEnd};
 use super::kind::{Description, Quantity};
-use super::notice::Notice;
-use super::program::{Asked, Drive, Fault, LINES, Occasion, Outcome, Reading, Seen, Setting, Tables};
-use super::reading::{Read, millivolts, read_inputs};
+use super::notice::EventRateLimit;
+use super::program::{GoalRequest, Drive, Fault, LINES, Occasion, Outcome, SourceValue, CallInputs, Setting, Tables};
+use super::reading::{SourceReading, millivolts, read_inputs};
 use super::shown::{ANSWER, MOST_SHOWN};
 use super::types::Any;
-use super::wires::{Bit, Mark, Room, Sink, Source, Width, Wires};
+use super::wires::{Bit, Mark, MemorySize, Sink, Source, Width, Wires};
 use crate::code::Code;
 use crate::encoder::{COUNT, Lead};
 use crate::parameter::Sets;
@@ -134,7 +134,7 @@ pub struct Slot {
     anew: Position,
     /// Whether the board is up to date and the lead at rest.
     is_shown: bool,
-    notice: Notice,
+    notice: EventRateLimit,
     goal: Option<Goal>,
     /// End of a goal that has not been reported yet.
     ended: Option<GoalEnd>,
@@ -142,7 +142,7 @@ pub struct Slot {
 
 impl Slot {
     /// Creates a function at rest with these values.
-    pub(crate) fn new(wires: &Wires, values: &[i64], room: Room, module: Option<&Module>) -> Self {
+    pub(crate) fn new(wires: &Wires, values: &[i64], room: MemorySize, module: Option<&Module>) -> Self {
         Self {
             function: Any::new(wires.kind, wires.words.map(|word| word.is_some()), room, module),
             phase: Phase::Reset,
@@ -161,7 +161,7 @@ impl Slot {
             lead: Lead { uneven: COUNT, valid: true, ..Lead::default() },
             anew: Position::ZERO,
             is_shown: true,
-            notice: Notice::default(),
+            notice: EventRateLimit::default(),
             goal: None,
             ended: None,
         }
@@ -243,14 +243,14 @@ impl Slot {
     }
 
     /// Returns the change of the coordinate of the sink in this cycle.
-    pub(crate) fn anew(&self) -> Position {
+    pub(crate) fn coordinate_change(&self) -> Position {
         self.anew
     }
 
     /// Returns whether it runs (256) and its outputs, A1 in bit 0, if an event is due in this cycle, and the number of
     /// unreported changes before.
     #[inline]
-    pub(crate) fn tell(&mut self, cycle: u64, cycle_ns: u64) -> Option<(u16, u32)> {
+    pub(crate) fn due_event(&mut self, cycle: u64, cycle_ns: u64) -> Option<(u16, u32)> {
         let state = u16::from(self.is_active()) << LINES | u16::from(self.outputs);
         Some((state, self.notice.take(state, cycle, cycle_ns)?))
     }
@@ -310,7 +310,7 @@ impl Slot {
             }
             Order::ValueNew => {
                 // Fields that are not live keep their values of START.
-                mix(row, mixed, &self.active, tried);
+                copy_live_fields(row, mixed, &self.active, tried);
                 check_set_in_cell(wires, mixed)?;
                 self.function.check(Words(mixed), &setting)?;
                 self.active.copy_from_slice(mixed);
@@ -343,13 +343,13 @@ impl Slot {
     /// RESET. The last outputs are written in the turn of the slot in this cycle.
     pub(crate) fn reset(&mut self) {
         self.is_shown = false;
-        self.fail_goal(Code::FUNCTION_RESET);
+        self.abort_goal(Code::FUNCTION_RESET);
         let has_run = matches!(self.phase, Phase::Active | Phase::Restarting);
         self.phase = if has_run { Phase::Leaving } else { Phase::Reset };
     }
 
     /// Executes the cycle of a slot at rest, the most frequent case. Returns false if the cycle needs [`Self::step`].
-    pub(crate) fn rest(&mut self, wires: &Wires, board: &mut Board) -> bool {
+    pub(crate) fn cycle_at_rest(&mut self, wires: &Wires, board: &mut Board) -> bool {
         let rests = self.phase == Phase::Reset && self.is_shown && !self.notice.is_pending();
         if rests {
             let before = std::mem::replace(&mut self.inputs, read_inputs(wires, board));
@@ -366,11 +366,11 @@ impl Slot {
         self.inputs = read_inputs(wires, board);
         (self.lead.change, self.lead.velocity, self.anew) = (Position::ZERO, 0.0, Position::ZERO);
         let mut room = None;
-        let source = Read::new(wires, board, cx.leads, &mut room);
+        let source = SourceReading::new(wires, board, cx.leads, &mut room);
         if self.phase != Phase::Active {
-            return self.turn(wires, cx, source, board);
+            return self.start_or_stop(wires, cx, source, board);
         }
-        self.travel_on(wires, source);
+        self.add_source_travel(wires, source);
         let back = match wires.mark {
             Mark::None => None,
             Mark::Edge => (before.0 & 1 == 0 && self.inputs & 1 == 1).then_some(Position::ZERO),
@@ -393,12 +393,12 @@ impl Slot {
                 let seen = self.seen(wires, cx, board, self.sink);
                 self.mark = None;
                 let outcome = self.function.step(&seen);
-                if outcome.anew != 0 {
-                    self.set_anew(wires, outcome.anew);
+                if outcome.coordinate_change != 0 {
+                    self.shift_sink(wires, outcome.coordinate_change);
                 }
-                self.move_sink(wires, outcome.sink);
+                self.advance_sink(wires, outcome.sink);
                 if self.goal.is_some() {
-                    self.follow_goal();
+                    self.advance_goal();
                 }
                 self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
                 written = self.write(wires, outcome, board);
@@ -420,7 +420,7 @@ impl Slot {
 
     /// Executes a cycle with START or RESET, and the one after RESET, in which the lead comes to rest.
     #[cold]
-    fn turn(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
+    fn start_or_stop(&mut self, wires: &Wires, cx: &Cycle<'_>, source: SourceReading<'_>, board: &mut Board) -> Written {
         let rests = self.phase == Phase::Reset;
         let written = match self.phase {
             Phase::Starting => self.begin(wires, cx, source, board),
@@ -439,19 +439,19 @@ impl Slot {
 
     /// Changes the coordinate of the sink, without motion.
     #[cold]
-    fn set_anew(&mut self, wires: &Wires, by: i64) {
+    fn shift_sink(&mut self, wires: &Wires, by: i64) {
         self.sink = wires.sink_width.cut(self.sink.wrapping_add(by));
         self.anew = Position::whole(by);
         self.lead.position += self.anew;
     }
 
     /// Executes the first call.
-    fn begin(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
+    fn begin(&mut self, wires: &Wires, cx: &Cycle<'_>, source: SourceReading<'_>, board: &mut Board) -> Written {
         (self.phase, self.since) = (Phase::Active, cx.cycle);
         (self.travel, self.mark, self.last) = (source.fraction(), None, source.value);
-        let base = self.base(wires, board);
+        let base = self.initial_sink(wires, board);
         // The initial value of the sink is no travel: a goal begins with the next call.
-        let seen = Seen { asked: Asked::Nothing, ..self.hosted(wires, cx, board, base) };
+        let seen = CallInputs { asked: GoalRequest::Nothing, ..self.inputs_of_program(wires, cx, board, base) };
         let outcome = self.function.start(Words(&self.active), &seen);
         // After an error the sink keeps its value.
         self.sink = if outcome.failed.is_some() { base } else { wires.sink_width.cut(outcome.sink) };
@@ -466,7 +466,7 @@ impl Slot {
     }
 
     /// Returns the initial value of the sink: that of its object.
-    fn base(&self, wires: &Wires, board: &Board) -> i64 {
+    fn initial_sink(&self, wires: &Wires, board: &Board) -> i64 {
         let value = match wires.sink {
             Sink::None => self.sink,
             // A position is no speed: the axis is treated as at rest.
@@ -480,7 +480,7 @@ impl Slot {
 
     /// Adds the travel of the source.
     #[inline]
-    fn travel_on(&mut self, wires: &Wires, source: Read<'_>) {
+    fn add_source_travel(&mut self, wires: &Wires, source: SourceReading<'_>) {
         if let Some(lead) = source.lead {
             let before = self.travel;
             self.travel += lead.change;
@@ -496,12 +496,12 @@ impl Slot {
     }
 
     #[inline]
-    fn seen<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &Board, sink: i64) -> Seen<'a> {
-        Seen {
+    fn seen<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &Board, sink: i64) -> CallInputs<'a> {
+        CallInputs {
             call_ns: wires.call_ns,
-            source: Reading { value: self.last, travel: self.travel.floor(), mark: self.mark },
+            source: SourceValue { value: self.last, travel: self.travel.floor(), mark: self.mark },
             inputs: self.inputs,
-            asked: self.goal.as_ref().map_or(Asked::Nothing, Goal::asks),
+            asked: self.goal.as_ref().map_or(GoalRequest::Nothing, Goal::request),
             sink,
             words: wires.words.map(|word| word.map_or(0, |word| word.read(board))),
             tables: Tables { all: cx.tables, places: &wires.tables },
@@ -524,7 +524,7 @@ impl Slot {
 
     /// Moves the sink to a value, and its lead by the same distance.
     #[inline]
-    fn move_sink(&mut self, wires: &Wires, value: i64) {
+    fn advance_sink(&mut self, wires: &Wires, value: i64) {
         let before = std::mem::replace(&mut self.sink, wires.sink_width.cut(value));
         self.lead.change = Position::whole(wires.sink_width.cut(self.sink.wrapping_sub(before)));
         self.lead.position += self.lead.change;
@@ -580,12 +580,12 @@ impl Slot {
     }
 
     /// Ends a running function.
-    fn leave(&mut self, wires: &Wires, cx: &Cycle<'_>, source: Read<'_>, board: &mut Board) -> Written {
+    fn leave(&mut self, wires: &Wires, cx: &Cycle<'_>, source: SourceReading<'_>, board: &mut Board) -> Written {
         let written = if wires.program.is_some() {
-            self.travel_on(wires, source);
-            let seen = self.hosted(wires, cx, board, self.sink);
+            self.add_source_travel(wires, source);
+            let seen = self.inputs_of_program(wires, cx, board, self.sink);
             match self.function.leave(&seen) {
-                Some(outcome) => self.take_program(wires, cx, outcome, board),
+                Some(outcome) => self.apply_result(wires, cx, outcome, board),
                 None => self.rest_sink(wires, board),
             }
         } else {
@@ -604,7 +604,7 @@ impl Slot {
     fn rest_sink(&mut self, wires: &Wires, board: &mut Board) -> Written {
         let sink = wires.quantity == Quantity::Speed;
         if sink {
-            self.move_sink(wires, 0);
+            self.advance_sink(wires, 0);
             self.write_sink(wires, board);
         }
         let rests = wires.kind.description().rests;
@@ -743,7 +743,7 @@ fn check_set(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
 }
 
 /// Copies the live fields of `new` into a set that runs with `active`.
-fn mix(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
+fn copy_live_fields(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
     let live = row.fields.iter().flat_map(|field| std::iter::repeat_n(field.live, field.count));
     for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {
         *place = if live { *new } else { *active };

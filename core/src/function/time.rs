@@ -47,7 +47,7 @@ pub(super) fn check_cycle_bounds(
 }
 
 /// Returns the number of calls in a time.
-pub(super) fn calls(time: u16, call_ns: u64) -> u64 {
+pub(super) fn calls_in_time(time: u16, call_ns: u64) -> u64 {
     (u64::from(time) * HALF_MS.unsigned_abs()).div_ceil(call_ns.max(1))
 }
 
@@ -141,7 +141,7 @@ mod tests {
     #[test]
     fn a_time_lasts_the_calls_that_begin_in_it() {
         // 0.75 ms per call: 1.5 ms are 2 calls, 2 ms are 3.
-        assert_eq!([0, 1, 3, 4].map(|time| calls(time, 750_000)), [0, 1, 2, 3]);
+        assert_eq!([0, 1, 3, 4].map(|time| calls_in_time(time, 750_000)), [0, 1, 2, 3]);
     }
 
     #[test]

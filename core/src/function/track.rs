@@ -5,7 +5,7 @@
 //! Refuses  both codes of logic at once; no table, a table of another form
 //! Source   AMK-BINEA-17 to -22, -29, AMK-CAM-13, -14, B3, B4, B10, A-54, A-60, A-61
 
-use super::program::{Fault, Seen, Setting};
+use super::program::{Fault, CallInputs, Setting};
 use super::time;
 use crate::code::Code;
 use crate::table::{Form, Table};
@@ -59,7 +59,7 @@ impl Track {
             return self.output(bit, input);
         }
         if bit && !was {
-            self.left = time::calls(time, call_ns);
+            self.left = time::calls_in_time(time, call_ns);
         }
         let is_on = self.left > 0;
         self.left = self.left.saturating_sub(1);
@@ -106,7 +106,7 @@ pub(super) fn check_length(table: &Table, needed: usize) -> Result<(), Fault> {
 }
 
 /// Returns the data block in Tab0 during a call; `None` if the slot has none.
-pub(super) fn words<'a>(seen: &Seen<'a>) -> Option<&'a Table> {
+pub(super) fn words<'a>(seen: &CallInputs<'a>) -> Option<&'a Table> {
     seen.tables.get(0)
 }
 

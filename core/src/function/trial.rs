@@ -1,7 +1,7 @@
 //! Helpers for tests of function types: a set by the names of its fields, and a call without any change.
 
 use super::field::Field;
-use super::program::{Asked, LINES, NO_DRIVES, Occasion, Reading, Seen, Setting, Tables, WORDS};
+use super::program::{GoalRequest, LINES, NO_DRIVES, Occasion, SourceValue, CallInputs, Setting, Tables, WORDS};
 use crate::table::Table;
 use std::sync::Arc;
 
@@ -35,23 +35,23 @@ pub(super) fn setting(call_ns: u64, tables: [Option<&Table>; LINES]) -> Setting<
 pub(super) const NO_TABLES: Tables<'static> = Tables { all: &[], places: &[None; LINES] };
 
 /// Returns tables as Tab0 and up.
-pub(super) fn tabs(tables: &[Arc<Table>]) -> Tables<'_> {
+pub(super) fn as_tables(tables: &[Arc<Table>]) -> Tables<'_> {
     const ALL: &[Option<u16>; LINES] = &[Some(0), Some(1), Some(2), Some(3), Some(4), Some(5), Some(6), Some(7)];
     Tables { all: tables, places: ALL }
 }
 
 /// Returns a table as Tab0.
 pub(super) fn tab0(table: &Arc<Table>) -> Tables<'_> {
-    tabs(std::slice::from_ref(table))
+    as_tables(std::slice::from_ref(table))
 }
 
 /// Returns a call with source, inputs and sink at 0.
-pub(super) fn at_rest<'a>() -> Seen<'a> {
-    Seen {
+pub(super) fn at_rest<'a>() -> CallInputs<'a> {
+    CallInputs {
         call_ns: CALL_NS,
-        source: Reading::default(),
+        source: SourceValue::default(),
         inputs: 0,
-        asked: Asked::Nothing,
+        asked: GoalRequest::Nothing,
         sink: 0,
         words: [0; WORDS],
         tables: NO_TABLES,

@@ -5,7 +5,7 @@ use super::binea::{self, Binea};
 use super::cam::{self, Cam};
 use super::copy::{self, Dcopy, Ecopy};
 use super::dfkt::{self, Dfkt};
-use super::digdreh::{self, Digdreh};
+use super::digdreh::{self, SpeedSwitch};
 use super::epos::{self, Epos};
 use super::fgen::{self, Fgen};
 use super::field::{Field, Words};
@@ -14,12 +14,12 @@ use super::interpolator::fipz::{self, Fipz};
 use super::interpolator::xfipw::{self, Xfipw};
 use super::interpolator::{self, fipw, fipw::Fipw};
 use super::kind::Kind;
-use super::program::{Fault, Outcome, Program, Progress, Seen, Setting, WORDS};
-use super::regl::{self, Regl};
+use super::program::{Fault, Outcome, FunctionProgram, Progress, CallInputs, Setting, WORDS};
+use super::regl::{self, PidFunction};
 use super::shown::Shown;
 use super::sidiff::{self, Sidiff};
 use super::varsync::{self, Varsync};
-use super::wires::Room;
+use super::wires::MemorySize;
 use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 
@@ -57,7 +57,7 @@ pub(super) enum Any {
     Ecopy(Ecopy),
     Sidiff(Sidiff),
     Varsync(Varsync),
-    Digdreh(Digdreh),
+    Digdreh(SpeedSwitch),
     Imes(Imes),
     Binea(Binea),
     Cam(Cam),
@@ -66,7 +66,7 @@ pub(super) enum Any {
     Xfipw(Xfipw),
     Dfkt(Dfkt),
     Fgen(Fgen),
-    Regl(Regl),
+    Regl(PidFunction),
     Epos(Epos),
     Apsf(Box<Apsf>),
 }
@@ -97,14 +97,14 @@ macro_rules! each {
 
 impl Any {
     /// Creates a function at rest, with all memory that it will need.
-    pub(super) fn new(kind: Kind, has_words: [bool; WORDS], room: Room, module: Option<&Module>) -> Self {
+    pub(super) fn new(kind: Kind, has_words: [bool; WORDS], room: MemorySize, module: Option<&Module>) -> Self {
         let [has_word, _] = has_words;
         match kind {
             Kind::Dcopy => Self::Dcopy(Dcopy::new()),
             Kind::Ecopy => Self::Ecopy(Ecopy::new()),
             Kind::Sidiff => Self::Sidiff(Sidiff::new()),
             Kind::Varsync => Self::Varsync(Varsync::new(has_word)),
-            Kind::Digdreh => Self::Digdreh(Digdreh::new()),
+            Kind::Digdreh => Self::Digdreh(SpeedSwitch::new()),
             Kind::Imes => Self::Imes(Imes::new()),
             Kind::Binea => Self::Binea(Binea::new(room.mean, has_word)),
             Kind::Cam => Self::Cam(Cam::new(room.mean, room.cams)),
@@ -113,7 +113,7 @@ impl Any {
             Kind::Xfipw => Self::Xfipw(Xfipw::new()),
             Kind::Dfkt => Self::Dfkt(Dfkt::new()),
             Kind::Fgen => Self::Fgen(Fgen::new(has_word)),
-            Kind::Regl => Self::Regl(Regl::new(has_words)),
+            Kind::Regl => Self::Regl(PidFunction::new(has_words)),
             Kind::Epos => Self::Epos(Epos::new(has_words)),
             Kind::Apsf => Self::Apsf(Box::new(Apsf::new(module))),
         }
@@ -144,16 +144,16 @@ impl Any {
         each!(self, function => function.check(words, setting))
     }
 
-    pub(super) fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    pub(super) fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         each!(self, function => function.start(words, seen))
     }
 
     pub(super) fn renew(&mut self, words: Words<'_>) {
-        each!(self, function => function.renew(words));
+        each!(self, function => function.apply_values(words));
     }
 
     #[inline]
-    pub(super) fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    pub(super) fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         each!(self, function => function.step(seen))
     }
 
@@ -188,7 +188,7 @@ impl Any {
     }
 
     pub(super) fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
-        each!(self, function => function.is_set(words, call_ns))
+        each!(self, function => function.runs_with(words, call_ns))
     }
 
     /// Returns the published values that it stores; `None` if each call returns them.
@@ -203,7 +203,7 @@ impl Any {
         }
     }
 
-    pub(super) fn leave(&mut self, seen: &Seen<'_>) -> Option<Outcome> {
+    pub(super) fn leave(&mut self, seen: &CallInputs<'_>) -> Option<Outcome> {
         each!(self, function => function.leave(seen))
     }
 
@@ -239,13 +239,13 @@ impl Any {
     /// Returns true if its state belongs to that program.
     pub(super) fn is_of(&self, module: &Module, runs: bool) -> bool {
         match self {
-            Self::Apsf(function) => function.is_of(module, runs),
+            Self::Apsf(function) => function.belongs_to(module, runs),
             _ => true,
         }
     }
 
     pub(super) fn is_sound(&self) -> bool {
-        each!(self, function => function.is_sound())
+        each!(self, function => function.is_valid_state())
     }
 }
 

@@ -10,7 +10,7 @@
 //! Source   AMK-VARSYNC-01 to -16 with A-38 to -40, AMK-SAK-05
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Outcome, Program, Seen, Setting};
+use super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
 use super::sak::Sak;
 use super::time::check_cycle;
 use crate::code::Code;
@@ -116,23 +116,23 @@ impl Varsync {
 
     /// Activates the ratio of a selection, counted from 0; a selection that does not exist keeps the ratio.
     #[inline]
-    fn take(&mut self, selection: u8) {
+    fn select_ratio(&mut self, selection: u8) {
         self.ratio = self.ratios.get(usize::from(selection)).copied().unwrap_or(self.ratio);
     }
 
     /// Selects the ratio and returns A1.
     #[inline]
-    fn select(&mut self, seen: &Seen<'_>) -> bool {
+    fn select(&mut self, seen: &CallInputs<'_>) -> bool {
         let e1 = seen.inputs & 1;
         let is_edge = e1 & !std::mem::replace(&mut self.before, seen.inputs) != 0;
         match self.mode {
             Mode::Level => {
-                self.take(e1);
+                self.select_ratio(e1);
                 e1 != 0
             }
             Mode::Edge => {
                 if is_edge {
-                    self.take(seen.inputs >> 1 & 0b111);
+                    self.select_ratio(seen.inputs >> 1 & 0b111);
                 }
                 self.taken = is_edge || (self.taken && e1 != 0);
                 self.taken
@@ -140,7 +140,7 @@ impl Varsync {
             Mode::TwoLevels => {
                 let both = seen.inputs & 0b11;
                 if both != 0b11 {
-                    self.take(both);
+                    self.select_ratio(both);
                 }
                 false
             }
@@ -166,7 +166,7 @@ impl Varsync {
     }
 }
 
-impl Program for Varsync {
+impl FunctionProgram for Varsync {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         if Mode::of(words.get(MODE)) != Mode::Word {
             // Values that only mode 3 uses are not checked in other modes.
@@ -178,7 +178,7 @@ impl Program for Varsync {
         check_cycle(words.get(SF_CYCLE), number(FIELDS, "sf_cycle"), setting)
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         let ratios = std::array::from_fn(|n| words.get(M1 + n) as i16);
         *self = Self {
             mode: Mode::of(words.get(MODE)),
@@ -195,7 +195,7 @@ impl Program for Varsync {
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let a1 = self.select(seen);
         let travel = seen.source.travel;
         let change = travel.wrapping_sub(std::mem::replace(&mut self.master, travel));
@@ -210,7 +210,7 @@ impl Program for Varsync {
         }
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         (0..ONE).contains(&self.remainder)
     }
 }

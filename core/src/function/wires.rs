@@ -102,7 +102,7 @@ pub enum Sink {
 
 /// A memory cell that a program writes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Cell {
+pub enum OutputCell {
     /// A bit: any value except 0 sets it.
     Bit(Signal),
     /// A whole number.
@@ -166,7 +166,7 @@ pub enum OnAxisError {
 
 /// Maximum memory that a function may need; it is allocated once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Room {
+pub struct MemorySize {
     /// Maximum values of its mean.
     pub mean: usize,
     /// Maximum cams of all tracks.
@@ -213,7 +213,7 @@ pub struct Wires {
     /// Signals that the program reads.
     pub reads: Box<[Word]>,
     /// Memory cells that the program writes.
-    pub writes: Box<[Cell]>,
+    pub writes: Box<[OutputCell]>,
     /// Quantity of the sink.
     pub quantity: Quantity,
     /// Source of its marks.

@@ -11,7 +11,7 @@ pub(super) fn state(input: &DriveInput) -> DriveState {
 }
 
 /// Returns the distance of a state from operation enabled. The joined state is that of the drive with the larger one.
-fn rank(state: DriveState) -> u8 {
+fn distance_from_enabled(state: DriveState) -> u8 {
     match state {
         DriveState::Enabled => 0,
         DriveState::SwitchedOn => 1,
@@ -36,7 +36,7 @@ fn worse(one: BusState, other: BusState) -> BusState {
 /// Returns the joined inputs. The reference switch is set by the gantry.
 pub(super) fn joined([first, second]: [&DriveInput; 2]) -> DriveInput {
     let is_in_fault = |input: &DriveInput| matches!(state(input), DriveState::Fault | DriveState::FaultReaction);
-    let further = if rank(state(second)) > rank(state(first)) { second } else { first };
+    let further = if distance_from_enabled(state(second)) > distance_from_enabled(state(first)) { second } else { first };
     let fault = if is_in_fault(first) || !is_in_fault(second) { first.fault } else { second.fault };
     DriveInput {
         effort: first.effort + second.effort,

@@ -106,7 +106,7 @@ const LAG: u64 = 3;
 
 /// Error of a gantry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Trouble {
+pub enum GantryError {
     /// The position of the second drive is unknown.
     Unread,
     /// Skew beyond the allowed range (inc).
@@ -211,8 +211,8 @@ impl Gantry {
         if (self.is_unsure || !is_read) && first.valid && second.valid && self.is_fresh && self.squaring.is_none() {
             // Values that start again at any number give the offset up to their range.
             let [count, other] = [first, second].map(|side| side.reader.count().unwrap_or(side.raw));
-            let skew = offset.map_or(0, |offset| self.setup.form.circle().way(offset, other.wrapping_sub(count)));
-            self.square = Some(self.apart().saturating_sub(skew));
+            let skew = offset.map_or(0, |offset| self.setup.form.circle().shortest_distance(offset, other.wrapping_sub(count)));
+            self.square = Some(self.position_difference().saturating_sub(skew));
             self.is_unsure = false;
         }
         self.second = join::state(drives[1]);
@@ -221,7 +221,7 @@ impl Gantry {
     }
 
     /// Returns position of the second drive minus position of the first (inc).
-    pub fn apart(&self) -> i64 {
+    pub fn position_difference(&self) -> i64 {
         let [first, second] = &self.sides;
         second.place().wrapping_sub(first.place())
     }
@@ -229,7 +229,7 @@ impl Gantry {
     /// Returns the skew, as far as it is known (inc).
     pub fn skew(&self) -> i64 {
         let square = self.squaring.map_or(self.square, |squaring| squaring.square);
-        square.map_or(0, |square| self.apart().saturating_sub(square))
+        square.map_or(0, |square| self.position_difference().saturating_sub(square))
     }
 
     /// Returns setpoint of the second drive minus that of the first (inc).
@@ -253,7 +253,7 @@ impl Gantry {
     }
 
     /// Whether the coordinate of the second drive is new in this cycle.
-    pub fn is_anew(&self) -> bool {
+    pub fn has_new_coordinate(&self) -> bool {
         self.is_anew
     }
 
@@ -278,17 +278,17 @@ impl Gantry {
     }
 
     /// Sets whether the skew is out of range, and returns whether it was before.
-    pub fn note_beyond(&mut self, is_beyond: bool) -> bool {
+    pub fn set_skew_exceeded(&mut self, is_beyond: bool) -> bool {
         std::mem::replace(&mut self.is_beyond, is_beyond)
     }
 
     /// Sets held to apart while the axis is off. Returns true if that ends a squaring.
-    pub fn let_go(&mut self) -> bool {
+    pub fn hold_present_difference(&mut self) -> bool {
         let ended = self.squaring.take().is_some();
         if ended {
-            self.square = Some(self.apart());
+            self.square = Some(self.position_difference());
         }
-        (self.held, self.rate) = (self.apart(), 0.0);
+        (self.held, self.rate) = (self.position_difference(), 0.0);
         ended
     }
 
@@ -302,15 +302,15 @@ impl Gantry {
             (self.squaring, self.rate) = (None, 0.0);
             self.held = square.unwrap_or(self.held);
             // A squaring that was stopped makes it no longer square.
-            self.square = Some(square.unwrap_or(self.apart()));
+            self.square = Some(square.unwrap_or(self.position_difference()));
         }
     }
 
     /// Returns the error of this cycle. The skew may be `max_skew` (inc) relative to square; while homing searches,
     /// relative to held; and during squaring, relative to the planned values.
-    pub fn trouble(&self, cycle: u64, max_skew: i64, searches: bool) -> Option<Trouble> {
+    pub fn error(&self, cycle: u64, max_skew: i64, searches: bool) -> Option<GantryError> {
         if !self.sides[1].valid {
-            return Some(Trouble::Unread);
+            return Some(GantryError::Unread);
         }
         let (low, high) = match (self.squaring, self.square) {
             (Some(squaring), _) => {
@@ -320,13 +320,13 @@ impl Gantry {
             (None, Some(square)) if !searches => (square, square),
             _ => (self.held, self.held),
         };
-        let apart = self.apart();
+        let apart = self.position_difference();
         if !self.is_fresh {
             // Values of different cycles give no skew; the cycles without fresh data are counted elsewhere.
             return None;
         }
         let beyond = apart.saturating_sub(apart.clamp(low, high));
-        (beyond.saturating_abs() > max_skew).then_some(Trouble::Skewed(beyond))
+        (beyond.saturating_abs() > max_skew).then_some(GantryError::Skewed(beyond))
     }
 
     /// Returns the cycles by which a drive may lag behind its command.
@@ -378,7 +378,7 @@ impl Gantry {
     }
 
     /// Whether squaring moves the second drive up. None: no motion.
-    pub fn goes_up(&self) -> Option<bool> {
+    pub fn squaring_is_upward(&self) -> Option<bool> {
         (self.rate != 0.0).then_some(self.rate > 0.0)
     }
 

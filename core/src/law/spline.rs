@@ -33,7 +33,7 @@ pub enum Ends<const N: usize> {
 impl<const N: usize> Ends<N> {
     /// Returns the smallest number of points. With two points the curvature of a natural quintic spline is undefined:
     /// any parabola through them has a third derivative of 0.
-    fn fewest(&self) -> usize {
+    fn smallest_point_count(&self) -> usize {
         match self {
             Self::Natural => N + 1,
             Self::Clamped { .. } => 2,
@@ -176,7 +176,7 @@ fn polynomial(&[c1, c2, c3, c4, c5]: &[f64; 5]) -> Polynomial {
 }
 
 fn check<const N: usize>(x: &[f64], y: &[f64], ends: &Ends<N>) -> Result<(), SplineError> {
-    let (count, fewest) = (x.len(), ends.fewest());
+    let (count, fewest) = (x.len(), ends.smallest_point_count());
     if count != y.len() {
         return Err(SplineError::Lengths { x: count, y: y.len() });
     }

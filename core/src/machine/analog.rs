@@ -26,7 +26,7 @@ impl MachineConfig {
 
 impl Machine {
     /// Writes the process data of drives without a bus to the places where drives on a bus report theirs.
-    pub(super) fn tell_analog(&mut self, inputs: &mut Inputs) {
+    pub(super) fn write_analog_inputs(&mut self, inputs: &mut Inputs) {
         for (place, drive) in self.analog_places.iter().zip(&mut self.state.analogs) {
             let told = drive.read(place.ready.is_none_or(|input| inputs.digital(input)));
             if let Some(input) = inputs.drive.get_mut(place.drive) {
@@ -36,7 +36,7 @@ impl Machine {
     }
 
     /// Converts the commanded values of drives without a bus to reference voltages.
-    pub(super) fn lead_analog(&mut self, outputs: &mut Outputs) {
+    pub(super) fn write_analog_references(&mut self, outputs: &mut Outputs) {
         for (place, drive) in self.analog_places.iter().zip(&mut self.state.analogs) {
             let asked = outputs.drive.get(place.drive).copied().unwrap_or_default();
             let reference = drive.write(&place.wiring, &asked, self.config.cycle_ns);
@@ -46,6 +46,6 @@ impl Machine {
 }
 
 /// Returns one state per drive without a bus, before the first read.
-pub(super) fn at_rest(config: &MachineConfig) -> Vec<AnalogDrive> {
+pub(super) fn initial_states(config: &MachineConfig) -> Vec<AnalogDrive> {
     config.analog_places().map(|_| AnalogDrive::default()).collect()
 }

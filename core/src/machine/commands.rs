@@ -1,7 +1,7 @@
 //! Handling of commands before the axes: commands that concern several objects are checked for all of them, then
 //! executed.
 
-use super::{MAX_COMMANDS, Machine, Told};
+use super::{MAX_COMMANDS, Machine, CycleInputs};
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::command::{
@@ -17,11 +17,11 @@ use crate::parameter::Marker;
 impl Machine {
     /// Executes and answers commands for the machine, before its inputs are read. Returns a bit set of the commands
     /// that are left for the axes.
-    pub(super) fn admit(&mut self, commands: Commands<'_>) -> u64 {
+    pub(super) fn handle_machine_commands(&mut self, commands: Commands<'_>) -> u64 {
         let (mut admitted, mut aborted_by) = (0, None);
         for (place, command) in commands.iter().enumerate() {
             let result = if place < MAX_COMMANDS {
-                self.admit_one(command)
+                self.handle_machine_command(command)
             } else {
                 Err(Refusal::new(Code::TOO_MANY_WAITING, Object::Machine))
             };
@@ -83,7 +83,7 @@ impl Machine {
     }
 
     /// Returns true if the command is left for the axes.
-    fn admit_one(&mut self, command: &Command) -> Result<bool, Refusal> {
+    fn handle_machine_command(&mut self, command: &Command) -> Result<bool, Refusal> {
         if command.action.needs_active() && !self.state.active {
             return Err(Refusal::new(Code::NOT_ACTIVE, Object::Machine));
         }
@@ -213,13 +213,13 @@ impl Machine {
 
     /// Executes a command of the axes after all axes have moved and been monitored in this cycle, so that it is checked
     /// against the values of this cycle.
-    pub(super) fn carry_out(&mut self, told: Told<'_>, command: &Command) {
-        if let Err(refusal) = self.try_command(told, command) {
+    pub(super) fn carry_out(&mut self, told: CycleInputs<'_>, command: &Command) {
+        if let Err(refusal) = self.try_execute(told, command) {
             self.events.push(refusal.event(command.sequence));
         }
     }
 
-    fn try_command(&mut self, told: Told<'_>, command: &Command) -> Result<(), Refusal> {
+    fn try_execute(&mut self, told: CycleInputs<'_>, command: &Command) -> Result<(), Refusal> {
         match &command.action {
             Action::Enable(axes)
             | Action::Disable(axes)
@@ -229,42 +229,42 @@ impl Machine {
                 self.check_axes(*axes)?;
                 let mut named = axes.iter().filter_map(|index| self.state.axes.get(usize::from(index)));
                 named.try_for_each(|axis| axis.admits(&command.action))?;
-                self.admit_skews(&command.action, *axes)?;
+                self.check_skews(&command.action, *axes)?;
                 self.accept(command, Object::Machine);
-                axes.iter().try_for_each(|axis| self.give(told, axis, command))
+                axes.iter().try_for_each(|axis| self.give_to_axis(told, axis, command))
             }
             Action::Abort | Action::Deactivate => {
-                (0..self.state.axes.len() as u16).try_for_each(|axis| self.give(told, axis, command))
+                (0..self.state.axes.len() as u16).try_for_each(|axis| self.give_to_axis(told, axis, command))
             }
-            Action::Move(request) => self.give(told, request.axis, command),
+            Action::Move(request) => self.give_to_axis(told, request.axis, command),
             Action::Probe(request) => {
                 // Index pulses are reported together with the position.
                 if request.edge != ProbeEdge::Index {
                     self.check_latch(request.axis, request.source)?;
                 }
                 self.check_probe_input(told.inputs, request)?;
-                self.give(told, request.axis, command)
+                self.give_to_axis(told, request.axis, command)
             }
             Action::TouchProbe(request) => {
                 if request.edge != ProbeEdge::Index {
                     self.check_latch(request.axis, request.source)?;
                 }
-                self.give(told, request.axis, command)
+                self.give_to_axis(told, request.axis, command)
             }
-            Action::AbortTrigger(request) => self.give(told, request.axis, command),
-            Action::QueryTrajectory(request) => self.give(told, request.axis, command),
-            Action::HomeAxis(request) => self.give(told, request.axis, command),
+            Action::AbortTrigger(request) => self.give_to_axis(told, request.axis, command),
+            Action::QueryTrajectory(request) => self.give_to_axis(told, request.axis, command),
+            Action::HomeAxis(request) => self.give_to_axis(told, request.axis, command),
             Action::SetPosition(request) => {
                 self.admit_shared_zero(request.axis)?;
-                self.give(told, request.axis, command)
+                self.give_to_axis(told, request.axis, command)
             }
             Action::ShiftPosition(request) => {
                 self.admit_shared_zero(request.axis)?;
-                self.give(told, request.axis, command)
+                self.give_to_axis(told, request.axis, command)
             }
             Action::SetMasterPosition(request) => {
                 self.admit_master_zero(request.axis)?;
-                self.give(told, request.axis, command)
+                self.give_to_axis(told, request.axis, command)
             }
             Action::Synchronize(request) => {
                 self.admit_synchronize(request)?;
@@ -272,19 +272,19 @@ impl Machine {
                     self.check_latch(request.axis, source)?;
                 }
                 self.couples = true;
-                self.give(told, request.axis, command)
+                self.give_to_axis(told, request.axis, command)
             }
-            Action::Phase(request) => self.shift(told, command.sequence, request),
-            Action::GearOut(request) => self.gear_out(told, command.sequence, *request),
-            Action::OutAn(request) => self.give(told, request.axis, command),
-            Action::Vocabulary(request) => self.give(told, request.axis(), command),
+            Action::Phase(request) => self.give_phase_shift(told, command.sequence, request),
+            Action::GearOut(request) => self.give_gear_out(told, command.sequence, *request),
+            Action::OutAn(request) => self.give_to_axis(told, request.axis, command),
+            Action::Vocabulary(request) => self.give_to_axis(told, request.axis(), command),
             Action::Cancel { goal } => self.cancel(told, command.sequence, *goal),
             Action::CommandFunction(request) => {
-                self.tell_moved(told, request.slot, request.order);
+                self.pass_order_to_axis(told, request.slot, request.order);
                 Ok(())
             }
             Action::RunFunction(request) => {
-                self.tell_moved(told, request.slot, Order::Start);
+                self.pass_order_to_axis(told, request.slot, Order::Start);
                 Ok(())
             }
             Action::Trajectory(trajectory) => self.start_trajectory(told, command, trajectory),
@@ -293,13 +293,13 @@ impl Machine {
     }
 
     /// Passes a command to one axis, which answers it.
-    fn give(&mut self, told: Told<'_>, axis: u16, command: &Command) -> Result<(), Refusal> {
+    fn give_to_axis(&mut self, told: CycleInputs<'_>, axis: u16, command: &Command) -> Result<(), Refusal> {
         let given = self.act_on(axis.into(), told, |axis, cx| axis.take(cx, command));
         given.ok_or_else(|| Refusal::new(Code::BAD_REQUEST, Object::Machine))
     }
 
     /// Passes a phase shift to its axis, in increments of the shifted side.
-    fn shift(&mut self, told: Told<'_>, sequence: u64, request: &Phase) -> Result<(), Refusal> {
+    fn give_phase_shift(&mut self, told: CycleInputs<'_>, sequence: u64, request: &Phase) -> Result<(), Refusal> {
         let bad_request = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let index = usize::from(request.axis);
         let axis = self.state.axes.get(index).ok_or_else(bad_request)?;
@@ -310,22 +310,22 @@ impl Machine {
                 (false, by_scale.iter().find(|(of, _)| Some(*of) == scale).map(|(_, shift)| *shift))
             }
         };
-        self.act_on(index, told, |axis, cx| axis.take_phase(cx, sequence, of_slave, shift));
+        self.act_on(index, told, |axis, cx| axis.accept_phase(cx, sequence, of_slave, shift));
         Ok(())
     }
 
     /// Passes the end of a coupling to its axis, with the revolution of the leader for the condition that it waits for.
-    fn gear_out(&mut self, told: Told<'_>, sequence: u64, request: GearOut) -> Result<(), Refusal> {
+    fn give_gear_out(&mut self, told: CycleInputs<'_>, sequence: u64, request: GearOut) -> Result<(), Refusal> {
         let bad_request = || Refusal::new(Code::BAD_REQUEST, Object::Machine);
         let index = usize::from(request.axis);
         let leader = self.state.axes.get(index).ok_or_else(bad_request)?.leader();
         let turn = leader.and_then(|leader| self.config.turn_of(leader));
-        self.act_on(index, told, |axis, cx| axis.take_gear_out(cx, sequence, request, turn));
+        self.act_on(index, told, |axis, cx| axis.start_gear_out(cx, sequence, request, turn));
         Ok(())
     }
 
     /// Ends a goal on all of its axes.
-    fn cancel(&mut self, told: Told<'_>, sequence: u64, goal: u64) -> Result<(), Refusal> {
+    fn cancel(&mut self, told: CycleInputs<'_>, sequence: u64, goal: u64) -> Result<(), Refusal> {
         let mut is_told = false;
         for index in 0..self.state.axes.len() {
             let ended = self.act_on(index, told, |axis, cx| axis.cancel(cx, sequence, goal, is_told));

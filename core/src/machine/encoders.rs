@@ -4,31 +4,31 @@ use super::{Machine, State};
 use crate::axis::{Axis, Claim};
 use crate::code::Code;
 use crate::command::{Action, Commands, SetEncoderPosition};
-use crate::encoder::Told;
+use crate::encoder::EncoderReport;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::Object;
 use crate::position::Position;
 
 /// Returns the code of an encoder report.
-pub(super) fn code(told: Told) -> Code {
+pub(super) fn code(told: EncoderReport) -> Code {
     match told {
-        Told::Invalid => Code::ENCODER_INVALID,
-        Told::Substituted => Code::ENCODER_SUBSTITUTED,
-        Told::Pulses { .. } => Code::WF_PULSES,
+        EncoderReport::Invalid => Code::ENCODER_INVALID,
+        EncoderReport::Substituted => Code::ENCODER_SUBSTITUTED,
+        EncoderReport::Pulses { .. } => Code::WF_PULSES,
     }
 }
 
 /// Returns the event of an encoder report.
-pub(super) fn event(told: Told, encoder: u16, errors: u64) -> Event {
+pub(super) fn event(told: EncoderReport, encoder: u16, errors: u64) -> Event {
     let (severity, kind) = match told {
-        Told::Substituted => (Severity::Warn, Kind::Warning),
+        EncoderReport::Substituted => (Severity::Warn, Kind::Warning),
         _ => (Severity::Error, Kind::Error),
     };
     let event = Event::new(severity, kind, Object::Encoder(encoder), code(told));
     match told {
-        Told::Invalid => event,
-        Told::Substituted => event.with(Number::Count(errors.min(i64::MAX as u64).cast_signed()), Number::None),
-        Told::Pulses { by, tolerance } => event.with(Number::Position(by), Number::Position(tolerance)),
+        EncoderReport::Invalid => event,
+        EncoderReport::Substituted => event.with(Number::Count(errors.min(i64::MAX as u64).cast_signed()), Number::None),
+        EncoderReport::Pulses { by, tolerance } => event.with(Number::Position(by), Number::Position(tolerance)),
     }
 }
 
@@ -55,7 +55,7 @@ impl Machine {
     /// the users before it.
     pub(super) fn set_encoder(&mut self, index: usize, commands: Commands<'_>, admitted: u64) {
         self.set_by[index] = 0;
-        for command in super::live(commands, admitted) {
+        for command in super::commands_for_axes(commands, admitted) {
             let Action::SetEncoderPosition(request) = &command.action else { continue };
             if usize::from(request.encoder) != index {
                 continue;
@@ -105,16 +105,16 @@ impl Machine {
     }
 
     fn share(&mut self, encoder: u16) {
-        let Some(mut last) = self.hard_claims(encoder).max_by_key(|claim| claim.sequence) else { return };
+        let Some(mut last) = self.encoder_claims(encoder).max_by_key(|claim| claim.sequence) else { return };
         let set_by = self.set_by.get(usize::from(encoder)).copied().unwrap_or_default();
         if set_by > last.sequence {
             // The encoder itself was set after all of them, and has that value already.
             last = Claim { sequence: set_by, by: 0, ..last };
         }
-        if let Err(number) = self.may_share(encoder, last) {
+        if let Err(number) = self.check_share(encoder, last) {
             // The new zero of each axis applies to this axis only.
             for index in 0..self.state.axes.len() {
-                for _ in self.state.axes[index].claims(encoder).into_iter().flatten().filter(|claim| !claim.is_soft) {
+                for _ in self.state.axes[index].zero_claims(encoder).into_iter().flatten().filter(|claim| !claim.is_soft) {
                     let object = Object::Axis(index as u16);
                     let event = Event::new(Severity::Warn, Kind::Warning, object, Code::ENCODER_NOT_SHARED);
                     self.events.push(event.with(number, Number::None));
@@ -122,9 +122,9 @@ impl Machine {
             }
             return;
         }
-        self.move_encoder(encoder, last.by, |axis| axis.left_of_shift(last.by, last.sequence));
+        self.move_encoder(encoder, last.by, |axis| axis.remaining_shift(last.by, last.sequence));
         for axis in &mut self.state.axes {
-            let [_, of_master] = axis.claims(encoder);
+            let [_, of_master] = axis.zero_claims(encoder);
             // The shown master position of this axis already has that zero.
             match of_master {
                 Some(claim) if !claim.is_soft => axis.share_master(claim.by),
@@ -135,8 +135,8 @@ impl Machine {
     }
 
     /// Returns the new zeros of this cycle that apply to the encoder itself.
-    fn hard_claims(&self, encoder: u16) -> impl Iterator<Item = Claim> {
-        let claims = self.state.axes.iter().flat_map(move |axis| axis.claims(encoder));
+    fn encoder_claims(&self, encoder: u16) -> impl Iterator<Item = Claim> {
+        let claims = self.state.axes.iter().flat_map(move |axis| axis.zero_claims(encoder));
         claims.flatten().filter(|claim| !claim.is_soft)
     }
 
@@ -144,12 +144,12 @@ impl Machine {
     ///
     /// # Errors
     /// The axis that moves; [`Number::None`] if a position or limit would leave its range.
-    fn may_share(&self, encoder: u16, last: Claim) -> Result<(), Number> {
+    fn check_share(&self, encoder: u16, last: Claim) -> Result<(), Number> {
         let own = self.state.encoders.get(usize::from(encoder)).map(|encoder| encoder.lead().position);
         let is_legal = own.is_some_and(|own| (own + Position::whole(last.by)).is_legal());
         for (index, axis) in self.users(encoder) {
-            let left = axis.left_of_shift(last.by, last.sequence);
-            if left != 0 && !axis.stands_idle() {
+            let left = axis.remaining_shift(last.by, last.sequence);
+            if left != 0 && !axis.is_idle_at_rest() {
                 return Err(Number::Count(index as i64));
             }
             if left != 0 && !axis.follows_encoder(left) {
@@ -181,7 +181,7 @@ impl Machine {
 
     /// Returns an error if a user of the encoder, apart from `except`, is not at standstill.
     fn check_users(&self, encoder: u16, except: Option<usize>) -> Result<(), Refusal> {
-        let mut moving = self.users(encoder).filter(|(other, axis)| Some(*other) != except && !axis.stands_idle());
+        let mut moving = self.users(encoder).filter(|(other, axis)| Some(*other) != except && !axis.is_idle_at_rest());
         match moving.next() {
             Some((_, axis)) => Err(axis.not_at_standstill()),
             None => Ok(()),
@@ -189,8 +189,8 @@ impl Machine {
     }
 
     /// Keeps the shown master position of the followers of an axis when the coordinate of this axis increases by `by`.
-    pub(super) fn count_on(&mut self, index: usize, by: Position) {
+    pub(super) fn keep_master_positions(&mut self, index: usize, by: Position) {
         let State { axes, leads, .. } = &mut self.state;
-        axes.iter_mut().for_each(|axis| axis.count_on(leads, index as u16, by));
+        axes.iter_mut().for_each(|axis| axis.continue_with_axis(leads, index as u16, by));
     }
 }

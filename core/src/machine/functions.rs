@@ -1,7 +1,7 @@
 //! Function slots of a machine: their commands, their steps in a cycle, their tables.
 
 use super::signals::locate;
-use super::{Machine, State, Told};
+use super::{Machine, State, CycleInputs};
 use crate::axis::{Axis, MovedBy, no_cam};
 use crate::code::Code;
 use crate::command::{Command, CommandFunction, RunFunction};
@@ -25,7 +25,7 @@ fn refusal(fault: Fault, slot: u16) -> Refusal {
 }
 
 /// Returns the slots that end on an error of the axis that they move, each with that axis.
-pub(super) fn ended_by_errors(wires: &[Wires]) -> Vec<(u16, u16)> {
+pub(super) fn slots_ended_by_axis_errors(wires: &[Wires]) -> Vec<(u16, u16)> {
     let ended = |(place, wires): (u16, &Wires)| match wires.sink {
         Sink::Axis(axis, _) if wires.on_axis_error == OnAxisError::Reset => Some((place, axis)),
         _ => None,
@@ -34,7 +34,7 @@ pub(super) fn ended_by_errors(wires: &[Wires]) -> Vec<(u16, u16)> {
 }
 
 /// Returns the axes that a function can watch and that a slot moves, each with its slot.
-pub(super) fn movers(wires: &[Wires]) -> Vec<(usize, u16)> {
+pub(super) fn slots_that_move_watched_axes(wires: &[Wires]) -> Vec<(usize, u16)> {
     let moved = |(place, wires): (u16, &Wires)| match wires.sink {
         Sink::Axis(axis, _) if usize::from(axis) < LINES => Some((axis.into(), place)),
         _ => None,
@@ -44,18 +44,18 @@ pub(super) fn movers(wires: &[Wires]) -> Vec<(usize, u16)> {
 
 /// Keeps the shown master position of the followers of a sink when the sink increases by `by`.
 #[cold]
-fn count_on_sink(axes: &mut [Axis], leads: &Leads, slot: u16, by: Position) {
-    axes.iter_mut().for_each(|axis| axis.count_on_sink(leads, slot, by));
+fn keep_master_positions_of_sink(axes: &mut [Axis], leads: &Leads, slot: u16, by: Position) {
+    axes.iter_mut().for_each(|axis| axis.continue_with_sink(leads, slot, by));
 }
 
 /// Fails the goal of a function if the axis has left the function.
 #[cold]
-fn watch_goal(slot: &mut Slot, sink: Sink, axes: &[Axis], own: Leader) {
+fn fail_goal_if_axis_has_left(slot: &mut Slot, sink: Sink, axes: &[Axis], own: Leader) {
     if slot.follows_goal()
         && let Sink::Axis(axis, _) = sink
         && let Some(code) = axes.get(usize::from(axis)).and_then(|axis| axis.function_failure(own))
     {
-        slot.fail_goal(code);
+        slot.abort_goal(code);
     }
 }
 
@@ -156,15 +156,15 @@ impl Machine {
     }
 
     /// Passes START or RESET of a function to its axis.
-    pub(super) fn tell_moved(&mut self, told: Told<'_>, slot: u16, order: Order) {
+    pub(super) fn pass_order_to_axis(&mut self, told: CycleInputs<'_>, slot: u16, order: Order) {
         let Some(wires) = self.wires.get(usize::from(slot)) else { return };
         let Sink::Axis(axis, _) = wires.sink else { return };
         let (sink, speed) = (Leader::Sink(slot), wires.speed);
         // A later command of this cycle may have ended the function again.
         let runs = self.state.slots.get(usize::from(slot)).is_some_and(Slot::is_active);
         self.act_on(axis.into(), told, |axis, cx| match order {
-            Order::Start if runs => axis.take_function(cx, MovedBy { sink, speed }),
-            Order::Reset if !runs => axis.leave_function(cx, sink),
+            Order::Start if runs => axis.start_following_function(cx, MovedBy { sink, speed }),
+            Order::Reset if !runs => axis.stop_following_function(cx, sink),
             _ => {}
         });
     }
@@ -254,7 +254,7 @@ impl Machine {
     pub(super) fn step_slots(&mut self, inputs: &Inputs) {
         let cycle_s = self.config.cycle_ns as f64 / 1e9;
         for (place, wires) in self.wires.iter().enumerate() {
-            if self.state.slots.get_mut(place).is_none_or(|slot| slot.rest(wires, &mut self.state.board)) {
+            if self.state.slots.get_mut(place).is_none_or(|slot| slot.cycle_at_rest(wires, &mut self.state.board)) {
                 continue;
             }
             let watched;
@@ -270,13 +270,13 @@ impl Machine {
                 }
                 _ => {}
             }
-            let mark = self.mark(wires.mark, wires.source, inputs);
+            let mark = self.distance_to_mark(wires.mark, wires.source, inputs);
             let State { slots, board, leads, tables, programs, panel, axes, cycle: now, .. } = &mut self.state;
             let Some(slot) = slots.get_mut(place) else { continue };
             let cycle = Cycle { cycle: *now, leads, tables, programs, mark, drives, cycle_s };
             let has_goal = slot.has_goal();
             if has_goal {
-                watch_goal(slot, wires.sink, axes, Leader::Sink(place as u16));
+                fail_goal_if_axis_has_left(slot, wires.sink, axes, Leader::Sink(place as u16));
             }
             let written = slot.step(wires, &cycle, board);
             if let Some(code) = written.failed {
@@ -285,7 +285,7 @@ impl Machine {
                 if let Sink::Axis(axis, _) = wires.sink {
                     self.failed.push((place as u16, axis, code));
                     if let Some(axis) = axes.get_mut(usize::from(axis)) {
-                        axis.disturb();
+                        axis.require_full_cycle();
                     }
                 }
             }
@@ -295,13 +295,13 @@ impl Machine {
             if let Some(of) = leads.sinks.get_mut(place) {
                 *of = *slot.lead();
             }
-            if let Some((state, left_out)) = slot.tell(*now, self.config.cycle_ns) {
+            if let Some((state, left_out)) = slot.due_event(*now, self.config.cycle_ns) {
                 let event = Event::new(Severity::Info, EventKind::State, Object::Function(place as u16), Code::NONE);
                 self.events.push(event.with(Number::Count(state.into()), Number::Count(left_out.into())));
             }
-            let anew = slot.anew();
+            let anew = slot.coordinate_change();
             if anew != Position::ZERO {
-                count_on_sink(axes, leads, place as u16, anew);
+                keep_master_positions_of_sink(axes, leads, place as u16, anew);
             }
             let outputs = if written.outputs == 0 { 0 } else { wires.lines.1 };
             for (nth, output) in wires.outputs.iter().take(outputs).enumerate() {
@@ -317,7 +317,7 @@ impl Machine {
                 // A speed is read after the motion, which the fast path skips.
                 Sink::Axis(axis, _) if wires.speed.is_some() && slot.lead().change != Position::ZERO => {
                     if let Some(axis) = axes.get_mut(usize::from(axis)) {
-                        axis.disturb();
+                        axis.require_full_cycle();
                     }
                 }
                 _ => {}
@@ -327,7 +327,7 @@ impl Machine {
 
     /// Resets the functions that an error of their axis ends, after everything that may raise an error. Their final
     /// output is written in the next cycle.
-    pub(super) fn reset_failed(&mut self, told: Told<'_>) {
+    pub(super) fn reset_failed(&mut self, told: CycleInputs<'_>) {
         for at in 0..self.ended_by_errors.len() {
             let Some(&(place, axis)) = self.ended_by_errors.get(at) else { continue };
             let Some(slot) = self.state.slots.get_mut(usize::from(place)) else { continue };
@@ -335,7 +335,7 @@ impl Machine {
             if fails && slot.is_active() {
                 slot.reset();
                 // With error_reaction 5 the axis would continue with the present command.
-                self.act_on(axis.into(), told, |axis, cx| axis.leave_function(cx, Leader::Sink(place)));
+                self.act_on(axis.into(), told, |axis, cx| axis.stop_following_function(cx, Leader::Sink(place)));
             }
         }
     }
@@ -343,7 +343,7 @@ impl Machine {
     /// Reports the error of a program that cannot continue on the axis that it moves. The axis holds in this cycle
     /// already, as the sink does.
     #[cold]
-    pub(super) fn fail_moved(&mut self, told: Told<'_>) {
+    pub(super) fn report_failed_functions(&mut self, told: CycleInputs<'_>) {
         while let Some((place, axis, code)) = self.failed.pop() {
             let fuel = self.wires.get(usize::from(place)).map_or(0, |wires| wires.fuel);
             self.act_on(axis.into(), told, |axis, cx| {
@@ -354,9 +354,9 @@ impl Machine {
 
     /// Returns the distance from the mark of this cycle to the present position of the source; for a mark of an axis,
     /// to its command. If there are several marks, the last one counts.
-    fn mark(&self, mark: Mark, source: Source, inputs: &Inputs) -> Option<Position> {
+    fn distance_to_mark(&self, mark: Mark, source: Source, inputs: &Inputs) -> Option<Position> {
         if let Mark::Axis(place) = mark {
-            return self.state.axes.get(usize::from(place))?.mark_behind_command();
+            return self.state.axes.get(usize::from(place))?.distance_from_index_to_command();
         }
         let Source::Lead(leader, _) = source else { return None };
         let (object, index) = match mark {

@@ -24,12 +24,12 @@ impl Machine {
                 *place = input;
             }
             // The skew of the drives is not covered by the fast paths.
-            axis.disturb();
+            axis.require_full_cycle();
         }
     }
 
     /// Checks that the gantries among these axes may be switched on.
-    pub(super) fn admit_skews(&self, action: &Action, axes: AxisSet) -> Result<(), Refusal> {
+    pub(super) fn check_skews(&self, action: &Action, axes: AxisSet) -> Result<(), Refusal> {
         if !matches!(action, Action::Enable(_)) {
             return Ok(());
         }
@@ -41,7 +41,7 @@ impl Machine {
     }
 
     /// Writes the outputs of the second drives, and publishes the signals of the gantries.
-    pub(super) fn lead_seconds(&mut self, outputs: &mut Outputs) {
+    pub(super) fn write_second_drives(&mut self, outputs: &mut Outputs) {
         for (gantry, &first) in self.state.gantries.iter().zip(&self.signals.gantries) {
             let setup = gantry.setup();
             let [leads, follows] = setup.drives;
@@ -50,7 +50,7 @@ impl Machine {
                 *place = output;
             }
             let Some(axis) = self.state.axes.get(usize::from(setup.axis)) else { continue };
-            let skew = axis.in_its_sense(gantry.skew());
+            let skew = axis.in_axis_direction(gantry.skew());
             let place = axis.actual().position + Position::whole(skew);
             let shows = [
                 (GantrySignal::Skew, skew),

@@ -10,7 +10,7 @@ use crate::object::{AxisSet, Leader, MAX_AXES, Object};
 
 /// What a sink or a sum of masters reads.
 #[derive(Clone, Copy, Debug, Default)]
-struct Way {
+struct Dependency {
     /// Axes whose commands it reads.
     axes: AxisSet,
     /// Whether it also reads the virtual master.
@@ -19,15 +19,15 @@ struct Way {
 
 /// Axes whose commands are read by leaders that read other leaders: fixed by the cell.
 #[derive(Debug, Default)]
-pub(super) struct Ways {
-    sinks: Vec<Way>,
-    sums: Vec<Way>,
+pub(super) struct Dependencies {
+    sinks: Vec<Dependency>,
+    sums: Vec<Dependency>,
 }
 
-impl Ways {
+impl Dependencies {
     pub(super) fn of(config: &MachineConfig) -> Self {
         let all = |count: usize, leader: fn(u16) -> Leader| {
-            let way = |leader| Way { axes: config.commanded(leader), reads_virtual: config.reads_virtual(leader) };
+            let way = |leader| Dependency { axes: config.commanded_axes(leader), reads_virtual: config.reads_virtual(leader) };
             (0..count as u16).map(|place| way(leader(place))).collect()
         };
         Self { sinks: all(config.slots.len(), Leader::Sink), sums: all(config.masters.len(), Leader::Sum) }
@@ -36,9 +36,9 @@ impl Ways {
     /// Returns the axes that a leader reads, if the virtual master follows axis `of_virtual`.
     fn commanded(&self, leader: Leader, of_virtual: Option<u16>) -> AxisSet {
         let followed = || of_virtual.map_or(AxisSet::EMPTY, AxisSet::one);
-        let way = |ways: &[Way], place: u16| {
-            let Way { axes, reads_virtual } = ways.get(usize::from(place)).copied().unwrap_or_default();
-            if reads_virtual { axes.with(&followed()) } else { axes }
+        let way = |ways: &[Dependency], place: u16| {
+            let Dependency { axes, reads_virtual } = ways.get(usize::from(place)).copied().unwrap_or_default();
+            if reads_virtual { axes.union(&followed()) } else { axes }
         };
         match leader {
             Leader::AxisCommand(axis) => AxisSet::one(axis),
@@ -66,18 +66,18 @@ impl Machine {
     pub(super) fn closes_loop(&self, follower: u16, leader: Leader) -> bool {
         let of_virtual = self.state.virtual_master.axis();
         let leaders = self.ways.commanded(leader, of_virtual);
-        leaders.contains(follower) || self.led_by(leaders, of_virtual).contains(follower)
+        leaders.contains(follower) || self.leaders_of(leaders, of_virtual).contains(follower)
     }
 
     /// Returns the axes that these axes follow, directly or through others, if the virtual master follows axis
     /// `of_virtual`.
-    pub(super) fn led_by(&self, axes: AxisSet, of_virtual: Option<u16>) -> AxisSet {
+    pub(super) fn leaders_of(&self, axes: AxisSet, of_virtual: Option<u16>) -> AxisSet {
         let (mut reached, mut next) = (AxisSet::EMPTY, axes);
         // Each axis is visited once, and the start axes at most twice.
         while let Some(axis) = next.pop() {
             for leaders in self.leaders(axis, of_virtual) {
-                next = next.with(&leaders.without(&reached));
-                reached = reached.with(&leaders);
+                next = next.union(&leaders.difference(&reached));
+                reached = reached.union(&leaders);
             }
         }
         reached
@@ -103,7 +103,7 @@ impl Machine {
         let of_virtual = self.state.virtual_master.axis();
         let count = self.state.axes.len();
         // Missing axes count as placed, so none is waited for.
-        let (mut placed, mut done) = (AxisSet::first(MAX_AXES).without(&AxisSet::first(count)), 0);
+        let (mut placed, mut done) = (AxisSet::first(MAX_AXES).difference(&AxisSet::first(count)), 0);
         for index in 0..count as u16 {
             // Goes from the axis up to a leader whose own leaders are all placed; the unused places serve as a stack.
             let mut top = count;
@@ -114,7 +114,7 @@ impl Machine {
                     self.set_place(top, axis);
                 }
                 let Some(&axis) = self.state.order.get(top) else { break };
-                next = self.leaders(axis, of_virtual).find_map(|leaders| leaders.without(&placed).pop());
+                next = self.leaders(axis, of_virtual).find_map(|leaders| leaders.difference(&placed).pop());
                 if next.is_some() && done < top {
                     continue;
                 }

@@ -27,7 +27,7 @@ const READING_NS: u64 = 1_000_000;
 
 /// Filter state of a digital input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Settling {
+struct InputFilter {
     level: bool,
     /// Cycle since which the input has had the other level.
     since: Option<u64>,
@@ -35,7 +35,7 @@ struct Settling {
 
 /// Value of an output function, with the number of its output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Shown {
+struct OutputFunctionState {
     number: i64,
     active: bool,
 }
@@ -54,14 +54,14 @@ pub(super) struct Panel {
     /// Digital inputs of the previous cycle; empty before the first cycle.
     before: Vec<u64>,
     has_read: bool,
-    settling: Vec<Settling>,
+    settling: Vec<InputFilter>,
     /// Smoothed analog input 1 (V).
     smoothed: Option<f64>,
     /// Time since the last sample of analog input 1 (ns).
     unread_ns: u64,
-    error: Shown,
-    brakes: Vec<Shown>,
-    moves: Vec<Shown>,
+    error: OutputFunctionState,
+    brakes: Vec<OutputFunctionState>,
+    moves: Vec<OutputFunctionState>,
     /// Abort of this cycle: the value of ESCCOND and the number of digital outputs.
     aborts: Option<(i64, usize)>,
 }
@@ -76,12 +76,12 @@ impl Panel {
             analog: vec![0.0; config.count_io(IoKind::AnalogOutput)],
             before: vec![0; words(IoKind::DigitalInput)],
             has_read: false,
-            settling: vec![Settling::default(); config.global.filters.len()],
+            settling: vec![InputFilter::default(); config.global.filters.len()],
             smoothed: None,
             unread_ns: 0,
-            error: Shown::default(),
-            brakes: vec![Shown::default(); config.axes.len()],
-            moves: vec![Shown::default(); config.axes.len()],
+            error: OutputFunctionState::default(),
+            brakes: vec![OutputFunctionState::default(); config.axes.len()],
+            moves: vec![OutputFunctionState::default(); config.axes.len()],
             aborts: None,
         }
     }
@@ -133,7 +133,7 @@ impl Panel {
                 cycle.saturating_sub(since).saturating_mul(config.cycle_ns) >= filter.time_ns
             };
             if accepted {
-                *settling = Settling { level, since: None };
+                *settling = InputFilter { level, since: None };
             }
             seen.set_digital(filter.input, settling.level);
         }
@@ -168,7 +168,7 @@ impl Panel {
     }
 
     /// Returns true if these are the digital inputs of the previous cycle.
-    pub(super) fn has_read(&self, digital: &[u64]) -> bool {
+    pub(super) fn equals_previous(&self, digital: &[u64]) -> bool {
         self.has_read && self.before == digital
     }
 
@@ -235,18 +235,18 @@ impl Panel {
             self.analog.fill(0.0);
         }
         for axis in axes {
-            if axis.asks_for_brake() {
-                put(&mut self.outputs, axis.parameters.outputs.brake, true);
+            if axis.is_brake_requested() {
+                write_output(&mut self.outputs, axis.parameters.outputs.brake, true);
             }
             for (output, on) in axis.sign_outputs().into_iter().flatten() {
-                put(&mut self.outputs, output.into(), on);
+                write_output(&mut self.outputs, output.into(), on);
             }
         }
     }
 
     /// Updates the output functions from the axes. If functions share an output, it shows whether one of them is
     /// active.
-    pub(super) fn follow(&mut self, axes: &[Axis]) {
+    pub(super) fn update_output_functions(&mut self, axes: &[Axis]) {
         let outputs = &mut self.outputs;
         let (mut failing, mut moving) = (false, Moving::default());
         for axis in axes {
@@ -254,35 +254,35 @@ impl Panel {
             moving.add(axis.parameters.outputs.axmove, axis.is_commanded());
         }
         // Outputs that are no longer assigned are released first: another function may be assigned to them now.
-        release(outputs, self.error, self.parameters.o_error, false);
+        release_output(outputs, self.error, self.parameters.o_error, false);
         for (axis, moves) in axes.iter().zip(&self.moves) {
             let number = axis.parameters.outputs.axmove;
             if moves.number != number {
-                release(outputs, *moves, number, moving.has(moves.number));
+                release_output(outputs, *moves, number, moving.has(moves.number));
             }
         }
         let is_new = failing && !self.error.active;
-        show(outputs, &mut self.error, self.parameters.o_error, failing);
+        update_output(outputs, &mut self.error, self.parameters.o_error, failing);
         for (axis, (brake, moves)) in axes.iter().zip(self.brakes.iter_mut().zip(&mut self.moves)) {
             let assigned = axis.parameters.outputs;
-            show(outputs, moves, assigned.axmove, moving.has(assigned.axmove));
-            if axis.tells_sign() {
+            update_output(outputs, moves, assigned.axmove, moving.has(assigned.axmove));
+            if axis.outputs_sign() {
                 for (output, on) in axis.sign_outputs().into_iter().flatten() {
-                    put(outputs, output.into(), on);
+                    write_output(outputs, output.into(), on);
                 }
             }
-            let now = Shown { number: assigned.brake, active: axis.asks_for_brake() };
+            let now = OutputFunctionState { number: assigned.brake, active: axis.is_brake_requested() };
             let before = std::mem::replace(brake, now);
             // Only set_output opens the brake (MACS-IO-05).
-            if now.active && (now != before || axis.asks_anew()) {
-                put(outputs, now.number, true);
+            if now.active && (now != before || axis.is_brake_requested_now()) {
+                write_output(outputs, now.number, true);
             }
         }
         if let Some((esccond, outputs)) = self.aborts.take() {
             self.set_for_abort(axes, esccond, outputs);
             // An error of the same cycle is still shown (MACS-IO-07).
             if is_new {
-                put(&mut self.outputs, self.parameters.o_error, true);
+                write_output(&mut self.outputs, self.parameters.o_error, true);
             }
         }
     }
@@ -347,22 +347,22 @@ impl Moving {
 }
 
 /// Sets an output that is no longer assigned to inactive, unless the same function of another axis is active on it.
-fn release(outputs: &mut [u64], shown: Shown, number: i64, elsewhere: bool) {
+fn release_output(outputs: &mut [u64], shown: OutputFunctionState, number: i64, elsewhere: bool) {
     if shown.number != number {
-        put(outputs, shown.number, elsewhere);
+        write_output(outputs, shown.number, elsewhere);
     }
 }
 
 /// Writes an output if its function has changed.
-fn show(outputs: &mut [u64], shown: &mut Shown, number: i64, active: bool) {
-    let now = Shown { number, active };
+fn update_output(outputs: &mut [u64], shown: &mut OutputFunctionState, number: i64, active: bool) {
+    let now = OutputFunctionState { number, active };
     if std::mem::replace(shown, now) != now {
-        put(outputs, number, now.active);
+        write_output(outputs, number, now.active);
     }
 }
 
 /// Sets output n high while active, or -n low while active.
-fn put(outputs: &mut [u64], number: i64, active: bool) {
+fn write_output(outputs: &mut [u64], number: i64, active: bool) {
     let place = number.unsigned_abs().checked_sub(1).and_then(|place| usize::try_from(place).ok());
     if let Some(place) = place {
         set_bit(outputs, place, active == (number > 0));

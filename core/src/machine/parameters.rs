@@ -10,7 +10,7 @@ use super::Machine;
 use crate::axis::{may_carry, may_name};
 use crate::code::Code;
 use crate::command::Command;
-use crate::config::{IoCounts, NoSuchIo, OutputShared, highest_velocity};
+use crate::config::{IoCounts, NoSuchIo, OutputShared, max_velocity_of_cycle};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::function::Slot;
 use crate::object::{AxisSet, Object};
@@ -35,9 +35,9 @@ impl Machine {
                 None => row.assign_to_machine(&mut machine, change.value),
             };
             result.map_err(|refused| refusal_of(change, refused))?;
-            self.check_moment(change, row)?;
+            self.check_may_change_now(change, row)?;
         }
-        changes.iter().try_for_each(|change| self.check_given_once(change))?;
+        changes.iter().try_for_each(|change| self.check_single_view(change))?;
         self.check_machine(changes, &machine)?;
         for change in changes.iter().filter(|change| change.axis != MACHINE) {
             self.check_candidate(usize::from(change.axis), changes)?;
@@ -48,10 +48,10 @@ impl Machine {
             self.put_in_force(index, self.candidates[index]);
         }
         self.state.panel.parameters = machine;
-        self.take_virtual_master(changes);
+        self.apply_to_virtual_master(changes);
         self.count_change();
         self.accept(command, changes.first().map_or(Object::Machine, Change::object));
-        changes.iter().for_each(|change| self.tell(command, change));
+        changes.iter().for_each(|change| self.report_parameter(command, change));
         Ok(())
     }
 
@@ -99,7 +99,7 @@ impl Machine {
             for (row, entry) in ROWS.iter().enumerate().filter(|(_, row)| row.is_stored()) {
                 let value = entry.value(&new);
                 if value != entry.value(&old) {
-                    self.tell(command, &Change { axis: index, row: row as u16, value });
+                    self.report_parameter(command, &Change { axis: index, row: row as u16, value });
                 }
             }
         }
@@ -193,7 +193,7 @@ impl Machine {
             let before = of.command.position;
             of.command.position = -before;
             of.actual.position = self.state.axes[index].actual().position;
-            self.count_on(index, -before - before);
+            self.keep_master_positions(index, -before - before);
         }
     }
 
@@ -212,7 +212,7 @@ impl Machine {
         for (row, entry) in ROWS.iter().enumerate().filter(|(_, row)| row.is_kept_by_machine()) {
             let value = entry.machine_value(&new);
             if value != entry.machine_value(&old) {
-                self.tell(command, &Change { axis: MACHINE, row: row as u16, value });
+                self.report_parameter(command, &Change { axis: MACHINE, row: row as u16, value });
             }
         }
     }
@@ -225,7 +225,7 @@ impl Machine {
             let Some(row) = change.row() else { continue };
             let other = Change { value: row.machine_value(candidate), ..*change };
             if other.value != change.value {
-                return Err(blame(change, Code::GIVEN_TWICE).with(change.number(), other.number()));
+                return Err(refusal_of_change(change, Code::GIVEN_TWICE).with(change.number(), other.number()));
             }
         }
         if of_machine().next().is_none() {
@@ -270,32 +270,32 @@ impl Machine {
         Ok(())
     }
 
-    fn tell(&mut self, command: &Command, change: &Change) {
+    fn report_parameter(&mut self, command: &Command, change: &Change) {
         let event = Event::new(Severity::Info, Kind::Parameter, change.object(), Code::NONE);
         let event = event.of_command(command.sequence).with(change.number(), Number::None);
         self.events.push(Event { parameter: Some(change.row), ..event });
     }
 
     /// Checks that a parameter may change now.
-    fn check_moment(&self, change: &Change, row: &Row) -> Result<(), Refusal> {
+    fn check_may_change_now(&self, change: &Change, row: &Row) -> Result<(), Refusal> {
         let Some(axis) = self.state.axes.get(usize::from(change.axis)) else { return Ok(()) };
         let is_new = row.value(&self.candidates[usize::from(change.axis)]) != row.value(&axis.parameters);
         if row.effect == Effect::Disabled && is_new && !axis.is_idle() {
-            return Err(blame(change, Code::NOT_DISABLED));
+            return Err(refusal_of_change(change, Code::NOT_DISABLED));
         }
         Ok(())
     }
 
     /// Checks that a set contains no second view of the same value, which would make its order matter.
-    fn check_given_once(&self, change: &Change) -> Result<(), Refusal> {
+    fn check_single_view(&self, change: &Change) -> Result<(), Refusal> {
         let (Some(row), Some(candidate)) = (change.row(), self.candidates.get(usize::from(change.axis))) else {
             return Ok(());
         };
-        if candidate.holds(row, change.value) {
+        if candidate.has_value(row, change.value) {
             return Ok(());
         }
         let other = Change { value: row.value(candidate), ..*change };
-        Err(blame(change, Code::GIVEN_TWICE).with(change.number(), other.number()))
+        Err(refusal_of_change(change, Code::GIVEN_TWICE).with(change.number(), other.number()))
     }
 
     /// Checks that the whole set of an axis is consistent, in itself and with the state of the axis.
@@ -303,11 +303,11 @@ impl Machine {
         let super::State { axes, cycle, leads, tables, .. } = &self.state;
         axes[index].admits_vocabularies(&self.candidates[index], *cycle, (leads, tables))?;
         let candidate = &self.candidates[index];
-        self.state.axes[index].admits_sense(candidate)?;
+        self.state.axes[index].check_sense(candidate)?;
         self.state.axes[index].admits_source(candidate)?;
-        self.check_named(index)?;
-        self.check_offered(index)?;
-        self.check_carried(index)?;
+        self.check_master_exists(index)?;
+        self.check_drive_capabilities(index)?;
+        self.check_two_drives(index)?;
         self.state.axes[index].admits_zero(candidate)?;
         IoCounts::of(&self.config).check_axis(candidate).map_err(|missing| no_such_io(index as u16, missing))?;
         let of_axis = || changes.iter().filter(|change| usize::from(change.axis) == index);
@@ -324,11 +324,11 @@ impl Machine {
                 Contradiction::OutOfRange(key) => {
                     let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
                     let change = Change { value: value_of(&change, candidate), ..change };
-                    return Err(blame(&change, Code::PARAMETER_OUT_OF_RANGE));
+                    return Err(refusal_of_change(&change, Code::PARAMETER_OUT_OF_RANGE));
                 }
                 Contradiction::NotBuilt(key, code) => {
                     let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
-                    return Err(blame(&Change { value: value_of(&change, candidate), ..change }, code));
+                    return Err(refusal_of_change(&Change { value: value_of(&change, candidate), ..change }, code));
                 }
             };
             let other = |change: &Change| match change.row().map(|row| row.key) {
@@ -341,21 +341,21 @@ impl Machine {
             return Err(guilty(keys).map_or(Refusal::new(Code::PARAMETERS_CONTRADICT, Object::Machine), |change| {
                 let limit = Change { row: find(other(&change)), ..change };
                 let limit = Change { value: value_of(&limit, candidate), ..limit };
-                blame(&change, Code::PARAMETERS_CONTRADICT).with(change.number(), limit.number())
+                refusal_of_change(&change, Code::PARAMETERS_CONTRADICT).with(change.number(), limit.number())
             }));
         }
-        let highest = highest_velocity(self.config.cycle_ns);
+        let highest = max_velocity_of_cycle(self.config.cycle_ns);
         let is_new = candidate.max_velocity != self.state.axes[index].parameters.max_velocity;
         if is_new && candidate.max_velocity > highest {
             let change = guilty(["max_velocity"; 2]);
             return Err(change.map_or(Refusal::new(Code::PARAMETER_OUT_OF_RANGE, Object::Machine), |change| {
-                blame(&change, Code::PARAMETER_OUT_OF_RANGE).with(change.number(), Number::Velocity(highest))
+                refusal_of_change(&change, Code::PARAMETER_OUT_OF_RANGE).with(change.number(), Number::Velocity(highest))
             }));
         }
-        match self.left_out(index) {
+        match self.position_outside_limits(index) {
             Some(place) => Err(guilty(["min_position", "max_position"])
                 .map_or(Refusal::new(Code::GOAL_BEYOND_NEW_LIMITS, Object::Machine), |change| {
-                    blame(&change, Code::GOAL_BEYOND_NEW_LIMITS).with(change.number(), Number::Position(place))
+                    refusal_of_change(&change, Code::GOAL_BEYOND_NEW_LIMITS).with(change.number(), Number::Position(place))
                 })),
             None => Ok(()),
         }
@@ -367,7 +367,7 @@ impl Machine {
         let refuse = |row, code| {
             let change = Change { axis: index as u16, row, value: Value::Unset };
             let change = Change { value: value_of(&change, candidate), ..change };
-            blame(&change, code)
+            refusal_of_change(&change, code)
         };
         let starting = candidate.vocabularies.starts_motion(&axis.parameters.vocabularies);
         if let Some(row) = starting.filter(|_| !axis.is_idle()) {
@@ -381,13 +381,13 @@ impl Machine {
             return Err(refuse(row as u16, Code::NOT_DISABLED));
         }
         axis.admits_vocabularies(candidate, self.state.cycle, (&self.state.leads, &self.state.tables))?;
-        axis.admits_sense(candidate)?;
+        axis.check_sense(candidate)?;
         axis.admits_source(candidate)?;
-        self.check_named(index)?;
-        self.check_offered(index)?;
-        self.check_carried(index)?;
+        self.check_master_exists(index)?;
+        self.check_drive_capabilities(index)?;
+        self.check_two_drives(index)?;
         axis.admits_zero(candidate)?;
-        match self.left_out(index) {
+        match self.position_outside_limits(index) {
             Some(place) => {
                 let is_low = candidate.min_position.is_some_and(|low| place < low);
                 let [low, high] = const { [Row::place("min_position"), Row::place("max_position")] };
@@ -399,36 +399,36 @@ impl Machine {
     }
 
     /// Checks that the master that the candidate names exists in the cell.
-    fn check_named(&self, index: usize) -> Result<(), Refusal> {
+    fn check_master_exists(&self, index: usize) -> Result<(), Refusal> {
         let candidate = &self.candidates[index];
         may_name(index, self.state.axes.len(), self.state.encoders.len(), candidate).map_err(|(key, code)| {
             let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
-            blame(&Change { value: value_of(&change, candidate), ..change }, code)
+            refusal_of_change(&Change { value: value_of(&change, candidate), ..change }, code)
         })
     }
 
     /// Checks that the drive offers what the candidate requires.
-    fn check_offered(&self, index: usize) -> Result<(), Refusal> {
+    fn check_drive_capabilities(&self, index: usize) -> Result<(), Refusal> {
         let offers = self.config.axes.get(index).and_then(|axis| axis.drive);
         if !self.candidates[index].homing.in_drive || offers.is_none_or(|offers| offers.homes) {
             return Ok(());
         }
         let change = Change { axis: index as u16, row: const { Row::place("homing.in_drive") }, value: Value::Int(1) };
-        Err(blame(&change, Code::HOMING_NOT_OFFERED))
+        Err(refusal_of_change(&change, Code::HOMING_NOT_OFFERED))
     }
 
     /// Checks that the candidate is allowed for an axis with two drives.
-    fn check_carried(&self, index: usize) -> Result<(), Refusal> {
+    fn check_two_drives(&self, index: usize) -> Result<(), Refusal> {
         let Some(axis) = self.config.axes.get(index).filter(|axis| axis.second.is_some()) else { return Ok(()) };
         let candidate = &self.candidates[index];
         may_carry(axis.wired, candidate).map_err(|(key, code)| {
             let change = Change { axis: index as u16, row: find(key), value: Value::Unset };
-            blame(&Change { value: value_of(&change, candidate), ..change }, code)
+            refusal_of_change(&Change { value: value_of(&change, candidate), ..change }, code)
         })
     }
 
     /// Returns a position that the active motion reaches and that would be outside new limits.
-    fn left_out(&self, index: usize) -> Option<i64> {
+    fn position_outside_limits(&self, index: usize) -> Option<i64> {
         let (axis, candidate) = (&self.state.axes[index], &self.candidates[index]);
         let inside = |end: i64| {
             candidate.min_position.is_none_or(|low| end >= low) && candidate.max_position.is_none_or(|high| end <= high)
@@ -444,14 +444,14 @@ impl Machine {
 fn no_such_io(axis: u16, missing: NoSuchIo) -> Refusal {
     let change = Change { axis, row: find(missing.key), value: Value::Int(missing.number) };
     let code = if missing.is_output { Code::NO_SUCH_OUTPUT } else { Code::NO_SUCH_INPUT };
-    blame(&change, code).with(change.number(), Number::Count(missing.count as i64))
+    refusal_of_change(&change, code).with(change.number(), Number::Count(missing.count as i64))
 }
 
 /// Returns the refusal of a parameter that names an output that already has another function.
 fn shared_output(shared: OutputShared) -> Refusal {
     let (key, number) = shared.function;
     let change = Change { axis: shared.axis, row: find(key), value: Value::Int(number.saturating_abs()) };
-    blame(&change, Code::OUTPUT_SHARED)
+    refusal_of_change(&change, Code::OUTPUT_SHARED)
 }
 
 /// Returns the index of a row that exists.
@@ -463,13 +463,13 @@ fn value_of(change: &Change, parameters: &AxisParameters) -> Value {
     change.row().map_or(Value::Unset, |row| row.value(parameters))
 }
 
-fn blame(change: &Change, code: Code) -> Refusal {
+fn refusal_of_change(change: &Change, code: Code) -> Refusal {
     let refusal = Refusal::new(code, change.object()).with(change.number(), Number::None);
     Refusal { parameter: Some(change.row), ..refusal }
 }
 
 fn refusal_of(change: &Change, refused: Refused) -> Refusal {
-    blame(
+    refusal_of_change(
         change,
         match refused {
             Refused::NotBuilt => Code::NOT_BUILT,

@@ -32,11 +32,11 @@ pub(crate) struct Rig {
     /// All events so far.
     pub events: Vec<Event>,
     /// Modification of the inputs before the machine reads them.
-    pub tamper: fn(&mut Inputs),
+    pub modify_inputs: fn(&mut Inputs),
     /// A second machine that must produce the same results from some cycle on.
     mirror: Option<Machine>,
     /// A machine that runs every cycle of every axis in full and must produce the same results from the beginning.
-    pub plain: Option<Machine>,
+    pub full_cycle_machine: Option<Machine>,
 }
 
 /// Returns a scale of 1000 inc/mm.
@@ -95,8 +95,8 @@ fn give_order(machine: &mut Machine, axis: u16, order: Order) -> Result<(), Refu
         gantry: None,
         events: &mut *events,
     };
-    state.axes[usize::from(axis)].disturb();
-    let result = state.axes[usize::from(axis)].obey(&mut cx, Owner::Wf, order);
+    state.axes[usize::from(axis)].require_full_cycle();
+    let result = state.axes[usize::from(axis)].execute(&mut cx, Owner::Wf, order);
     state.next_event = events.next();
     result
 }
@@ -119,7 +119,7 @@ impl Rig {
         let plain = Some(Machine { steps_all: true, ..Machine::new(config.clone()).unwrap() });
         let machine = Machine::new(config).unwrap();
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), tamper: |_| {}, mirror: None, plain }
+        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), modify_inputs: |_| {}, mirror: None, full_cycle_machine: plain }
     }
 
     /// Returns a rig with x and y switched on.
@@ -168,19 +168,19 @@ impl Rig {
     pub(crate) fn cycle(&mut self, commands: Commands<'_>) {
         self.inputs.begin(self.machine.next_cycle(), 0);
         self.plant.read(&mut self.inputs);
-        (self.tamper)(&mut self.inputs);
+        (self.modify_inputs)(&mut self.inputs);
         self.machine.cycle(&self.inputs, commands, &mut self.outputs);
         let cycle = self.inputs.cycle;
-        for other in [&mut self.mirror, &mut self.plain].into_iter().flatten() {
+        for other in [&mut self.mirror, &mut self.full_cycle_machine].into_iter().flatten() {
             let mut outputs = other.outputs();
             other.cycle(&self.inputs, commands, &mut outputs);
             assert_eq!((other.events(), &outputs), (self.machine.events(), &self.outputs), "in cycle {cycle}");
             assert!(other.board() == self.machine.board(), "other signals in cycle {cycle}");
         }
-        if let Some(plain) = self.plain.as_ref().filter(|_| cycle.is_multiple_of(64)) {
+        if let Some(plain) = self.full_cycle_machine.as_ref().filter(|_| cycle.is_multiple_of(64)) {
             let image = |machine: &Machine| postcard::to_allocvec(machine.state()).unwrap();
             assert!(image(plain) == image(&self.machine), "another state behind cycle {cycle}");
-            let agree = self.machine.state.axes.iter().all(|axis| axis.parameters.agrees());
+            let agree = self.machine.state.axes.iter().all(|axis| axis.parameters.is_consistent());
             assert!(agree, "what is kept of parameters does not follow from them in cycle {cycle}");
         }
         self.plant.write(&self.outputs);
@@ -209,7 +209,7 @@ impl Rig {
 
     /// Gives an axis an order of a vocabulary, before the next cycle.
     pub(crate) fn order(&mut self, axis: u16, order: Order) -> Result<(), Refusal> {
-        for other in [&mut self.mirror, &mut self.plain].into_iter().flatten() {
+        for other in [&mut self.mirror, &mut self.full_cycle_machine].into_iter().flatten() {
             give_order(other, axis, order).ok();
         }
         let result = give_order(&mut self.machine, axis, order);
@@ -228,7 +228,7 @@ impl Rig {
     }
 
     /// Returns another machine, restored from the state of this one.
-    pub(crate) fn twin(&self) -> Machine {
+    pub(crate) fn restored_machine(&self) -> Machine {
         let bytes = postcard::to_allocvec(self.machine.state()).unwrap();
         let state = postcard::from_bytes(&bytes).unwrap();
         Machine::restore(self.machine.config().clone(), state).unwrap()
@@ -236,7 +236,7 @@ impl Rig {
 
     /// Adds a restored machine that must produce the same results from now on.
     pub(crate) fn mirror(&mut self) {
-        self.mirror = Some(self.twin());
+        self.mirror = Some(self.restored_machine());
     }
 
     pub(crate) fn run(&mut self, cycles: u64) {
@@ -309,7 +309,7 @@ impl Rig {
     /// Returns the message of a refused command.
     pub(crate) fn refusal(&self, sequence: u64) -> String {
         let refused = self.answer(sequence).expect_err("a refusal");
-        crate::text::sentence(&refused, self.machine.config())
+        crate::text::message(&refused, self.machine.config())
     }
 
     pub(crate) fn was_accepted(&self, sequence: u64) -> bool {

@@ -14,7 +14,7 @@ use crate::signal::axis::AxisSignal;
 use crate::signal::gantry::GantrySignal;
 use crate::signal::{Board, Directory, Entry, Measure, Signal, Type};
 use crate::sync::{Leads, VirtualMaster};
-use crate::vocabulary::{self, Latched};
+use crate::vocabulary::{self, LatchView};
 
 /// Names of `machine.state`, by number.
 const MACHINE_STATES: &[&str] = &["INACTIVE", "ACTIVE", "ERROR"];
@@ -333,7 +333,7 @@ impl MachineConfig {
 
 impl Machine {
     /// Reports the latches of this cycle, with the latched position.
-    pub(super) fn take_latches(&mut self, inputs: &Inputs) {
+    pub(super) fn report_latches(&mut self, inputs: &Inputs) {
         if inputs.latches_lost > 0 {
             let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::LATCHES_LOST);
             self.events.push(event.with(Number::Count(inputs.latches_lost.into()), Number::None));
@@ -351,7 +351,7 @@ impl Machine {
             if self.latched.len() < MAX_LATCHES {
                 let rising = latch.edge == crate::drive::Edge::Rising;
                 let captured = raw.map(Position::whole);
-                self.latched.push(Latched { object: latch.object, rising, age_ns, captured, position });
+                self.latched.push(LatchView { object: latch.object, rising, age_ns, captured, position });
             }
             let event = Event::new(Severity::Info, Kind::Latch, latch.object, Code::NONE);
             let edge = Number::Count(i64::from(latch.edge == crate::drive::Edge::Rising));

@@ -86,7 +86,7 @@ pub enum StateError {
     },
     /// The state of an axis cannot result from any cycle.
     #[error("the state of axis {axis} is none that an axis can be in")]
-    Unsound {
+    InvalidAxis {
         /// Name of the axis.
         axis: String,
     },
@@ -228,20 +228,20 @@ impl State {
             }
         }
         if let Some(unsound) = self.user.iter().position(|user| !user.is_sound()) {
-            return Err(StateError::Unsound { axis: machine.config.axes[unsound].name.clone() });
+            return Err(StateError::InvalidAxis { axis: machine.config.axes[unsound].name.clone() });
         }
         for ((mine, fresh), axis) in std::iter::zip(&self.axes, &fresh.axes).zip(&machine.config.axes) {
             if !mine.is_set_up_as(fresh) {
                 return Err(StateError::Setup { axis: axis.name.clone() });
             }
             if !mine.is_sound() {
-                return Err(StateError::Unsound { axis: axis.name.clone() });
+                return Err(StateError::InvalidAxis { axis: axis.name.clone() });
             }
         }
         for (mine, fresh) in std::iter::zip(&self.gantries, &fresh.gantries) {
             if !mine.is_sound(fresh) {
                 let axis = machine.config.axes.get(usize::from(fresh.setup().axis));
-                return Err(StateError::Unsound { axis: axis.map_or_else(String::new, |axis| axis.name.clone()) });
+                return Err(StateError::InvalidAxis { axis: axis.map_or_else(String::new, |axis| axis.name.clone()) });
             }
         }
         if !self.panel.fits(&fresh.panel) {
@@ -250,14 +250,14 @@ impl State {
         if !self.virtual_master.is_sound(&self.panel.parameters, self.axes.len()) {
             return Err(StateError::VirtualMaster);
         }
-        if !self.has_sound_runs(machine.config.cycle_ns) {
+        if !self.has_valid_runs(machine.config.cycle_ns) {
             return Err(StateError::Trajectory);
         }
         Ok(())
     }
 
     /// Whether each trajectory is valid, and is run by its axes and by no others.
-    fn has_sound_runs(&self, cycle_ns: u64) -> bool {
+    fn has_valid_runs(&self, cycle_ns: u64) -> bool {
         let is_run = |slot: usize, run: &Run| {
             let mut tracks = run.trajectory.tracks().iter().enumerate();
             let axis = |index: u16| self.axes.get(usize::from(index));

@@ -9,7 +9,7 @@
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
 use super::trajectory_lag::STEPS_PER_CYCLE;
-use super::{Machine, Told};
+use super::{Machine, CycleInputs};
 use crate::axis::{Axis, Excess, LagEstimate, Run};
 use crate::code::Code;
 use crate::command::Command;
@@ -58,7 +58,7 @@ impl Machine {
     /// Starts a trajectory on all of its axes, after they have moved in this cycle.
     pub(super) fn start_trajectory(
         &mut self,
-        told: Told<'_>,
+        told: CycleInputs<'_>,
         command: &Command,
         trajectory: &Arc<Trajectory>,
     ) -> Result<(), Refusal> {
@@ -82,7 +82,7 @@ impl Machine {
         }
         // Ends the trajectories whose axes this one takes.
         for slot in 0..self.state.runs.len() {
-            self.settle_trajectory(slot, told, Self::left_by);
+            self.end_trajectory_if_due(slot, told, Self::end_by_leaving_axis);
         }
         for of in trajectory.tracks() {
             self.act_on(usize::from(of.axis), told, |axis, cx| axis.begin_track(cx, &run));
@@ -183,7 +183,7 @@ impl Machine {
     }
 
     /// Monitors the running trajectories, after all axes have moved in this cycle.
-    pub(super) fn judge_trajectories(&mut self, told: Told<'_>) {
+    pub(super) fn monitor_trajectories(&mut self, told: CycleInputs<'_>) {
         let mut steps = STEPS_PER_CYCLE;
         for slot in 0..self.state.runs.len() {
             match &self.state.runs[slot] {
@@ -191,14 +191,14 @@ impl Machine {
                 Some(run) if run.is_over => self.forget_run(slot),
                 Some(_) => {
                     self.estimate_lag(slot, &mut steps);
-                    self.settle_trajectory(slot, told, Self::end_of);
+                    self.end_trajectory_if_due(slot, told, Self::end_of);
                 }
             }
         }
     }
 
     /// Ends the trajectory of a place if its end condition is fulfilled.
-    fn settle_trajectory(&mut self, slot: usize, told: Told<'_>, ends: fn(&mut Self, &Run) -> Option<End>) {
+    fn end_trajectory_if_due(&mut self, slot: usize, told: CycleInputs<'_>, ends: fn(&mut Self, &Run) -> Option<End>) {
         let Some(run) = self.state.runs.get_mut(slot).and_then(Option::take) else { return };
         match ends(self, &run) {
             Some(end) => {
@@ -219,7 +219,7 @@ impl Machine {
     }
 
     /// Returns the end caused by the first axis that has left the run.
-    fn left_by(&mut self, run: &Run) -> Option<End> {
+    fn end_by_leaving_axis(&mut self, run: &Run) -> Option<End> {
         let tracks = run.trajectory.tracks();
         let mut left = None;
         for index in tracks.iter().map(|track| usize::from(track.axis)) {
@@ -231,14 +231,14 @@ impl Machine {
     }
 
     fn end_of(&mut self, run: &Run) -> Option<End> {
-        if let Some(left) = self.left_by(run) {
+        if let Some(left) = self.end_by_leaving_axis(run) {
             return Some(left);
         }
         let tracks = run.trajectory.tracks();
         let cycle = self.state.cycle;
         let axes = || tracks.iter().filter_map(|track| self.state.axes.get(usize::from(track.axis)));
         if axes().any(|axis| axis.is_cancelled()) {
-            return axes().all(|axis| axis.stands()).then(|| End::new(Object::Machine, Code::CANCELLED));
+            return axes().all(|axis| axis.is_command_at_rest()).then(|| End::new(Object::Machine, Code::CANCELLED));
         }
         if cycle < run.begins {
             return None;
@@ -270,7 +270,7 @@ impl Machine {
         is_over.then(|| violated(Code::TRAJECTORY_GOAL_TOLERANCE, object, violation))
     }
 
-    fn end_trajectory(&mut self, run: &Run, end: &End, told: Told<'_>) {
+    fn end_trajectory(&mut self, run: &Run, end: &End, told: CycleInputs<'_>) {
         let position = match end.object {
             Object::Axis(index) => self.state.axes.get(usize::from(index)).map(|axis| axis.command().position),
             _ => None,

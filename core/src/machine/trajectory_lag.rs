@@ -52,7 +52,7 @@ fn step(estimate: &mut LagEstimate, axis: &Axis, number: u16, run: &Run) -> Opti
     if largest > NO_LAG && estimate.largest.is_none_or(|other| seconds > other.seconds) {
         estimate.largest = Some(LargestLag { axis: number, lag: largest, seconds, point });
     }
-    estimate.late_s = estimate.late_s.max(lag.late_s(trajectory));
+    estimate.late_s = estimate.late_s.max(lag.time_after_end_s(trajectory));
     (estimate.track, estimate.at) = (estimate.track.saturating_add(1), None);
     Some(1)
 }

@@ -6,7 +6,7 @@
 //! Refuses  a source that closes a loop, a start without a ramp
 //! Source   MACS-VM-01..08, MACS-ERR-09
 
-use super::{Machine, State, Told};
+use super::{Machine, State, CycleInputs};
 use crate::code::Code;
 use crate::config::IoKind;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -46,7 +46,7 @@ impl Machine {
         }
         candidate.check_virtual_start(names(changes, PULSACC)).map_err(|problem| refusal(&problem))?;
         match self.state.virtual_master.source().after(candidate, true) {
-            VirtualSource::Axis(axis) if self.led_by(AxisSet::one(axis), Some(axis)).contains(axis) => {
+            VirtualSource::Axis(axis) if self.leaders_of(AxisSet::one(axis), Some(axis)).contains(axis) => {
                 Err(refusal(&VirtualMasterProblem {
                     key: "vmenctyp",
                     value: candidate.vmenctyp,
@@ -59,16 +59,16 @@ impl Machine {
     }
 
     /// Applies new machine parameters, set by these changes, to the virtual master.
-    pub(super) fn take_virtual_master(&mut self, changes: &[Change]) {
+    pub(super) fn apply_to_virtual_master(&mut self, changes: &[Change]) {
         let source = self.state.virtual_master.source().after(&self.state.panel.parameters, starts(changes));
-        self.lead_virtually(source);
+        self.set_virtual_source(source);
     }
 
     /// Applies the machine parameters of a restored layer. They start nothing, and without a start the virtual master
     /// follows no axis.
     pub(super) fn reset_virtual_master(&mut self) {
         let source = self.state.virtual_master.source().after_reset(&self.state.panel.parameters);
-        self.lead_virtually(source);
+        self.set_virtual_source(source);
     }
 
     /// Ends the virtual master on an abort (MACS-ERR-09).
@@ -87,11 +87,11 @@ impl Machine {
         }
         // A virtual master without a ramp stops together with its velocity, which is 0 now.
         if self.state.virtual_master.source() != VirtualSource::Direct {
-            self.lead_virtually(VirtualSource::Off);
+            self.set_virtual_source(VirtualSource::Off);
         }
     }
 
-    fn lead_virtually(&mut self, source: VirtualSource) {
+    fn set_virtual_source(&mut self, source: VirtualSource) {
         let before = self.state.virtual_master.axis();
         if source == self.state.virtual_master.source() {
             return;
@@ -114,17 +114,17 @@ impl Machine {
     /// others.
     #[cold]
     #[inline(never)]
-    pub(super) fn begin_around_virtual_master(&mut self, told: Told<'_>) -> (bool, bool) {
+    pub(super) fn begin_around_virtual_master(&mut self, told: CycleInputs<'_>) -> (bool, bool) {
         let State { virtual_master, order, .. } = &self.state;
         let followed = virtual_master.axis().and_then(|axis| order.iter().position(|&other| other == axis));
         let (ahead, count) = (followed.map_or(0, |place| place + 1), order.len());
-        let first = self.begin_some(0..ahead, told);
+        let first = self.begin_axes_at(0..ahead, told);
         self.move_virtual_master(told);
-        let second = self.begin_some(ahead..count, told);
+        let second = self.begin_axes_at(ahead..count, told);
         (first.0 && second.0, first.1 && second.1)
     }
 
-    fn move_virtual_master(&mut self, told: Told<'_>) {
+    fn move_virtual_master(&mut self, told: CycleInputs<'_>) {
         let State { virtual_master, leads, panel, .. } = &mut self.state;
         let (parameters, cycle_ns) = (&panel.parameters, self.config.cycle_ns);
         let axis = virtual_master.axis().and_then(|axis| leads.of_axes.get(usize::from(axis)));
@@ -138,7 +138,7 @@ impl Machine {
                 let entry = self.digital_inputs.get(place).copied().unwrap_or(u16::MAX);
                 let is_latching = |io: &crate::config::IoConfig| io.kind == IoKind::DigitalInput && io.latch;
                 if self.config.io.get(usize::from(entry)).is_some_and(is_latching) {
-                    let of_input = |latch: &&crate::vocabulary::Latched| {
+                    let of_input = |latch: &&crate::vocabulary::LatchView| {
                         latch.object == Object::Io(entry) && latch.rising == rising
                     };
                     let ages = self.latched.iter().filter(of_input).map(|latch| latch.age_ns);

@@ -60,7 +60,7 @@ impl Amplifier {
     }
 
     /// Returns the settings of the I2t monitoring of the current.
-    pub fn heat(&self, cycle_ns: u64) -> I2tSettings {
+    pub fn i2t_settings(&self, cycle_ns: u64) -> I2tSettings {
         I2tSettings {
             time: whole(self.heat_time),
             limit: whole(self.heat_limit),
@@ -130,7 +130,7 @@ impl Amplifier {
     }
 
     /// Returns the maximum output, 0 to 1: AMPMAXCUR, if currents are known.
-    pub fn most(&self) -> f64 {
+    pub fn max_output(&self) -> f64 {
         let full = self.max_effort.unwrap_or_default();
         if self.torque_constant == 0.0 || full == 0.0 {
             return 1.0;

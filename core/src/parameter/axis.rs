@@ -13,7 +13,7 @@ use crate::regulator::PidGains;
 use serde::{Deserialize, Serialize};
 
 /// Maximum velocity, acceleration and jerk (inc/s, ..).
-const MOST: f64 = 1e15;
+const MAX_RATE: f64 = 1e15;
 
 /// Values of the rows that an axis changes by itself ([`Row::by_axis`]).
 pub(crate) type ValuesByAxis = [Value; BY_AXIS.len()];
@@ -159,19 +159,19 @@ impl AxisParameters {
     }
 
     /// Returns the default velocity of a goal (inc/s).
-    pub fn usual_velocity(&self) -> f64 {
+    pub fn default_goal_velocity(&self) -> f64 {
         self.default_velocity.unwrap_or(self.max_velocity / 2.0)
     }
 
     /// Returns the default acceleration of a goal (inc/s^2).
-    pub fn usual_acceleration(&self) -> f64 {
+    pub fn default_goal_acceleration(&self) -> f64 {
         self.default_acceleration.unwrap_or(self.max_acceleration / 2.0)
     }
 
     /// Returns the default deceleration of a goal (inc/s^2): the same fraction of its maximum as the acceleration, as
     /// MACS-PROF-06 gives both as fractions of the maximum.
-    pub fn usual_deceleration(&self) -> f64 {
-        self.deceleration_limit() * (self.usual_acceleration() / self.max_acceleration)
+    pub fn default_goal_deceleration(&self) -> f64 {
+        self.deceleration_limit() * (self.default_goal_acceleration() / self.max_acceleration)
     }
 
     /// Returns the shape of ramps with a maximum jerk (inc/s^3) (MACS-PROF-07). The four jerks keep their ratios
@@ -191,12 +191,12 @@ impl AxisParameters {
     }
 
     /// Returns the shape with the maximum jerk; without a limit of the jerk it is a trapezoid.
-    fn largest_shape(&self) -> Shape {
+    fn max_jerk_shape(&self) -> Shape {
         self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk))
     }
 
     /// Returns the default shape of a goal: half of the maximum jerk, as for the other rates.
-    pub fn usual_shape(&self) -> Shape {
+    pub fn default_goal_shape(&self) -> Shape {
         self.max_jerk.map_or(self.shapeless(), |jerk| self.shape(jerk / 2.0))
     }
 
@@ -205,22 +205,22 @@ impl AxisParameters {
     }
 
     /// Returns the default limits of a goal.
-    pub fn usual_limits(&self) -> Limits {
+    pub fn default_goal_limits(&self) -> Limits {
         Limits {
-            velocity: self.usual_velocity(),
-            acceleration: self.usual_acceleration(),
-            deceleration: self.usual_deceleration(),
-            shape: self.usual_shape(),
+            velocity: self.default_goal_velocity(),
+            acceleration: self.default_goal_acceleration(),
+            deceleration: self.default_goal_deceleration(),
+            shape: self.default_goal_shape(),
         }
     }
 
     /// Returns the limits at their maxima, which stops at limits and after errors use (MACS-PROF-13).
-    pub fn largest_limits(&self) -> Limits {
+    pub fn max_limits(&self) -> Limits {
         Limits {
             velocity: self.max_velocity,
             acceleration: self.max_acceleration,
             deceleration: self.deceleration_limit(),
-            shape: self.largest_shape(),
+            shape: self.max_jerk_shape(),
         }
     }
 
@@ -265,18 +265,18 @@ impl AxisParameters {
             ("homing.index_velocity", self.homing.index_velocity),
             ("homing.acceleration", self.homing.acceleration),
         ] {
-            if value.is_some_and(|value| !(value > 0.0 && value <= MOST)) {
+            if value.is_some_and(|value| !(value > 0.0 && value <= MAX_RATE)) {
                 return Err(Contradiction::OutOfRange(key));
             }
         }
-        if self.turns_loops_apart() && !self.has_velocity_encoder() {
+        if self.has_loop_directions() && !self.has_velocity_encoder() {
             return Err(Contradiction::NotBuilt("posdrct", Code::NO_VELOCITY_LOOP));
         }
         self.encoder.check().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;
         if self.encoder.kind == 1 && !(0..=2).contains(&self.encoder.reference_or_parity) {
             return Err(Contradiction::NotBuilt(vocabularies::REFERENCE_OR_PARITY, Code::WF_NO_PARITY));
         }
-        if !self.reversing().is_built() {
+        if !self.reversing().is_implemented() {
             return Err(Contradiction::NotBuilt("revers", Code::NO_REVERSING_OUTPUTS));
         }
         self.check_marks().map_err(|(key, code)| Contradiction::NotBuilt(key, code))?;

@@ -103,7 +103,7 @@ impl Row {
     }
 
     /// Converts a value of this row on an axis of that scale.
-    pub fn shown(&self, scale: &Scale, value: Value) -> BorderValue {
+    pub fn to_border(&self, scale: &Scale, value: Value) -> BorderValue {
         match (value, self.measure) {
             (Value::Unset, _) => BorderValue::Unset,
             (Value::Int(place), Measure::Choice(names)) => {
@@ -137,8 +137,8 @@ impl Row {
             }
             _ => {
                 let step = if self.step() > 0 { self.number(scale, Value::Int(1)) } else { 0.0 };
-                let low = self.inside(scale, self.number(scale, low), f64::next_up);
-                let high = self.inside(scale, self.number(scale, high), f64::next_down);
+                let low = self.rounded_inwards(scale, self.number(scale, low), f64::next_up);
+                let high = self.rounded_inwards(scale, self.number(scale, high), f64::next_down);
                 BorderRange::Real { low, high, step }
             }
         })
@@ -180,7 +180,7 @@ impl Row {
     }
 
     /// Returns the end of a range, rounded inwards if its last digit is outside.
-    fn inside(&self, scale: &Scale, end: f64, inwards: fn(f64) -> f64) -> f64 {
+    fn rounded_inwards(&self, scale: &Scale, end: f64, inwards: fn(f64) -> f64) -> f64 {
         let is_taken = |number: &f64| {
             let value = convert(self, scale, &ParameterInput::Number(*number));
             value.is_ok_and(|value| self.check(value) != Err(Refused::OutOfRange))

@@ -7,7 +7,7 @@ use crate::position::Position;
 
 /// Values of POSDRCT (MACS-DIR-01): each is true if it is inverted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sense {
+pub struct CountDirection {
     /// Whether the units of the user count against the encoder.
     pub units: bool,
     /// Whether a positive reference of the position loop moves the encoder in negative direction.
@@ -16,7 +16,7 @@ pub struct Sense {
     pub velocity: bool,
 }
 
-impl Sense {
+impl CountDirection {
     /// Decodes POSDRCT; `None` for an invalid value.
     pub fn decode(posdrct: i64) -> Option<Self> {
         let digits = posdrct.unsigned_abs();
@@ -31,26 +31,26 @@ impl Sense {
 
     /// Converts between encoder counts and counts of the user, in either direction (inc).
     #[inline]
-    pub(crate) fn turn(self, counts: i64) -> i64 {
+    pub(crate) fn invert(self, counts: i64) -> i64 {
         if self.units { counts.wrapping_neg() } else { counts }
     }
 
     /// Converts a position in the same way.
     #[inline]
-    pub(crate) fn turn_position(self, position: Position) -> Position {
+    pub(crate) fn invert_position(self, position: Position) -> Position {
         if self.units { -position } else { position }
     }
 
     /// Converts a velocity, an acceleration or an effort in the same way. Never returns -0.
     #[inline]
-    pub(crate) fn turn_real(self, value: f64) -> f64 {
+    pub(crate) fn invert_real(self, value: f64) -> f64 {
         if self.units { 0.0 - value } else { value }
     }
 }
 
 /// Condition for backward motion of an axis (MACS-DIR-06).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Rule {
+pub enum ReversingRule {
     /// Always allowed.
     #[default]
     Always,
@@ -77,7 +77,7 @@ pub enum Polarity {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reversing {
     /// Condition for backward motion.
-    pub rule: Rule,
+    pub rule: ReversingRule,
     /// Output of the sign to the drive.
     pub polarity: Polarity,
     /// Bus ID of the drive; 0: none (MACS-DIR-10).
@@ -92,9 +92,9 @@ impl Reversing {
             return (revers % 10 == 0).then_some(Self { polarity: Polarity::Enables(output), ..Self::default() });
         }
         let rule = match revers % 10 {
-            0 => Rule::Always,
-            1 => Rule::WithMaster,
-            2 => Rule::Never,
+            0 => ReversingRule::Always,
+            1 => ReversingRule::WithMaster,
+            2 => ReversingRule::Never,
             _ => return None,
         };
         let polarity = match u8::try_from(revers / 10 % 10).ok()? {
@@ -106,7 +106,7 @@ impl Reversing {
     }
 
     /// Returns true if all of it is implemented: rule and outputs.
-    pub fn is_built(self) -> bool {
+    pub fn is_implemented(self) -> bool {
         self.node == 0
     }
 
@@ -122,9 +122,9 @@ impl Reversing {
 
 impl AxisParameters {
     /// Returns the values of POSDRCT.
-    pub fn sense(&self) -> Sense {
+    pub fn sense(&self) -> CountDirection {
         // The row accepts no other values.
-        Sense::decode(self.macs.posdrct).unwrap_or_default()
+        CountDirection::decode(self.macs.posdrct).unwrap_or_default()
     }
 
     /// Returns the values of REVERS.
@@ -137,8 +137,8 @@ impl AxisParameters {
 mod tests {
     use super::*;
 
-    fn sense(units: bool, position: bool, velocity: bool) -> Option<Sense> {
-        Some(Sense { units, position, velocity })
+    fn sense(units: bool, position: bool, velocity: bool) -> Option<CountDirection> {
+        Some(CountDirection { units, position, velocity })
     }
 
     /// The table of the source; 11 means 1, and every other value is invalid.
@@ -162,10 +162,10 @@ mod tests {
         ];
         for value in -300..=300 {
             let expected = table.iter().find(|(known, _)| *known == value).and_then(|(_, sense)| *sense);
-            assert_eq!(Sense::decode(value), expected, "{value}");
+            assert_eq!(CountDirection::decode(value), expected, "{value}");
         }
         for value in [i64::MIN, i64::MAX, 112, 211] {
-            assert_eq!(Sense::decode(value), None, "{value}");
+            assert_eq!(CountDirection::decode(value), None, "{value}");
         }
     }
 
@@ -179,7 +179,7 @@ mod tests {
         let (_, revers) = Row::find("revers").unwrap();
         for value in -200..=13_000 {
             let takes = |row: &Row| row.check(Value::Int(value)).is_ok();
-            assert_eq!(takes(posdrct), Sense::decode(value).is_some(), "posdrct {value}");
+            assert_eq!(takes(posdrct), CountDirection::decode(value).is_some(), "posdrct {value}");
             assert_eq!(takes(revers), Reversing::decode(value).is_some(), "revers {value}");
         }
     }
@@ -191,20 +191,20 @@ mod tests {
     fn revers_decodes_into_rule_output_and_node() {
         let of = |rule, polarity, node| Some(Reversing { rule, polarity, node });
         for (value, expected) in [
-            (0, of(Rule::Always, Polarity::Bipolar, 0)),
-            (1, of(Rule::WithMaster, Polarity::Bipolar, 0)),
-            (2, of(Rule::Never, Polarity::Bipolar, 0)),
+            (0, of(ReversingRule::Always, Polarity::Bipolar, 0)),
+            (1, of(ReversingRule::WithMaster, Polarity::Bipolar, 0)),
+            (2, of(ReversingRule::Never, Polarity::Bipolar, 0)),
             (3, None),
-            (12, of(Rule::Never, Polarity::Direction(1), 0)),
+            (12, of(ReversingRule::Never, Polarity::Direction(1), 0)),
             // The example that the printed range omits.
-            (20, of(Rule::Always, Polarity::Direction(2), 0)),
-            (300, of(Rule::Always, Polarity::Bipolar, 3)),
-            (12_702, of(Rule::Never, Polarity::Bipolar, 127)),
-            (12_792, of(Rule::Never, Polarity::Direction(9), 127)),
+            (20, of(ReversingRule::Always, Polarity::Direction(2), 0)),
+            (300, of(ReversingRule::Always, Polarity::Bipolar, 3)),
+            (12_702, of(ReversingRule::Never, Polarity::Bipolar, 127)),
+            (12_792, of(ReversingRule::Never, Polarity::Direction(9), 127)),
             (12_793, None),
             (12_800, None),
-            (-10, of(Rule::Always, Polarity::Enables(1), 0)),
-            (-90, of(Rule::Always, Polarity::Enables(9), 0)),
+            (-10, of(ReversingRule::Always, Polarity::Enables(1), 0)),
+            (-90, of(ReversingRule::Always, Polarity::Enables(9), 0)),
             (-11, None),
             (-100, None),
             (i64::MIN, None),

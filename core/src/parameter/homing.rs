@@ -72,7 +72,7 @@ impl AxisParameters {
 
     /// Returns the acceleration of homing (inc/s^2) (MACS-HOME-02).
     pub fn homing_acceleration(&self) -> f64 {
-        self.homing_ramp().min(self.usual_acceleration())
+        self.homing_ramp().min(self.default_goal_acceleration())
     }
 
     fn homing_ramp(&self) -> f64 {
@@ -148,7 +148,7 @@ impl AxisParameters {
 
     /// Returns true if a change invalidates the present zero: encoder, its type, direction of rotation, homing.
     /// A soft change of the type keeps the position, and so the zero (MACS-ENC-11).
-    pub fn loses_zero_to(&self, new: &Self) -> bool {
+    pub fn invalidates_zero(&self, new: &Self) -> bool {
         // A rate that is given by another name may be equal.
         let rest = |p: &Self| Homing {
             velocity: None,

@@ -76,7 +76,7 @@ impl AxisParameters {
 
     /// Returns the parameters for a cell with these sources.
     #[must_use]
-    pub fn reading(mut self, sources: AbsoluteSources) -> Self {
+    pub fn with_sources(mut self, sources: AbsoluteSources) -> Self {
         self.encoder.absolute = sources;
         self.derive();
         self
@@ -124,24 +124,24 @@ impl AxisParameters {
 
     /// Returns DFLTVEL (1/VELRES), rounded to the nearest (MACS-PROF-04, MACS-PROF-06).
     pub fn dfltvel(&self) -> i64 {
-        let share = || self.usual_velocity() / self.max_velocity;
+        let share = || self.default_goal_velocity() / self.max_velocity;
         self.macs.dfltvel.unwrap_or_else(|| (share() * self.macs.velres as f64).round() as i64)
     }
 
     /// Returns DFLTACC (1/VELRES), rounded to the nearest (MACS-PROF-04, MACS-PROF-06).
     pub fn dfltacc(&self) -> i64 {
-        let share = || self.usual_acceleration() / self.max_acceleration;
+        let share = || self.default_goal_acceleration() / self.max_acceleration;
         self.macs.dfltacc.unwrap_or_else(|| (share() * self.macs.velres as f64).round() as i64)
     }
 
     /// Returns the active NEGLIMIT (inc): the limit of decreasing counts, which is the upper one in inverted units
     ///
-    pub fn falling(&self) -> Option<i64> {
+    pub fn active_neglimit(&self) -> Option<i64> {
         if self.is_inverted() { self.max_position.map(i64::saturating_neg) } else { self.min_position }
     }
 
     /// Returns the active POSLIMIT (inc): the limit of increasing counts.
-    pub fn rising(&self) -> Option<i64> {
+    pub fn active_poslimit(&self) -> Option<i64> {
         if self.is_inverted() { self.min_position.map(i64::saturating_neg) } else { self.max_position }
     }
 
@@ -184,12 +184,12 @@ impl AxisParameters {
             Some(limit) if limit != kept => limit.clamp(-MLONG, MLONG),
             _ => kept,
         };
-        self.macs.neglimit = of_macs(self.falling(), self.macs.neglimit);
-        self.macs.poslimit = of_macs(self.rising(), self.macs.poslimit);
+        self.macs.neglimit = of_macs(self.active_neglimit(), self.macs.neglimit);
+        self.macs.poslimit = of_macs(self.active_poslimit(), self.macs.poslimit);
     }
 
     /// Changes POSDRCT: if its sign changes, the limits keep their physical places.
-    pub(super) fn turn_over(&mut self, posdrct: i64) {
+    pub(super) fn set_posdrct(&mut self, posdrct: i64) {
         let was_inverted = self.is_inverted();
         self.macs.posdrct = posdrct;
         if self.is_inverted() != was_inverted {
@@ -202,8 +202,8 @@ impl AxisParameters {
 
     /// Returns the parameters in the direction of rotation of other ones: the base for changes of further rows (the row
     /// of the direction is applied first).
-    pub fn in_sense_of(mut self, other: &Self) -> Self {
-        self.turn_over(other.macs.posdrct);
+    pub fn with_direction_of(mut self, other: &Self) -> Self {
+        self.set_posdrct(other.macs.posdrct);
         self
     }
 
@@ -223,12 +223,12 @@ impl AxisParameters {
 
     /// Returns true if the value was given by this row. Writing only these rows, and reading them, gives the same
     /// parameters.
-    pub fn gives(&self, row: &Row) -> bool {
+    pub fn is_given_by(&self, row: &Row) -> bool {
         let by_view = self.is_by_view(row.root()).unwrap_or(false);
         match row.key {
             // The value of a limit that is off; an active limit is the native value.
-            "neglimit" => self.falling().is_none(),
-            "poslimit" => self.rising().is_none(),
+            "neglimit" => self.active_neglimit().is_none(),
+            "poslimit" => self.active_poslimit().is_none(),
             _ if row.is_view() => by_view,
             _ => row.is_stored() && !by_view,
         }
@@ -254,7 +254,7 @@ impl AxisParameters {
     }
 
     /// Returns true if the row has this value, as if nothing else had been set after it.
-    pub fn holds(&self, row: &Row, value: Value) -> bool {
+    pub fn has_value(&self, row: &Row, value: Value) -> bool {
         row.value(self) == value && self.is_by_view(row.root()).is_none_or(|by_view| by_view == row.is_view())
     }
 

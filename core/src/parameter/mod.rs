@@ -36,7 +36,7 @@ pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
 pub use compensation::Compensation;
 pub use convert::{ConvertError, ParameterInput, convert};
-pub use direction::{Polarity, Reversing, Rule, Sense};
+pub use direction::{Polarity, Reversing, ReversingRule, CountDirection};
 pub use encoder::Encoders;
 pub use gantry::GantryParameters;
 pub use homing::{Assigned, AssignedOutputs, Homing, HomingParts};
@@ -52,7 +52,7 @@ pub use supervision::{FOLLOWING_ERROR_CHECKS, JOG_AT_LIMIT, Supervision};
 pub use synchronization::{OffsetRates, Synchronization};
 pub use virtual_master::{Marker, VirtualMasterProblem};
 pub use vocabularies::Vocabularies;
-pub use words::{Here, Word};
+pub use words::{Equivalent, Word};
 
 use crate::event::Number;
 use crate::object::Object;

@@ -8,7 +8,7 @@ use super::{ROWS, System};
 
 /// Equivalent of a word of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Here {
+pub enum Equivalent {
     /// The parameter of that key.
     Parameter(&'static str),
     /// A key of the axis in its cell.
@@ -25,40 +25,40 @@ pub struct Word {
     /// Name in the source.
     pub name: &'static str,
     /// Equivalent.
-    pub here: Here,
+    pub equivalent: Equivalent,
 }
 
-const fn wf(name: &'static str, here: Here) -> Word {
-    Word { system: System::Wf, name, here }
+const fn wf(name: &'static str, here: Equivalent) -> Word {
+    Word { system: System::Wf, name, equivalent: here }
 }
 
-const fn amc(name: &'static str, here: Here) -> Word {
-    Word { system: System::Amc, name, here }
+const fn amc(name: &'static str, here: Equivalent) -> Word {
+    Word { system: System::Amc, name, equivalent: here }
 }
 
 /// Words that are no parameters.
 const ELSEWHERE: [Word; 14] = [
-    wf("MD10", Here::Words("the addresses in section `io` of the cell")),
-    wf("MD11", Here::Parameter("max_position")),
-    wf("MD13", Here::Parameter("min_position")),
-    wf("MD18", Here::Key("modulo")),
-    wf("MD19", Here::Key("scale")),
-    wf("MD20", Here::Key("scale")),
-    wf("MD40", Here::Words("`lineshaft sim`, or `run --sim`")),
-    wf("MD49", Here::Key("unit")),
-    amc("31.010", Here::Key("modulo")),
-    amc("32.001", Here::Key("amc: {master: ..}")),
-    amc("32.007", Here::Key("amc: {freeze: ..}")),
-    amc("38.008", Here::Words("the signal `command.position`")),
-    amc("38.009", Here::Words("the signal `command.velocity`")),
-    amc("38.010", Here::Words("the signal `command.acceleration`")),
+    wf("MD10", Equivalent::Words("the addresses in section `io` of the cell")),
+    wf("MD11", Equivalent::Parameter("max_position")),
+    wf("MD13", Equivalent::Parameter("min_position")),
+    wf("MD18", Equivalent::Key("modulo")),
+    wf("MD19", Equivalent::Key("scale")),
+    wf("MD20", Equivalent::Key("scale")),
+    wf("MD40", Equivalent::Words("`lineshaft sim`, or `run --sim`")),
+    wf("MD49", Equivalent::Key("unit")),
+    amc("31.010", Equivalent::Key("modulo")),
+    amc("32.001", Equivalent::Key("amc: {master: ..}")),
+    amc("32.007", Equivalent::Key("amc: {freeze: ..}")),
+    amc("38.008", Equivalent::Words("the signal `command.position`")),
+    amc("38.009", Equivalent::Words("the signal `command.velocity`")),
+    amc("38.010", Equivalent::Words("the signal `command.acceleration`")),
 ];
 
 impl Word {
     /// Returns all words: those of the rows in their order, then the others.
     pub fn all() -> impl Iterator<Item = Word> {
         let named = ROWS.iter().filter(|row| !row.mnemonic.is_empty());
-        let of_rows = named.map(|row| Word { system: row.system, name: row.mnemonic, here: Here::Parameter(row.key) });
+        let of_rows = named.map(|row| Word { system: row.system, name: row.mnemonic, equivalent: Equivalent::Parameter(row.key) });
         of_rows.chain(ELSEWHERE)
     }
 
@@ -75,21 +75,21 @@ impl Word {
             .find_map(|(prefix, system)| Some((Some(*system), small.strip_prefix(prefix)?)))
             .unwrap_or((None, &small));
         let is_of = |known: System| system.is_none_or(|system| system == known);
-        let rest = plain(rest);
+        let rest = without_separators(rest);
         let by_number = ROWS.iter().find(|row| is_of(row.system) && row.number.contains('.') && row.number == rest);
         let by_number =
-            by_number.map(|row| Word { system: row.system, name: row.number, here: Here::Parameter(row.key) });
-        by_number.or_else(|| Self::all().find(|word| is_of(word.system) && plain(&word.name.to_lowercase()) == rest))
+            by_number.map(|row| Word { system: row.system, name: row.number, equivalent: Equivalent::Parameter(row.key) });
+        by_number.or_else(|| Self::all().find(|word| is_of(word.system) && without_separators(&word.name.to_lowercase()) == rest))
     }
 
     /// Returns the equivalent in one clause: `MD18 of Siemens WF 725 is key modulo of the axis in its cell`. A
     /// parameter is written with its object, if given.
     pub fn text(&self, object: Option<&str>) -> String {
-        let here = match (self.here, object) {
-            (Here::Parameter(key), Some(object)) => format!("`{object}.{key}`"),
-            (Here::Parameter(key), None) | (Here::Key(key), None) => format!("`{key}`"),
-            (Here::Key(key), Some(_)) => format!("key `{key}` of the axis in its cell"),
-            (Here::Words(words), _) => words.to_owned(),
+        let here = match (self.equivalent, object) {
+            (Equivalent::Parameter(key), Some(object)) => format!("`{object}.{key}`"),
+            (Equivalent::Parameter(key), None) | (Equivalent::Key(key), None) => format!("`{key}`"),
+            (Equivalent::Key(key), Some(_)) => format!("key `{key}` of the axis in its cell"),
+            (Equivalent::Words(words), _) => words.to_owned(),
         };
         format!("{} of {} is {here}", self.name, self.system.name())
     }
@@ -99,7 +99,7 @@ const PREFIXES: [(&str, System); 4] =
     [("wf.", System::Wf), ("amc.", System::Amc), ("saia.", System::Saia), ("macs.", System::Macs)];
 
 /// Removes the separators, which are written differently in each source.
-fn plain(text: &str) -> String {
+fn without_separators(text: &str) -> String {
     text.chars().filter(|c| !c.is_whitespace() && !"_-".contains(*c)).collect()
 }
 
@@ -141,7 +141,7 @@ mod tests {
         }
         for word in ELSEWHERE {
             assert!(ROWS.iter().all(|row| row.system != word.system || row.number != word.name), "{word:?}");
-            if let Here::Parameter(key) = word.here {
+            if let Equivalent::Parameter(key) = word.equivalent {
                 assert!(Row::find(key).is_some(), "{word:?}");
             }
         }

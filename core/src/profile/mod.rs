@@ -145,11 +145,11 @@ pub fn stop(start: Motion, limits: &Limits, cycle_ns: u64) -> Plan {
 }
 
 /// Returns the distance of [`stop`] from `start` to rest (inc, signed).
-pub fn stopping_way(start: Motion, limits: &Limits) -> f64 {
+pub fn stopping_distance(start: Motion, limits: &Limits) -> f64 {
     match limits.shape {
-        Shape::Trapezoid => trapezoid::stopping_way(start, limits),
-        Shape::SRamp => sine::stopping_way(start, limits),
-        Shape::Jerk(jerks) => jerk::stopping_way(start, limits, &jerks),
+        Shape::Trapezoid => trapezoid::stopping_distance(start, limits),
+        Shape::SRamp => sine::stopping_distance(start, limits),
+        Shape::Jerk(jerks) => jerk::stopping_distance(start, limits, &jerks),
     }
 }
 

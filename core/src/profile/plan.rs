@@ -78,12 +78,12 @@ fn position(base: Position, way: f64) -> Position {
         // The sum can wrap only with an invalid base.
         Position::from_raw(base.raw().wrapping_add(i128::from((raw + half) as i64)))
     } else {
-        far(base, way)
+        advanced_by(base, way)
     }
 }
 
 #[cold]
-fn far(base: Position, way: f64) -> Position {
+fn advanced_by(base: Position, way: f64) -> Position {
     base + Position::from_f64(way)
 }
 
@@ -379,7 +379,7 @@ impl<'a> Draft<'a> {
     }
 
     /// Appends a quarter of a wave in which `acceleration` ends, with an angular `frequency` (1/s).
-    pub(super) fn fade(&mut self, velocity: f64, acceleration: f64, frequency: f64) {
+    pub(super) fn push_quarter_wave(&mut self, velocity: f64, acceleration: f64, frequency: f64) {
         let time = std::f64::consts::FRAC_PI_2 / frequency;
         if time > 0.0 {
             let amplitude = acceleration / frequency;

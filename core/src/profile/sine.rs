@@ -8,7 +8,7 @@
 //! Source   MACS-PROF-09, as interpreted in A-20
 
 use super::plan::{Draft, Plan};
-use super::trapezoid::{Leg, Rates, over};
+use super::trapezoid::{Leg, Rates, middle_velocity};
 use super::{Limits, Motion, distance};
 use crate::position::Position;
 use std::f64::consts::FRAC_PI_2;
@@ -90,7 +90,7 @@ fn backward(draft: &mut Draft<'_>, legs: [Leg; 2]) {
 }
 
 fn begin(draft: &mut Draft<'_>, start: Motion, fade: Fade) -> Fade {
-    draft.fade(start.velocity, start.acceleration, fade.frequency);
+    draft.push_quarter_wave(start.velocity, start.acceleration, fade.frequency);
     fade
 }
 
@@ -102,7 +102,7 @@ pub(super) fn to_pass(start: Motion, target: Position, end_velocity: f64, limits
     let whole = distance(start.position, target);
     let fade = begin(&mut draft, start, Fade::towards(start, whole, end_velocity, limits));
     let distance = whole - draft.way;
-    let over = over(distance, fade.velocity, end_velocity, limits.velocity, rates);
+    let over = middle_velocity(distance, fade.velocity, end_velocity, limits.velocity, rates);
     let before = over.map_or(fade.velocity, |over| over.velocity);
     forward(&mut draft, rates.legs(fade.velocity, before));
     backward(&mut draft, rates.legs(before, end_velocity));
@@ -131,7 +131,7 @@ pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_n
 }
 
 /// As [`super::stopping_way`].
-pub(super) fn stopping_way(start: Motion, limits: &Limits) -> f64 {
+pub(super) fn stopping_distance(start: Motion, limits: &Limits) -> f64 {
     let fade = Fade::short(start, limits);
     fade.way + rates(limits).way(fade.velocity, 0.0)
 }

@@ -63,7 +63,7 @@ pub(super) struct Over {
 
 /// Returns the intermediate velocity for a motion of `distance` from velocity `from` to velocity `to`; none if the
 /// direct change of velocity covers this distance.
-pub(super) fn over(distance: f64, from: f64, to: f64, top: f64, rates: Rates) -> Option<Over> {
+pub(super) fn middle_velocity(distance: f64, from: f64, to: f64, top: f64, rates: Rates) -> Option<Over> {
     let direct = rates.way(from, to);
     if is_met(distance, direct) {
         return None;
@@ -103,7 +103,7 @@ pub(super) fn to_pass(start: Motion, target: Position, end_velocity: f64, limits
     let mut plan = Plan::new(start.position, cycle_ns);
     let mut draft = Draft::new(&mut plan);
     let distance = distance(start.position, target);
-    let over = over(distance, start.velocity, end_velocity, limits.velocity, rates);
+    let over = middle_velocity(distance, start.velocity, end_velocity, limits.velocity, rates);
     let before = over.map_or(start.velocity, |over| over.velocity);
     forward(&mut draft, rates.legs(start.velocity, before));
     backward(&mut draft, rates.legs(before, end_velocity));
@@ -129,7 +129,7 @@ pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_n
 }
 
 /// As [`super::stopping_way`].
-pub(super) fn stopping_way(start: Motion, limits: &Limits) -> f64 {
+pub(super) fn stopping_distance(start: Motion, limits: &Limits) -> f64 {
     start.velocity * start.velocity.abs() / (2.0 * limits.deceleration)
 }
 

@@ -71,7 +71,7 @@ impl CurrentGains {
     }
 
     /// Returns V per A and sample.
-    fn worth(&self) -> f64 {
+    fn volts_per_ampere_and_sample(&self) -> f64 {
         self.unit() * INTEGRAL * self.integral
     }
 }
@@ -92,7 +92,7 @@ impl CurrentLoop {
     pub fn step(&mut self, gains: &CurrentGains, error: f64) -> f64 {
         let error = measured(error, MOST_ERROR);
         match self.gains.replace(*gains) {
-            Some(before) if before != *gains => self.exchange(&before, gains, error),
+            Some(before) if before != *gains => self.advance_with_new_gains(&before, gains, error),
             _ => self.advance(gains, error),
         }
     }
@@ -103,23 +103,23 @@ impl CurrentLoop {
         let law = self.law(gains, error);
         // The fading rest must not hide that the law itself already saturates.
         let room = Room::around(law.min(law + rest), law.max(law + rest), gains.voltage);
-        self.sum = grown(self.sum, error, gains.limit, gains.worth(), room);
+        self.sum = grown(self.sum, error, gains.limit, gains.volts_per_ampere_and_sample(), room);
         within(within(self.law(gains, error), gains.voltage) + rest, gains.voltage)
     }
 
     /// Advances by a sample with other gains than the last one.
-    fn exchange(&mut self, before: &CurrentGains, gains: &CurrentGains, error: f64) -> f64 {
+    fn advance_with_new_gains(&mut self, before: &CurrentGains, gains: &CurrentGains, error: f64) -> f64 {
         let voltage = self.advance(before, error);
         let part = |loops: &Self, gains: &CurrentGains| within(loops.law(gains, error), gains.voltage) / gains.voltage;
         let old = part(self, before);
-        let carried = if gains.worth() == 0.0 { 0.0 } else { before.worth() * self.sum / gains.worth() };
+        let carried = if gains.volts_per_ampere_and_sample() == 0.0 { 0.0 } else { before.volts_per_ampere_and_sample() * self.sum / gains.volts_per_ampere_and_sample() };
         self.sum = within(carried, gains.limit);
         self.fade.make_up_for(part(self, gains) - old);
         within(voltage, gains.voltage)
     }
 
     fn law(&self, gains: &CurrentGains, error: f64) -> f64 {
-        gains.factor() * error + gains.worth() * self.sum
+        gains.factor() * error + gains.volts_per_ampere_and_sample() * self.sum
     }
 
     /// Resets the loop: the sum is 0.
@@ -201,7 +201,7 @@ impl Winding {
     /// # Errors
     /// A value beyond its range; a gain beyond +-32767.
     pub fn design(&self) -> Result<Design, DesignError> {
-        self.judge()?;
+        self.check_ranges()?;
         let bandwidth = self.beta * PI / (2.0 * self.sample);
         let unit = self.scale * KU * self.voltage;
         let proportional = (2.0 * bandwidth * self.inductance - self.resistance) / unit;
@@ -214,7 +214,7 @@ impl Winding {
         Ok(Design { bandwidth, proportional, integral })
     }
 
-    fn judge(&self) -> Result<(), DesignError> {
+    fn check_ranges(&self) -> Result<(), DesignError> {
         let positive = f64::MIN_POSITIVE;
         let values = [
             ("Beta", self.beta, "", 0.1, 0.3, "0.1 to 0.3"),

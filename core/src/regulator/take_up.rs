@@ -23,7 +23,7 @@ const MOST: i64 = 1 << 33;
 
 /// Compensation of the motor relative to the load, in the direction of the encoder (inc).
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct TakeUp {
+pub(crate) struct Compensator {
     /// Whether there is nothing to compensate, and no compensation left.
     is_idle: bool,
     /// Whether the compensation has reached its target, and the counts have followed.
@@ -49,7 +49,7 @@ pub(crate) struct TakeUp {
     past: [i64; PAST],
 }
 
-impl TakeUp {
+impl Compensator {
     pub(crate) fn new(delay: u32) -> Self {
         Self {
             is_idle: true,
@@ -67,7 +67,7 @@ impl TakeUp {
     }
 
     /// Returns the compensation added to the command of the drive (inc).
-    pub(crate) fn asked(&self) -> i64 {
+    pub(crate) fn commanded_compensation(&self) -> i64 {
         self.asked
     }
 
@@ -113,14 +113,14 @@ impl TakeUp {
     }
 
     /// Advances to the counts of the next cycle, and returns by how much more than the load they have changed.
-    pub(crate) fn answer(&mut self) -> i64 {
+    pub(crate) fn advance_counts(&mut self) -> i64 {
         let answered = self.past.first().copied().unwrap_or_default();
         self.change = answered.saturating_sub(std::mem::replace(&mut self.taken, answered));
         self.change
     }
 
     /// Notes the position of the command; a position that is not the command of the axis has no direction.
-    pub(crate) fn note_place(&mut self, place: i64, is_own: bool) {
+    pub(crate) fn set_command_position(&mut self, place: i64, is_own: bool) {
         if !is_own {
             self.furthest = place;
             return;
@@ -167,7 +167,7 @@ impl TakeUp {
     }
 
     /// Makes the compensation of the counts of this cycle 0: it has become part of the coordinate.
-    fn begin_anew(&mut self) {
+    fn restart_at_zero(&mut self) {
         let taken = std::mem::take(&mut self.taken);
         self.asked = self.asked.saturating_sub(taken);
         self.past.iter_mut().for_each(|kept| *kept = kept.saturating_sub(taken));
@@ -181,7 +181,7 @@ impl TakeUp {
     /// Sets a reference found in that direction or, with 0, in that of the last motion; there the gap is 0. `is_own`:
     /// whether the last motion was one of the command.
     pub(crate) fn begin_from_zero(&mut self, way: i8, is_own: bool) {
-        self.begin_anew();
+        self.restart_at_zero();
         self.reference = if way == 0 { self.sense } else { way };
         if !is_own {
             self.sense = self.reference;
@@ -221,11 +221,11 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn led(delay: u32, targets: &[i64], most: f64) -> (TakeUp, Vec<i64>) {
-        let mut compensation = TakeUp::new(delay);
+    fn led(delay: u32, targets: &[i64], most: f64) -> (Compensator, Vec<i64>) {
+        let mut compensation = Compensator::new(delay);
         let mut asked = Vec::new();
         for target in targets {
-            compensation.answer();
+            compensation.advance_counts();
             compensation.step(*target, most, true);
             assert!(compensation.is_sound());
             asked.push(compensation.asked);
@@ -244,11 +244,11 @@ mod tests {
     #[test]
     fn the_counts_answer_one_cycle_and_the_delay_later() {
         for delay in [0, 1, 5, 32] {
-            let mut compensation = TakeUp::new(delay);
+            let mut compensation = Compensator::new(delay);
             compensation.step(3, 10.0, true);
             for cycle in 0..=delay {
                 assert_eq!((compensation.taken, compensation.is_settled), (0, false), "{delay}");
-                assert_eq!(compensation.answer(), if cycle == delay { 3 } else { 0 }, "{delay}");
+                assert_eq!(compensation.advance_counts(), if cycle == delay { 3 } else { 0 }, "{delay}");
                 compensation.step(3, 10.0, true);
             }
             assert_eq!((compensation.taken, compensation.ahead(), compensation.is_settled), (3, 0, true));
@@ -257,24 +257,24 @@ mod tests {
 
     #[test]
     fn a_command_that_trembles_by_an_increment_reverses_nothing() {
-        let mut compensation = TakeUp::new(0);
+        let mut compensation = Compensator::new(0);
         let mut senses = |places: &[i64]| {
             let note = |place: &i64| {
-                compensation.note_place(*place, true);
+                compensation.set_command_position(*place, true);
                 compensation.sense
             };
             places.iter().map(note).collect::<Vec<_>>()
         };
         assert_eq!(senses(&[0, 1, 2, 1, 2, 1, 3]), [0, 0, 1, 1, 1, 1, 1]);
         assert_eq!(senses(&[2, 1, 2, 1, 2, 3]), [1, -1, -1, -1, -1, 1]);
-        compensation.note_place(-50, false);
+        compensation.set_command_position(-50, false);
         assert_eq!((compensation.sense, compensation.furthest), (1, -50));
     }
 
     /// The gap is against the direction of the reference, and 0 before any motion.
     #[test]
     fn the_gap_lies_in_the_other_sense_than_the_reference() {
-        let gap = |reference, sense| TakeUp { reference, sense, ..TakeUp::new(0) }.gap(40);
+        let gap = |reference, sense| Compensator { reference, sense, ..Compensator::new(0) }.gap(40);
         assert_eq!([gap(1, 1), gap(1, -1), gap(1, 0), gap(0, -1), gap(0, 1)], [0, -40, 0, -40, 0]);
         assert_eq!([gap(-1, -1), gap(-1, 1), gap(-1, 0)], [0, 40, 0]);
     }
@@ -284,12 +284,12 @@ mod tests {
         let (mut compensation, _) = led(2, &[12; 4], 3.0);
         let ahead = compensation.ahead();
         assert_eq!((compensation.asked, compensation.taken), (12, 3));
-        compensation.begin_anew();
+        compensation.restart_at_zero();
         assert_eq!((compensation.taken, compensation.ahead()), (0, ahead));
         assert_eq!(
             (0..3)
                 .map(|_| {
-                    compensation.answer();
+                    compensation.advance_counts();
                     compensation.step(0, 1e-9, true);
                     compensation.taken
                 })
@@ -317,7 +317,7 @@ mod tests {
             let mut last = compensation;
             let target = *targets.last().expect("one");
             for _ in 0..(10_000.0 / most) as usize + 40 {
-                last.answer();
+                last.advance_counts();
                 last.step(target, most, true);
                 if last.is_settled {
                     break;

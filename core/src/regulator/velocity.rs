@@ -64,12 +64,12 @@ impl VelocityGains {
     }
 
     /// Returns the output per ms at full speed.
-    fn worth(&self) -> f64 {
+    fn output_per_ms(&self) -> f64 {
         f64::from(self.integral) * VELOCITY_GAIN
     }
 
     /// Returns the bound of the sum (ms).
-    fn most(&self) -> f64 {
+    fn sum_bound(&self) -> f64 {
         f64::from(self.limit) * VELOCITY_SUM
     }
 }
@@ -100,27 +100,27 @@ impl VelocityLoop {
         let fallen = self.fall * gains.cycle;
         self.offset -= within(self.offset, fallen);
         match self.gains {
-            Some(before) if before != *gains => self.exchange(&before, gains, error, most),
+            Some(before) if before != *gains => self.advance_with_new_gains(&before, gains, error, most),
             _ => self.advance(gains, error, most),
         }
     }
 
     fn advance(&mut self, gains: &VelocityGains, error: f64, most: f64) -> f64 {
         self.gains = Some(*gains);
-        self.sum = within(self.sum, gains.most());
+        self.sum = within(self.sum, gains.sum_bound());
         let law = self.law(gains, error);
         // An offset must not hide that the law itself already saturates.
         let room = Room::around(law.min(law + self.offset), law.max(law + self.offset), most);
-        self.sum = grown(self.sum, error * gains.cycle, gains.most(), gains.worth(), room);
+        self.sum = grown(self.sum, error * gains.cycle, gains.sum_bound(), gains.output_per_ms(), room);
         self.output(gains, error, most)
     }
 
     /// Advances by a sample with other gains than the last one.
-    fn exchange(&mut self, before: &VelocityGains, gains: &VelocityGains, error: f64, most: f64) -> f64 {
+    fn advance_with_new_gains(&mut self, before: &VelocityGains, gains: &VelocityGains, error: f64, most: f64) -> f64 {
         let output = self.advance(before, error, most);
-        let part = before.worth() * self.sum;
-        let carried = if gains.integral == 0 { 0.0 } else { part / gains.worth() };
-        self.sum = within(carried, gains.most());
+        let part = before.output_per_ms() * self.sum;
+        let carried = if gains.integral == 0 { 0.0 } else { part / gains.output_per_ms() };
+        self.sum = within(carried, gains.sum_bound());
         self.gains = Some(*gains);
         self.offset = output - within(self.law(gains, error), most);
         self.fall = self.offset.abs() / CARRY_TIME;
@@ -128,7 +128,7 @@ impl VelocityLoop {
     }
 
     fn law(&self, gains: &VelocityGains, error: f64) -> f64 {
-        gains.factor() * error + gains.worth() * self.sum
+        gains.factor() * error + gains.output_per_ms() * self.sum
     }
 
     fn output(&self, gains: &VelocityGains, error: f64, most: f64) -> f64 {

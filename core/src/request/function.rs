@@ -4,7 +4,7 @@ use super::{RequestError, list};
 use crate::command::{Action, CommandFunction, RunFunction};
 use crate::config::{MachineConfig, SlotConfig};
 use crate::function::Order;
-use crate::table::{CamSetting, Table, falling_place};
+use crate::table::{CamSetting, Table, first_non_rising};
 use crate::unit::excerpt;
 use lineshaft_program::Module;
 use std::sync::Arc;
@@ -107,7 +107,7 @@ impl MachineConfig {
         let setting = present.map(|present| present.table.cam_setting()).unwrap_or_default();
         let bad = |sentence: String| RequestError::BadTable { name: excerpt(name), sentence };
         // The same check and message as in the cell.
-        if let Some((_, sentence)) = falling_place(x) {
+        if let Some((_, sentence)) = first_non_rising(x) {
             return Err(bad(sentence));
         }
         let table = Table::new(form, x, y).map_err(|error| bad(error.to_string()))?.with_cam(setting);

@@ -7,8 +7,8 @@
 //! Source   contract section 7, PLCopen (MC_GearOut, MC_CamOut)
 
 use super::RequestError;
-use super::synchronize::place;
-use crate::command::{GearOut, LeaveAt};
+use super::synchronize::checked_position;
+use crate::command::{GearOut, DisengageAt};
 use crate::config::MachineConfig;
 use crate::sync::Disengage;
 
@@ -35,12 +35,12 @@ impl MachineConfig {
         let choice = |field, value: i64, allowed| RequestError::BadChoice { field, value, allowed };
         let increments = request.increments;
         let at = match (request.at, increments) {
-            (0, 0) => LeaveAt::Now,
+            (0, 0) => DisengageAt::Now,
             (0, given) => {
                 return Err(choice("increments", given, "0 is allowed with at NOW, which waits for no place"));
             }
-            (1, given) => LeaveAt::Leader(place("increments", given)?),
-            (2, given) => LeaveAt::Axis(place("increments", given)?),
+            (1, given) => DisengageAt::Leader(checked_position("increments", given)?),
+            (2, given) => DisengageAt::Axis(checked_position("increments", given)?),
             (other, _) => {
                 return Err(choice("at", other.into(), "0 NOW, 1 MASTER_POSITION, 2 POSITION are allowed"));
             }

@@ -18,13 +18,13 @@ pub(super) fn check_move(request: &MoveRequest, resolved: &Move, axis: &AxisConf
     }
     if resolved.mode == MoveMode::Velocity && resolved.target != Length::whole(0) {
         let allowed = "0 is allowed with mode VELOCITY, which has no target";
-        return Err(no_meaning("position", request.position, request.units, &axis.scale, allowed));
+        return Err(unused_length_error("position", request.position, request.units, &axis.scale, allowed));
     }
     Ok(())
 }
 
 /// Returns the error of a length without effect.
-pub(super) fn no_meaning(
+pub(super) fn unused_length_error(
     field: &'static str,
     given: Amount,
     units: Units,

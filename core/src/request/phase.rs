@@ -47,7 +47,7 @@ impl MachineConfig {
                 if let (true, Some(error)) = (by_scale.is_empty(), refused) {
                     return Err(error);
                 }
-                let given = [request.shift, request.velocity, request.acceleration].map(meant);
+                let given = [request.shift, request.velocity, request.acceleration].map(exact_decimal);
                 PhaseSide::Master { given, by_scale: by_scale.into() }
             }
             other => {
@@ -73,7 +73,7 @@ impl MachineConfig {
 }
 
 /// Converts a number without a unit to the decimal that was written: only rounding errors of f64 are removed.
-fn meant(amount: Amount) -> Amount {
+fn exact_decimal(amount: Amount) -> Amount {
     match amount {
         Amount::Number(number) => {
             Amount::Number(fraction_from_f64(number).map_or(number, |exact| fraction_to_f64(&exact)))

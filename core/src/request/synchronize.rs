@@ -5,7 +5,7 @@
 //! Refuses  modes that do not exist yet, fields without effect in the mode, scales beyond [`MOST_SCALE`]
 //! Source   contract section 7, 10
 
-use super::meaning::no_meaning;
+use super::meaning::unused_length_error;
 use super::{Amount, RequestError, Units, bad_value};
 use crate::command::{CamIn, Engage, Synchronize};
 use crate::config::MachineConfig;
@@ -33,7 +33,7 @@ const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
 const AT_END: u8 = 3;
 /// Maximum scale of a cam; the minimum is its inverse.
-const MOST_SCALE: i128 = 1_000_000;
+const MAX_SCALE: i128 = 1_000_000;
 /// Maximum decimal places of a scale.
 const PLACES: u32 = 18;
 
@@ -109,12 +109,12 @@ impl MachineConfig {
         let (_, axis) = self.find_axis(&request.axis)?;
         if resolved.mode == SyncMode::Velocity && resolved.offset != Length::whole(0) {
             let allowed = "0 is allowed with mode VELOCITY, which keeps no position";
-            return Err(no_meaning("offset", request.offset, Units::Si, &axis.scale, allowed));
+            return Err(unused_length_error("offset", request.offset, Units::Si, &axis.scale, allowed));
         }
         if resolved.mode == SyncMode::Marker && resolved.offset != Length::whole(0) {
             let allowed =
                 "0 is allowed with mode MARKER, where parameter syncposoffs shifts the axis against the marks";
-            return Err(no_meaning("offset", request.offset, Units::Si, &axis.scale, allowed));
+            return Err(unused_length_error("offset", request.offset, Units::Si, &axis.scale, allowed));
         }
         Ok(resolved)
     }
@@ -160,14 +160,14 @@ impl MachineConfig {
             }
             if offset != Length::whole(0) {
                 let allowed = "0 is allowed with mode CAM, which has slave_offset";
-                return Err(no_meaning("offset", request.offset, units, scale, allowed));
+                return Err(unused_length_error("offset", request.offset, units, scale, allowed));
             }
             Some(self.resolve_cam(&request.cam, leader, scale)?)
         } else {
             check_no_cam(&request.cam)?;
             if matches!(engage, Engage::InPosition { .. }) && offset != Length::whole(0) {
                 let allowed = "0 is allowed with engage AT_POSITION, whose slave_increments say where the slave is";
-                return Err(no_meaning("offset", request.offset, units, scale, allowed));
+                return Err(unused_length_error("offset", request.offset, units, scale, allowed));
             }
             None
         };
@@ -219,10 +219,10 @@ impl MachineConfig {
 
     /// Converts the positions of AT_POSITION.
     fn resolve_position(&self, request: &SynchronizeRequest, mode: u8, leader: Leader) -> Result<Engage, RequestError> {
-        let position = place("master_increments", request.master_increments)?;
+        let position = checked_position("master_increments", request.master_increments)?;
         let turn = self.turn_of(leader);
         if mode == POSITION {
-            let slave = place("slave_increments", request.slave_increments)?;
+            let slave = checked_position("slave_increments", request.slave_increments)?;
             let distance = request.start_distance_increments;
             if !(0..=Gear::MAX_CHANGE).contains(&distance) {
                 let (field, allowed) = ("start_distance_increments", "0 to 2147483648 is allowed");
@@ -278,7 +278,7 @@ impl MachineConfig {
 }
 
 /// Returns a position, or an error beyond the range of positions.
-pub(super) fn place(field: &'static str, value: i64) -> Result<i64, RequestError> {
+pub(super) fn checked_position(field: &'static str, value: i64) -> Result<i64, RequestError> {
     if value.unsigned_abs() < Position::LIMIT.unsigned_abs() {
         return Ok(value);
     }
@@ -352,7 +352,7 @@ fn ratio(field: &'static str, given: Fraction) -> Result<Ratio, RequestError> {
         return Ok(Ratio::ONE);
     }
     let (numerator, denominator) = (given.numer().unsigned_abs(), given.denom().unsigned_abs());
-    let most = MOST_SCALE.unsigned_abs();
+    let most = MAX_SCALE.unsigned_abs();
     let is_within = numerator / denominator.max(1) < most || (numerator, denominator) == (most, 1);
     if !is_within || denominator / numerator.max(1) > most {
         return Err(refused());

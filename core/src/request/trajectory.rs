@@ -9,11 +9,11 @@ use crate::trajectory::{Knot, MAX_KNOTS, MAX_POINTS, Tolerance, Track, Trajector
 use crate::unit::UnitError;
 
 /// Velocity that counts as zero at the end of a trajectory (m/s, rad/s), as in joint_trajectory_controller.
-pub const NO_VELOCITY: f64 = f32::EPSILON as f64;
+pub const ZERO_VELOCITY_TOLERANCE: f64 = f32::EPSILON as f64;
 
 /// Distance beyond a position limit at which a point still counts as at the limit (m, rad): clients round the positions
 /// that they send to six decimals.
-const NO_DISTANCE: f64 = 1e-6;
+const POSITION_LIMIT_TOLERANCE: f64 = 1e-6;
 
 /// Maximum time from a request to its start (ns): 10 min. A longer time indicates a wrong clock.
 pub const MAX_START_NS: i64 = 600_000_000_000;
@@ -136,7 +136,7 @@ impl MachineConfig {
             return Err(bad("start", value, format!("at most {} s is allowed", MAX_START_NS / 1_000_000_000)));
         }
         if let Some(time) = request.goal_time_ns.filter(|time| i64::try_from(*time).is_err()) {
-            return Err(bad("goal_time", format!("is {} s", seconds(time)), longest()));
+            return Err(bad("goal_time", format!("is {} s", seconds(time)), max_time_text()));
         }
         for (place, point) in request.points.iter().enumerate() {
             check_lists(place, point, axes.len())?;
@@ -146,7 +146,7 @@ impl MachineConfig {
         for (name, list) in tolerances {
             if !list.is_empty() && list.len() != axes.len() {
                 let value = format!("has {}", counted(list.len(), "entry", "entries"));
-                return Err(bad(name, value, each_of(axes.len(), true)));
+                return Err(bad(name, value, allowed_length_text(axes.len(), true)));
             }
         }
         let tracks: Result<Box<[Track]>, RequestError> = axes
@@ -239,7 +239,7 @@ fn times<N>(points: &[PointRequest<N>]) -> Result<Box<[u64]>, RequestError> {
     }
     let last = points.last().map_or(0, |last| last.time_ns);
     if i64::try_from(last).is_err() {
-        return Err(bad(format!("points[{}].time", points.len() - 1), is(last), longest()));
+        return Err(bad(format!("points[{}].time", points.len() - 1), is(last), max_time_text()));
     }
     Ok(points.iter().map(|point| point.time_ns).collect())
 }
@@ -253,7 +253,7 @@ fn check_lists<N>(place: usize, point: &PointRequest<N>, axes: usize) -> Result<
     for (name, count, may_lack) in lists {
         if count != axes && !(may_lack && count == 0) {
             let value = format!("has {}", counted(count, "number", "numbers"));
-            return Err(bad(format!("points[{place}].{name}"), value, each_of(axes, may_lack)));
+            return Err(bad(format!("points[{place}].{name}"), value, allowed_length_text(axes, may_lack)));
         }
     }
     Ok(())
@@ -268,7 +268,7 @@ fn seconds(time_ns: u64) -> String {
 }
 
 /// The allowed range of a time, as text.
-fn longest() -> String {
+fn max_time_text() -> String {
     format!("at most {} s is allowed", seconds(i64::MAX.unsigned_abs()))
 }
 
@@ -277,7 +277,7 @@ fn counted(count: usize, one: &str, many: &str) -> String {
 }
 
 /// Returns the allowed length of a list of a trajectory with that number of joints, as text.
-fn each_of(joints: usize, may_lack: bool) -> String {
+fn allowed_length_text(joints: usize, may_lack: bool) -> String {
     let none = if may_lack { ", or none," } else { "" };
     format!("one for each joint ({joints}){none} is expected")
 }
@@ -314,7 +314,7 @@ impl Field<'_> {
             };
             let velocity = |&asked: &N| self.rate(|| self.at_point(number, "velocities"), asked, 1);
             let velocity = point.velocities.get(place).map(velocity).transpose()?;
-            let velocity = if number == last { self.end(velocity, may_end_in_motion)? } else { velocity };
+            let velocity = if number == last { self.end_velocity(velocity, may_end_in_motion)? } else { velocity };
             let acceleration = |&asked: &N| self.rate(|| self.at_point(number, "accelerations"), asked, 2);
             let acceleration = point.accelerations.get(place).map(acceleration);
             Ok(Knot { position, velocity, acceleration: acceleration.transpose()? })
@@ -323,8 +323,8 @@ impl Field<'_> {
     }
 
     /// Returns the velocity of the last point. Up to [`NO_VELOCITY`] it becomes 0.
-    fn end(&self, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
-        let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > NO_VELOCITY;
+    fn end_velocity(&self, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
+        let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > ZERO_VELOCITY_TOLERANCE;
         match velocity.filter(moves) {
             Some(velocity) if may_move => Ok(Some(velocity)),
             Some(velocity) => {
@@ -350,7 +350,7 @@ impl Field<'_> {
     /// Returns the limit of the cell that a position exceeds by at most [`NO_DISTANCE`], or the position.
     fn on_limit(&self, position: Position) -> Position {
         let p = &self.axis.parameters;
-        let near = Position::from_f64(NO_DISTANCE / self.axis.scale.rate_to_si(1.0).abs());
+        let near = Position::from_f64(POSITION_LIMIT_TOLERANCE / self.axis.scale.rate_to_si(1.0).abs());
         let (low, high) = (p.min_position.map(Position::whole), p.max_position.map(Position::whole));
         let over = high.filter(|high| position > *high && position <= *high + near);
         let under = low.filter(|low| position < *low && position >= *low - near);

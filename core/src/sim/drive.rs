@@ -3,13 +3,13 @@
 use std::collections::VecDeque;
 
 use super::analog::Analog;
-use super::driven::DrivenCount;
-use super::homing::{InDrive, Way};
+use super::driven::ScenarioCount;
+use super::homing::{DriveHoming, Track};
 use super::mechanics::Brake;
-use super::motor::{FASTEST, Lag, Travel, TwoSpeed, Valve, VelocityLag};
+use super::motor::{MAX_VELOCITY, Lag, CountAccumulator, TwoSpeed, Valve, VelocityLag};
 use super::plant::Servo;
 use super::word::Word;
-use super::{Fixtures, Mechanics, Model, SecondOrder, Sign, age};
+use super::{Fixtures, Mechanics, Model, SecondOrder, SignOutputs, age};
 use crate::drive::{
     BusState, Capabilities, DriveInput, DriveOutput, DriveState, Emergency, HomingOrder, MODE_HOMING, Mode, Outputs,
     STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED, control,
@@ -72,7 +72,7 @@ pub struct SimDrive {
     count: i64,
     /// Reading of its encoder in the previous cycle, with its noise.
     told: i64,
-    travel: Travel,
+    travel: CountAccumulator,
     velocity: f64,
     epoch: u32,
     fault: u16,
@@ -87,9 +87,9 @@ pub struct SimDrive {
     /// Position in the cycle before.
     place_before: i64,
     /// Counts of a scenario that replace its own.
-    driven: DrivenCount,
+    driven: ScenarioCount,
     /// Homing by the drive itself.
-    homing: InDrive,
+    homing: DriveHoming,
     /// Whether the index gives no more pulses.
     index_lost: bool,
     /// Whether it is jammed: it does not move, whatever its setpoint.
@@ -101,7 +101,7 @@ pub struct SimDrive {
     /// Acceleration of a hanging load without brake and power (counts/s^2).
     load: f64,
     brake: Option<Brake>,
-    sign: Option<Sign>,
+    sign: Option<SignOutputs>,
     /// Voltage interface, if it has one.
     analog: Option<Analog>,
     last_control: u16,
@@ -119,8 +119,8 @@ impl SimDrive {
             Model::TwoSpeed(law) => Motion::TwoSpeed(law),
             Model::Valve(law) => {
                 // Room for one more setpoint during a step.
-                let mut on_the_way = VecDeque::with_capacity(law.on_the_way() + 1);
-                on_the_way.resize(law.on_the_way(), 0.0);
+                let mut on_the_way = VecDeque::with_capacity(law.delayed_setpoints() + 1);
+                on_the_way.resize(law.delayed_setpoints(), 0.0);
                 Motion::Valve { law, on_the_way }
             }
             Model::Motor(law) => Motion::Servo(Box::new(Servo::new(law, cycle_ns))),
@@ -135,7 +135,7 @@ impl SimDrive {
             state: DriveState::NotReady,
             count: 0,
             told: 0,
-            travel: Travel::default(),
+            travel: CountAccumulator::default(),
             velocity: 0.0,
             epoch: 0,
             fault: 0,
@@ -146,8 +146,8 @@ impl SimDrive {
             origin: 0,
             place: 0,
             place_before: 0,
-            driven: DrivenCount::default(),
-            homing: InDrive::default(),
+            driven: ScenarioCount::default(),
+            homing: DriveHoming::default(),
             index_lost: false,
             jammed: false,
             stuck: (0, 0),
@@ -179,17 +179,17 @@ impl SimDrive {
     }
 
     /// Sets the form of the process data of its encoder.
-    pub fn speak(&mut self, form: Form) {
+    pub fn set_encoder_form(&mut self, form: Form) {
         self.word = Word::new(form);
     }
 
     /// Inverts bits of the next `words` readings of its encoder.
-    pub fn disturb(&mut self, bits: i64, words: u32) {
+    pub fn invert_bits(&mut self, bits: i64, words: u32) {
         self.word.disturb(bits, words);
     }
 
     /// Sets the factor of the counts of its encoder: 0 for a dead one, -1 for swapped tracks.
-    pub fn count_by(&mut self, factor: i64) {
+    pub fn set_count_factor(&mut self, factor: i64) {
         self.word.count_by(factor);
     }
 
@@ -201,7 +201,7 @@ impl SimDrive {
 
     /// Returns the position of its axis (inc), from the counts of a scenario if there are any.
     pub(super) fn place(&self) -> i64 {
-        self.driven.way().map_or(self.place, |(_, to)| to.wrapping_add(self.driven.origin()))
+        self.driven.travel().map_or(self.place, |(_, to)| to.wrapping_add(self.driven.origin()))
     }
 
     /// Sets the counts of the next cycle, in the form of its process data.
@@ -210,12 +210,12 @@ impl SimDrive {
     }
 
     /// Returns true if its position has changed in this cycle without motion.
-    pub(super) fn is_elsewhere(&self) -> bool {
-        self.driven.is_elsewhere()
+    pub(super) fn has_jumped(&self) -> bool {
+        self.driven.has_jumped()
     }
 
     /// Returns the position that turns an encoder of the axis (inc).
-    pub(super) fn turned(&self) -> i64 {
+    pub(super) fn encoder_position(&self) -> i64 {
         match &self.motion {
             Motion::Servo(servo) if servo.reads_load() => self.place.wrapping_add(servo.load()),
             _ => self.place,
@@ -232,14 +232,14 @@ impl SimDrive {
     }
 
     /// Installs switches and an index, and sets the start position of the axis: its counts are 0 there.
-    pub fn fit(&mut self, fixtures: Fixtures) {
+    pub fn install_fixtures(&mut self, fixtures: Fixtures) {
         self.origin = fixtures.start.wrapping_sub(self.count);
         (self.place, self.place_before) = (fixtures.start, fixtures.start);
         self.fixtures = fixtures;
     }
 
     /// Restarts its counts at the present position, as after power-on.
-    pub fn renew_counts(&mut self) {
+    pub fn restart_counts(&mut self) {
         self.origin = self.origin.wrapping_add(self.count);
         let moved = self.count;
         self.count = 0;
@@ -256,29 +256,29 @@ impl SimDrive {
     }
 
     /// Restores the pulses of its index.
-    pub fn find_index(&mut self) {
+    pub fn restore_index(&mut self) {
         self.index_lost = false;
     }
 
     /// Makes digital inputs (60FDh) stuck: those of `mask` read as in `value`.
-    pub fn stick(&mut self, mask: u32, value: u32) {
+    pub fn set_stuck_inputs(&mut self, mask: u32, value: u32) {
         self.stuck = (mask, value & mask);
     }
 
     /// Attaches a load, a brake and wiring. Switches that are wired to digital inputs of the cell do not read at the
     /// drive.
-    pub(super) fn hang(&mut self, mechanics: &Mechanics) {
+    pub(super) fn attach_mechanics(&mut self, mechanics: &Mechanics) {
         self.hidden = mechanics.wired();
         self.load = mechanics.load;
         self.brake = mechanics.brake.map(Brake::new);
         self.sign = mechanics.sign;
         if let Motion::Servo(servo) = &mut self.motion {
-            servo.hang(mechanics.load);
+            servo.attach_weight(mechanics.load);
         }
     }
 
     /// Sets its voltage interface, if any.
-    pub(super) fn wire(&mut self, analog: Option<Analog>) {
+    pub(super) fn set_analog(&mut self, analog: Option<Analog>) {
         self.analog = analog;
     }
 
@@ -324,12 +324,12 @@ impl SimDrive {
     }
 
     /// Takes the drive off the bus until it is [found](Self::find).
-    pub fn lose(&mut self) {
+    pub fn disconnect(&mut self) {
         self.online = false;
     }
 
     /// Reconnects a lost drive.
-    pub fn find(&mut self) {
+    pub fn reconnect(&mut self) {
         self.online = true;
     }
 
@@ -353,14 +353,14 @@ impl SimDrive {
         let before = std::mem::replace(&mut self.place, self.count.wrapping_add(self.origin));
         self.place_before = before;
         self.driven.step(&self.word, self.origin);
-        let (from, to, origin) = match (self.driven.way(), self.driven.origin()) {
+        let (from, to, origin) = match (self.driven.travel(), self.driven.origin()) {
             (Some((from, to)), origin) => (from.wrapping_add(origin), to.wrapping_add(origin), origin),
             (None, _) => (before, self.place, self.origin),
         };
         let passed = self.fixtures.index_passed(from, to).filter(|_| !self.index_lost);
         let (noise, effort) = self.measure();
         DriveInput {
-            count: self.word.tell(self.count.wrapping_add(noise)),
+            count: self.word.next_word(self.count.wrapping_add(noise)),
             epoch: self.epoch,
             velocity: self.velocity,
             effort,
@@ -396,7 +396,7 @@ impl SimDrive {
 
     /// Returns bits 10, 12 and 13 in mode homing.
     fn homing_status(&self) -> u16 {
-        let InDrive { runs, attained, failed, .. } = self.homing;
+        let DriveHoming { runs, attained, failed, .. } = self.homing;
         let bit = |on: bool, bit: u16| if on && self.mode == MODE_HOMING { bit } else { 0 };
         bit(attained, STATUS_HOMING_ATTAINED) | bit(failed, STATUS_HOMING_ERROR) | bit(!runs, STATUS_TARGET_REACHED)
     }
@@ -404,7 +404,7 @@ impl SimDrive {
     /// Executes one cycle of homing by the drive.
     fn home(&mut self, order: HomingOrder, starts: bool) {
         if starts {
-            self.homing = InDrive::start(order.method);
+            self.homing = DriveHoming::start(order.method);
         }
         self.velocity = 0.0;
         if !self.homing.runs {
@@ -412,7 +412,7 @@ impl SimDrive {
         }
         let start = self.count.wrapping_add(self.origin);
         let cycle_s = self.cycle_ns as f64 / 1e9;
-        let way = Way { fixtures: self.fixtures, has_index: !self.index_lost, stuck: self.stuck };
+        let way = Track { fixtures: self.fixtures, has_index: !self.index_lost, stuck: self.stuck };
         let steps = [order.search_velocity, order.zero_velocity].map(|velocity| velocity * cycle_s);
         let (place, reference) = self.homing.step(start, steps, &way);
         self.velocity = place.wrapping_sub(start) as f64 / cycle_s;
@@ -456,11 +456,11 @@ impl SimDrive {
         let is_held = self.jammed || self.brake.is_some_and(|brake| brake.closed);
         let homes = is_on && matches!(output.mode, Mode::Homing(_));
         if matches!(self.motion, Motion::Servo(_)) && !homes {
-            self.turn(output, is_held);
+            self.run_motor(output, is_held);
         } else if is_held {
             self.stand();
         } else if !is_on && self.state != DriveState::QuickStop && self.load != 0.0 {
-            self.fall();
+            self.run_free_fall();
         } else if is_on && let Mode::Homing(order) = output.mode {
             self.home(order, starts);
         } else if !is_on
@@ -472,7 +472,7 @@ impl SimDrive {
             // Without its voltage a motor has no setpoint, and coasts.
             let asked = if is_on && output.velocity.is_finite() { output.velocity } else { 0.0 };
             let asked = if self.motion.is_inverted() { 0.0 - asked } else { asked };
-            self.run_at(asked.clamp(-FASTEST, FASTEST));
+            self.run_at(asked.clamp(-MAX_VELOCITY, MAX_VELOCITY));
         } else if is_on {
             self.move_to(output.position);
         } else {
@@ -486,11 +486,11 @@ impl SimDrive {
     }
 
     /// Lets the load fall freely for one cycle.
-    fn fall(&mut self) {
+    fn run_free_fall(&mut self) {
         let cycle_s = self.cycle_ns as f64 / 1e9;
         let mean = self.velocity + self.load * cycle_s / 2.0;
-        self.velocity = (self.velocity + self.load * cycle_s).clamp(-FASTEST, FASTEST);
-        self.count = self.count.wrapping_add(self.travel.advance(mean.clamp(-FASTEST, FASTEST), self.cycle_ns));
+        self.velocity = (self.velocity + self.load * cycle_s).clamp(-MAX_VELOCITY, MAX_VELOCITY);
+        self.count = self.count.wrapping_add(self.travel.advance(mean.clamp(-MAX_VELOCITY, MAX_VELOCITY), self.cycle_ns));
         self.rest_here();
     }
 
@@ -515,7 +515,7 @@ impl SimDrive {
 
     /// Executes one cycle of a motor: with a torque, with a velocity, or without current; quick stop brakes with its
     /// own loop.
-    fn turn(&mut self, output: DriveOutput, is_held: bool) {
+    fn run_motor(&mut self, output: DriveOutput, is_held: bool) {
         let Motion::Servo(servo) = &mut self.motion else { return };
         let sense = if servo.is_inverted() { -1.0 } else { 1.0 };
         let velocity = match (self.state, output.mode) {
@@ -524,18 +524,18 @@ impl SimDrive {
             _ => None,
         };
         let setpoint = match (velocity, self.state, output.mode) {
-            (Some(velocity), ..) => servo.close(velocity),
+            (Some(velocity), ..) => servo.velocity_setpoint(velocity),
             (None, DriveState::Enabled, Mode::Torque | Mode::Voltage) => sense * output.effort / 1000.0,
             _ => 0.0,
         };
         if velocity.is_none() || is_held {
-            servo.open();
+            servo.reset_loop();
         }
         self.count = self.count.wrapping_add(servo.step(setpoint, is_held));
     }
 
     fn move_to(&mut self, word: i64) {
-        let position = self.word.near(self.count, word);
+        let position = self.word.count_near(self.count, word);
         match &mut self.motion {
             Motion::SecondOrder { law, state, .. } => {
                 law.step(state, position);

@@ -9,7 +9,7 @@ use super::word::Word;
 
 /// Counts given for a cycle, and their accumulated travel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct DrivenCount {
+pub(super) struct ScenarioCount {
     /// Counts of the next cycle.
     given: Option<i64>,
     /// Counts of the last cycle and of this one; `None` while the source uses its own counts.
@@ -21,7 +21,7 @@ pub(super) struct DrivenCount {
     is_elsewhere: bool,
 }
 
-impl DrivenCount {
+impl ScenarioCount {
     /// Sets the counts of the next cycle, in the form of the source.
     pub(super) fn give(&mut self, raw: i64) {
         self.given = Some(raw);
@@ -33,7 +33,7 @@ impl DrivenCount {
             self.origin = origin;
         }
         let next = match (self.given.take(), self.way) {
-            (Some(raw), Some((_, last))) => Some((last, word.near(last, raw))),
+            (Some(raw), Some((_, last))) => Some((last, word.count_near(last, raw))),
             (Some(raw), None) => Some(word.count(raw)).map(|first| (first, first)),
             (None, _) => None,
         };
@@ -42,7 +42,7 @@ impl DrivenCount {
     }
 
     /// Returns the travel of this cycle; `None` while the source uses its own counts.
-    pub(super) fn way(&self) -> Option<(i64, i64)> {
+    pub(super) fn travel(&self) -> Option<(i64, i64)> {
         self.way
     }
 
@@ -52,7 +52,7 @@ impl DrivenCount {
     }
 
     /// Returns true if the position of the source has changed in this cycle without motion.
-    pub(super) fn is_elsewhere(&self) -> bool {
+    pub(super) fn has_jumped(&self) -> bool {
         self.is_elsewhere
     }
 }

@@ -4,7 +4,7 @@
 //!          scenario replace this travel for index pulses and marks
 //! Source   MACS-ENC-12, WF-INC-01, WF-MON-01, -02
 
-use super::driven::DrivenCount;
+use super::driven::ScenarioCount;
 use super::fixtures::{Fixtures, Index};
 use super::word::Word;
 use crate::config::EncoderConfig;
@@ -25,7 +25,7 @@ pub(super) struct SimEncoder {
     slip: i64,
     index_lost: bool,
     epoch: u32,
-    driven: DrivenCount,
+    driven: ScenarioCount,
 }
 
 impl SimEncoder {
@@ -40,7 +40,7 @@ impl SimEncoder {
             slip: 0,
             index_lost: false,
             epoch: 0,
-            driven: DrivenCount::default(),
+            driven: ScenarioCount::default(),
         }
     }
 
@@ -55,7 +55,7 @@ impl SimEncoder {
 
     /// Returns its position, without slip.
     pub(super) fn way(&self) -> i64 {
-        self.driven.way().map_or(self.way, |(_, to)| to)
+        self.driven.travel().map_or(self.way, |(_, to)| to)
     }
 
     /// Sets the counts of the next cycle, in the form of its process data.
@@ -65,7 +65,7 @@ impl SimEncoder {
 
     /// Returns true if its position has changed in this cycle without motion.
     pub(super) fn is_elsewhere(&self) -> bool {
-        self.driven.is_elsewhere()
+        self.driven.has_jumped()
     }
 
     /// Adds `by` counts: an encoder without a drive is turned, otherwise it slips.
@@ -107,13 +107,13 @@ impl SimEncoder {
         let before = std::mem::replace(&mut self.before, self.way);
         self.driven.step(&self.word, 0);
         // Given counts are the reported ones, including any slip.
-        let (from, to, slip) = match self.driven.way() {
+        let (from, to, slip) = match self.driven.travel() {
             Some((from, to)) => (from, to, 0),
             None => (before, self.way, self.slip),
         };
         let passed = self.fixtures.index_passed(from, to).filter(|_| !self.index_lost);
         EncoderInput {
-            count: self.word.tell(self.way.wrapping_add(self.slip)),
+            count: self.word.next_word(self.way.wrapping_add(self.slip)),
             epoch: self.epoch,
             // An incremental encoder detects a broken line by its tracks; a serial one sends invalid data.
             valid: !self.word.is_broken(),

@@ -12,7 +12,7 @@ const MOST: f64 = 1e6;
 
 /// Homing by a drive, or its result.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct InDrive {
+pub(super) struct DriveHoming {
     method: i8,
     leg: usize,
     turned: bool,
@@ -26,14 +26,14 @@ pub(super) struct InDrive {
 
 /// Switches and index along the travel.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct Track {
     pub fixtures: Fixtures,
     pub has_index: bool,
     /// Stuck bits of the digital inputs, and their values.
     pub stuck: (u32, u32),
 }
 
-impl Way {
+impl Track {
     fn is_on(&self, place: i64, switch: Switch) -> bool {
         let (mask, value) = self.stuck;
         let bit = match switch {
@@ -45,7 +45,7 @@ impl Way {
     }
 }
 
-impl InDrive {
+impl DriveHoming {
     /// Starts homing at the rising start bit.
     pub(super) fn start(method: i8) -> Self {
         Self { method, runs: true, ..Self::default() }
@@ -57,7 +57,7 @@ impl InDrive {
 
     /// Executes one cycle from `place`, with the increments of the search and of the approach to the zero: returns the
     /// new position, and the reference once it is found.
-    pub(super) fn step(&mut self, place: i64, [search, zero]: [f64; 2], way: &Way) -> (i64, Option<i64>) {
+    pub(super) fn step(&mut self, place: i64, [search, zero]: [f64; 2], way: &Track) -> (i64, Option<i64>) {
         if let Some(reference) = self.found {
             (self.runs, self.attained) = (false, true);
             return (place, Some(reference));
@@ -76,14 +76,14 @@ impl InDrive {
         for _ in 0..count {
             let Some(leg) = self.leg().filter(|_| self.runs && self.found.is_none()) else { break };
             let next = here.wrapping_add(i64::from(if self.turned { -leg.way } else { leg.way }));
-            self.found = self.look(leg, here, next, way);
+            self.found = self.find_reference(leg, here, next, way);
             here = next;
         }
         (here, None)
     }
 
     /// Returns the reference if the step from `here` to `next` finds it.
-    fn look(&mut self, leg: &Leg, here: i64, next: i64, way: &Way) -> Option<i64> {
+    fn find_reference(&mut self, leg: &Leg, here: i64, next: i64, way: &Track) -> Option<i64> {
         let is_on = |place: i64, switch: Switch| way.is_on(place, switch);
         let (edge, place) = match leg.until {
             Until::On(switch) if self.leg == 0 && is_on(here, switch) => (true, here),

@@ -32,7 +32,7 @@ impl Stretch {
     }
 
     /// Returns an upper bound of the displacement.
-    fn most(self) -> f64 {
+    fn max_displacement(self) -> f64 {
         self.share / libm::sin(PI / f64::from(self.period))
     }
 }
@@ -51,7 +51,7 @@ pub struct Marks {
     /// Stretch of the web between marks.
     pub stretch: Option<Stretch>,
     /// Fraction of the marks that are missing.
-    pub lost: f64,
+    pub missing_share: f64,
     /// Fraction of the marks that are followed by an extra one.
     pub extra: f64,
     /// Seed of all random values.
@@ -60,7 +60,7 @@ pub struct Marks {
 
 /// Random property of a mark.
 #[derive(Clone, Copy)]
-enum Drawn {
+enum RandomProperty {
     Jitter = 1,
     Lost = 2,
     Extra = 3,
@@ -75,7 +75,7 @@ pub(super) fn mix(bits: u64) -> u64 {
 
 impl Marks {
     /// Returns the minimum distance from a mark to the following object, halfway to the next mark.
-    fn least_way(&self) -> f64 {
+    fn min_distance(&self) -> f64 {
         self.every.to_f64() * (1.0 - self.stretch.map_or(0.0, |stretch| stretch.share)) / 2.0
     }
 
@@ -85,14 +85,14 @@ impl Marks {
         self.every >= Position::whole(1)
             && self.width >= Position::ZERO
             && self.jitter >= Position::ZERO
-            && is_share(self.lost)
+            && is_share(self.missing_share)
             && is_share(self.extra)
             && self.stretch.is_none_or(|stretch| is_share(stretch.share) && stretch.period >= 2)
-            && self.width.to_f64() + self.jitter.to_f64() < self.least_way()
+            && self.width.to_f64() + self.jitter.to_f64() < self.min_distance()
     }
 
     /// Returns a random number of mark n, 0 <= number < 1.
-    fn draw(&self, n: i128, what: Drawn) -> f64 {
+    fn random(&self, n: i128, what: RandomProperty) -> f64 {
         // The lower half of 128 bits distinguishes any two marks of a web.
         let bits = mix(mix(mix(self.seed) ^ n as u64).wrapping_add(what as u64));
         (bits >> 11) as f64 / (1_u64 << 53) as f64
@@ -108,7 +108,7 @@ impl Marks {
     /// Returns the last mark that begins, without jitter, at or before a position.
     fn last_at(&self, place: i128) -> i128 {
         let near = place.saturating_sub(self.first.raw()).checked_div_euclid(self.every.raw()).unwrap_or(0);
-        let beside = self.stretch.map_or(0, |stretch| libm::ceil(stretch.most()) as i128) + 1;
+        let beside = self.stretch.map_or(0, |stretch| libm::ceil(stretch.max_displacement()) as i128) + 1;
         let (mut low, mut high) = (near - beside, near + beside + 1);
         while high - low > 1 {
             let middle = low + (high - low) / 2;
@@ -125,11 +125,11 @@ impl Marks {
     fn at(&self, n: i128) -> [Option<[i128; 2]>; 2] {
         let long = |from: i128| [from, from.saturating_add(self.width.raw())];
         let place = self.place(n);
-        let itself = (self.draw(n, Drawn::Lost) >= self.lost).then(|| {
-            let jitter = self.jitter.to_f64() * (2.0 * self.draw(n, Drawn::Jitter) - 1.0);
+        let itself = (self.random(n, RandomProperty::Lost) >= self.missing_share).then(|| {
+            let jitter = self.jitter.to_f64() * (2.0 * self.random(n, RandomProperty::Jitter) - 1.0);
             long(place.saturating_add(Position::from_f64(jitter).raw()))
         });
-        let extra = (self.draw(n, Drawn::Extra) < self.extra).then(|| {
+        let extra = (self.random(n, RandomProperty::Extra) < self.extra).then(|| {
             let next = self.place(n.saturating_add(1));
             long(place.saturating_add(next.saturating_sub(place) / 2))
         });
@@ -137,7 +137,7 @@ impl Marks {
     }
 
     /// Returns true if an input detects a mark at the position.
-    pub(super) fn is_seen(&self, place: i64) -> bool {
+    pub(super) fn is_detected(&self, place: i64) -> bool {
         let place = Position::whole(place).raw();
         // Everything of the next mark is after its place without jitter, minus the jitter.
         let last = self.last_at(place.saturating_add(self.jitter.raw()));

@@ -11,7 +11,7 @@ use crate::drive::Outputs;
 
 /// A switch that is wired to a digital input of the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wire {
+pub struct SwitchWiring {
     /// Bit of the switch in the digital inputs of a drive, see [`crate::drive::inputs`].
     pub switch: u32,
     /// Index among the digital inputs of the cell.
@@ -20,7 +20,7 @@ pub struct Wire {
     pub normally_closed: bool,
 }
 
-impl Wire {
+impl SwitchWiring {
     /// Returns the level at the input.
     pub(super) fn level(&self, actuated: u32) -> bool {
         (actuated & self.switch != 0) != self.normally_closed
@@ -42,14 +42,14 @@ pub struct SimBrake {
 
 /// Outputs for the sign of a drive whose reference has none: indices among the digital outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sign {
+pub enum SignOutputs {
     /// 1: negative direction.
     Direction(usize),
     /// Positive direction while the first output is 1, negative while the second one is.
     Enables(usize, usize),
 }
 
-impl Sign {
+impl SignOutputs {
     /// Returns the reference with its sign; 0 if none or both are enabled.
     pub(super) fn of(self, reference: f64, outputs: &Outputs) -> f64 {
         match self {
@@ -70,13 +70,13 @@ pub struct Mechanics {
     /// Switches and index.
     pub fixtures: Fixtures,
     /// Switches that are wired to digital inputs: reference, negative, positive.
-    pub wires: [Option<Wire>; 3],
+    pub wires: [Option<SwitchWiring>; 3],
     /// Acceleration of a hanging load without brake and power (counts/s^2); 0 without such a load.
     pub load: f64,
     /// Its brake.
     pub brake: Option<SimBrake>,
     /// Outputs for the sign of the reference.
-    pub sign: Option<Sign>,
+    pub sign: Option<SignOutputs>,
 }
 
 impl Mechanics {

@@ -23,7 +23,7 @@ mod word;
 pub use drive::SimDrive;
 pub use fixtures::{Fixtures, Index};
 pub use marks::{Marks, Stretch};
-pub use mechanics::{Mechanics, Sign, SimBrake, Wire};
+pub use mechanics::{Mechanics, SignOutputs, SimBrake, SwitchWiring};
 pub use motor::{TwoSpeed, Valve, VelocityLag};
 pub use plant::{Amplifier, Coupling, Friction, Load, Motor, MotorData, Reading, Stage};
 pub use second_order::{ModelError, SecondOrder};
@@ -125,7 +125,7 @@ pub struct Plant {
     /// Axis of each drive.
     axes: Vec<u16>,
     /// Switches that are wired to digital inputs, with the index of their drives.
-    wires: Vec<(usize, Wire)>,
+    wires: Vec<(usize, SwitchWiring)>,
     /// Digital inputs that are contacts of drives, with the index of the drives.
     contacts: Vec<(usize, usize)>,
     /// Digital inputs that detect printed marks.
@@ -183,10 +183,10 @@ impl Plant {
             .zip(models)
             .map(|((axis, offers), model)| {
                 let mut drive = SimDrive::new((*model)?, offers.delay, config.cycle_ns).offering(*offers);
-                drive.wire(Analog::of(axis, config));
+                drive.set_analog(Analog::of(axis, config));
                 match (source(axis), axis.wired) {
                     (Some(Source::Drive(form)), _) | (Some(Source::Encoder(_)), Wired::Drive(form)) => {
-                        drive.speak(form)
+                        drive.set_encoder_form(form)
                     }
                     _ => {}
                 }
@@ -218,13 +218,13 @@ impl Plant {
 
     /// Switches one of its buses off permanently: its inputs are no longer updated, and its outputs and drives have no
     /// voltage. Returns false if the bus does not exist.
-    pub fn lose_bus(&mut self, place: usize) -> bool {
+    pub fn switch_off_bus(&mut self, place: usize) -> bool {
         let bus = self.buses.get_mut(place);
         bus.map(|bus| bus.is_off = true).is_some()
     }
 
     /// Returns true if the bus of an object is off.
-    fn is_cut_off(&self, object: Object) -> bool {
+    fn is_bus_off(&self, object: Object) -> bool {
         let place = match object {
             Object::Io(entry) => self.latching.iter().position(|latching| *latching == Some(entry)),
             Object::Encoder(place) => Some(usize::from(place)),
@@ -242,10 +242,10 @@ impl Plant {
     }
 
     /// Attaches mechanics to a drive. From now on its wired switches read at their digital inputs.
-    pub fn install(&mut self, place: usize, mechanics: &Mechanics) {
+    pub fn attach_mechanics(&mut self, place: usize, mechanics: &Mechanics) {
         let Some(drive) = self.drive(place) else { return };
-        drive.fit(mechanics.fixtures);
-        drive.hang(mechanics);
+        drive.install_fixtures(mechanics.fixtures);
+        drive.attach_mechanics(mechanics);
         self.wires.retain(|(drive, _)| *drive != place);
         self.wires.extend(mechanics.wires.iter().flatten().map(|wire| (place, *wire)));
     }
@@ -340,7 +340,7 @@ impl Plant {
 
     /// Adds a latch to the next inputs. Returns false if there is no room, or the bus of the object is off.
     pub fn add_latch(&mut self, latch: Latch) -> bool {
-        let room = self.latches.len() < MAX_LATCHES && !self.is_cut_off(latch.object);
+        let room = self.latches.len() < MAX_LATCHES && !self.is_bus_off(latch.object);
         if room {
             self.latches.push(latch);
         }
@@ -350,7 +350,7 @@ impl Plant {
 
 impl Plant {
     /// Updates the inputs of contacts of drives: a shared input is closed while all of its contacts are.
-    fn work_contacts(&mut self) {
+    fn update_contacts(&mut self) {
         for &(input, _) in &self.contacts {
             set_bit(&mut self.digital, input, true);
         }
@@ -363,7 +363,7 @@ impl Plant {
     }
 
     /// Updates the inputs of wired switches, and their latches.
-    fn work_wires(&mut self, inputs: &mut Inputs) {
+    fn update_wired_switches(&mut self, inputs: &mut Inputs) {
         for place in 0..self.wires.len() {
             let (drive, wire) = self.wires[place];
             let drive = self.drives.get(drive).and_then(Option::as_ref);
@@ -373,7 +373,7 @@ impl Plant {
             let object = Object::Io(*entry);
             for (age, is_on) in drive.switched(wire.switch).into_iter().flatten() {
                 let edge = if is_on != wire.normally_closed { Edge::Rising } else { Edge::Falling };
-                if !self.is_cut_off(object) {
+                if !self.is_bus_off(object) {
                     inputs.add_latch(Latch { object, edge, age_ns: Some(age), position: None });
                 }
             }
@@ -402,8 +402,8 @@ impl Backend for Plant {
                 }
             }
         }
-        self.work_contacts();
-        self.work_wires(inputs);
+        self.update_contacts();
+        self.update_wired_switches(inputs);
         for bus in &self.buses {
             for &Terminal { place, .. } in &bus.objects.encoders {
                 let (Some(encoder), Some(input)) = (self.encoders.get_mut(place), inputs.encoder.get_mut(place)) else {
@@ -411,7 +411,7 @@ impl Backend for Plant {
                 };
                 let drive = encoder.drive().and_then(|place| self.drives.get(place)).and_then(Option::as_ref);
                 if let Some(drive) = drive {
-                    encoder.turn_to(drive.turned());
+                    encoder.turn_to(drive.encoder_position());
                 }
                 let told = encoder.read();
                 if !bus.is_off {
@@ -419,7 +419,7 @@ impl Backend for Plant {
                 }
             }
         }
-        self.see_marks(inputs);
+        self.report_marks(inputs);
         for bus in self.buses.iter().filter(|bus| !bus.is_off) {
             for terminal in &bus.objects.digital_inputs {
                 inputs.set_digital(terminal.place, bit(&self.digital, terminal.place));

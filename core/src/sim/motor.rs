@@ -16,15 +16,15 @@ const MOST_LAG_NS: i64 = 10_000_000_000;
 /// Maximum dead time (ns).
 const MOST_DEAD_NS: i64 = 1_000_000_000;
 /// Maximum velocity, beyond any machine (inc/s).
-pub(super) const FASTEST: f64 = 1e15;
+pub(super) const MAX_VELOCITY: f64 = 1e15;
 /// Remaining coasting distance at which a motor with setpoint 0 stops (inc).
-const HELD: f64 = 0.5;
+const STOP_DISTANCE: f64 = 0.5;
 /// Remaining lag or lead at which a motor counts as at its setpoint (inc): one part in 2^32.
-const REACHED: f64 = 1.0 / (1_u64 << 32) as f64;
+const SETPOINT_DISTANCE: f64 = 1.0 / (1_u64 << 32) as f64;
 
 /// Returns the remaining difference to the setpoint that may be neglected, as distance (inc).
 pub(super) fn negligible(setpoint: f64) -> f64 {
-    if setpoint == 0.0 { HELD } else { REACHED }
+    if setpoint == 0.0 { STOP_DISTANCE } else { SETPOINT_DISTANCE }
 }
 
 /// A first-order lag over a fixed time.
@@ -159,7 +159,7 @@ impl Valve {
     }
 
     /// Returns the number of delayed setpoints, including the newest.
-    pub(super) fn on_the_way(&self) -> usize {
+    pub(super) fn delayed_setpoints(&self) -> usize {
         self.cycles + 2
     }
 
@@ -175,19 +175,19 @@ impl Valve {
 
 /// Whole counts of a motion, and the fraction of a count.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Travel {
+pub(super) struct CountAccumulator {
     /// Fraction in parts of [`Travel::COUNT`].
     remainder: i128,
 }
 
-impl Travel {
+impl CountAccumulator {
     /// One count: 10^9 ns at 2^32 parts of 1 inc/s.
     const COUNT: i128 = 1_000_000_000 << 32;
 
     /// Returns the counts of a cycle at a mean velocity (inc/s), which is rounded once to 2^-32 inc/s.
     pub(super) fn advance(&mut self, velocity: f64, cycle_ns: u64) -> i64 {
         // The cast converts NaN to 0.
-        let fine = (velocity.clamp(-FASTEST, FASTEST) * (1_u64 << 32) as f64).round() as i128;
+        let fine = (velocity.clamp(-MAX_VELOCITY, MAX_VELOCITY) * (1_u64 << 32) as f64).round() as i128;
         let total = fine.saturating_mul(cycle_ns.into()).saturating_add(self.remainder);
         self.remainder = total.rem_euclid(Self::COUNT);
         total.div_euclid(Self::COUNT).clamp(i64::MIN.into(), i64::MAX.into()) as i64

@@ -45,13 +45,13 @@ impl Plant {
     }
 
     /// Reports the marks that have passed their inputs, after the update of drives and encoders.
-    pub(super) fn see_marks(&mut self, inputs: &mut Inputs) {
+    pub(super) fn report_marks(&mut self, inputs: &mut Inputs) {
         for index in 0..self.sensors.len() {
             let Some(&Sensor { input, carrier, marks, at }) = self.sensors.get(index) else { continue };
             let seen = match carrier {
                 Carrier::Drive(place) => {
                     let drive = self.drives.get(place).and_then(Option::as_ref);
-                    drive.map(|drive| (drive.place(), drive.is_elsewhere()))
+                    drive.map(|drive| (drive.place(), drive.has_jumped()))
                 }
                 Carrier::Encoder(place) => {
                     self.encoders.get(place).map(|encoder| (encoder.way(), encoder.is_elsewhere()))
@@ -62,13 +62,13 @@ impl Plant {
                 continue;
             }
             let object = Object::Io(*entry);
-            if let Some(at) = at.filter(|_| !is_elsewhere && !self.is_cut_off(object)) {
+            if let Some(at) = at.filter(|_| !is_elsewhere && !self.is_bus_off(object)) {
                 marks.pass(at, way, |left, edge| {
                     let age_ns = Some(age(left, self.cycle_ns));
                     inputs.add_latch(Latch { object, edge, age_ns, position: None });
                 });
             }
-            self.put_digital(input, marks.is_seen(way));
+            self.put_digital(input, marks.is_detected(way));
             if let Some(sensor) = self.sensors.get_mut(index) {
                 sensor.at = Some(way);
             }

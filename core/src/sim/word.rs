@@ -13,18 +13,18 @@ pub(super) struct Word {
     /// Bits to invert, and the number of words.
     disturbed: (i64, u32),
     broken: bool,
-    pace: Pace,
+    pace: CountFactor,
 }
 
 /// Factor of the counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Pace {
+struct CountFactor {
     factor: i64,
     /// The last count, and its reported value.
     last: (i64, i64),
 }
 
-impl Pace {
+impl CountFactor {
     fn told(self, count: i64) -> i64 {
         self.last.1.wrapping_add(count.wrapping_sub(self.last.0).wrapping_mul(self.factor))
     }
@@ -32,7 +32,7 @@ impl Pace {
 
 impl Word {
     pub(super) fn new(form: Form) -> Self {
-        Self { form, disturbed: (0, 0), broken: false, pace: Pace { factor: 1, last: (0, 0) } }
+        Self { form, disturbed: (0, 0), broken: false, pace: CountFactor { factor: 1, last: (0, 0) } }
     }
 
     /// Sets the factor of the counts.
@@ -71,7 +71,7 @@ impl Word {
     }
 
     /// Returns the present word.
-    pub(super) fn tell(&mut self, count: i64) -> i64 {
+    pub(super) fn next_word(&mut self, count: i64) -> i64 {
         let (bits, left) = self.disturbed;
         self.disturbed.1 = left.saturating_sub(1);
         let told = self.pace.told(count);
@@ -84,8 +84,8 @@ impl Word {
     }
 
     /// Returns the count near `count` for a word, which is the setpoint of a drive.
-    pub(super) fn near(&self, count: i64, word: i64) -> i64 {
-        count.wrapping_add(self.form.circle().way(self.count(self.of(count)), self.count(word)))
+    pub(super) fn count_near(&self, count: i64, word: i64) -> i64 {
+        count.wrapping_add(self.form.circle().shortest_distance(self.count(self.of(count)), self.count(word)))
     }
 
     /// Returns the count of a word; an invalid word is returned unchanged.

@@ -105,7 +105,7 @@ impl Approach {
     }
 
     /// Whether its slope has that sign throughout.
-    pub fn keeps_sense(&self, sign: f64) -> bool {
+    pub fn keeps_sign(&self, sign: f64) -> bool {
         f64::from(self.sense) * sign > 0.0
     }
 
@@ -164,7 +164,7 @@ impl Approach {
         let exact = if share < 0.5 {
             self.begin + Position::from_f64(value(&self.curve(), share))
         } else {
-            geared + Position::from_f64(self.beside(share))
+            geared + Position::from_f64(self.distance_from_gear(share))
         };
         let is_onward = (change > Position::ZERO) == (self.sense > 0);
         match self.sense {
@@ -198,7 +198,7 @@ impl Approach {
     }
 
     /// Returns the distance of the curve from the line of the gear, which it touches at the pair.
-    fn beside(&self, share: f64) -> f64 {
+    fn distance_from_gear(&self, share: f64) -> f64 {
         let length = self.length as f64;
         let line = self.ratio.to_f64() * length;
         let (place, slope, bend) =
@@ -216,7 +216,7 @@ fn rounding(other: f64) -> f64 {
 
 /// Returns a length from `asked` on that fits, if `asked` times a power of two fits: at most a quarter above one that
 /// does not fit. It tests at most 34 lengths.
-pub fn enough_length(asked: i64, fits: impl Fn(i64) -> bool) -> Option<i64> {
+pub fn sufficient_length(asked: i64, fits: impl Fn(i64) -> bool) -> Option<i64> {
     let mut low = asked.max(1);
     let mut high = low;
     while !fits(high) {

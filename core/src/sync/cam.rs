@@ -71,7 +71,7 @@ impl Cam {
         let scaled = if shape.is_cyclic {
             // Below 2^63 times 2^62: the sum of two such numbers fits.
             let period = Position::whole(shape.length).raw() * denominator;
-            times_modulo(position.raw().rem_euclid(period), numerator, period).div_euclid(denominator)
+            multiply_modulo(position.raw().rem_euclid(period), numerator, period).div_euclid(denominator)
         } else {
             let end = Position::whole(Position::LIMIT - 1).raw();
             let product = position.raw().checked_mul(numerator);
@@ -141,7 +141,7 @@ impl Cam {
         let (master, slave) = (self.master.ratio(), self.slave.ratio());
         Periods {
             master: scaled(shape.length, master.denominator(), master.numerator()),
-            slave: scaled(shape.way, slave.numerator(), slave.denominator()),
+            slave: scaled(shape.travel, slave.numerator(), slave.denominator()),
         }
     }
 
@@ -164,7 +164,7 @@ impl Cam {
 
     /// Returns the cam with a slave that continues at an end.
     #[must_use]
-    pub fn going_on(self) -> Self {
+    pub fn continuing_at_end(self) -> Self {
         Self { rests: false, ..self }
     }
 
@@ -181,7 +181,7 @@ impl Cam {
 
     /// Returns the cam with the remainders of `old` if the scales are equal, and with the mean of its lead.
     #[must_use]
-    pub fn going_on_from(self, old: &Self) -> Self {
+    pub fn continued_from(self, old: &Self) -> Self {
         let kept = |mine: Gear, its: Gear| if mine.ratio() == its.ratio() { its } else { its.with_ratio(mine.ratio()) };
         Self { master: kept(self.master, old.master), slave: kept(self.slave, old.slave), mean: old.mean, ..self }
     }
@@ -206,7 +206,7 @@ impl Cam {
         let over = self.place - Position::whole(end);
         let mut slave = self.slave;
         let back = slave.step(Position::whole(*value?) - self.value);
-        let mut next = next.going_on_from(&Self { slave, ..*self });
+        let mut next = next.continued_from(&Self { slave, ..*self });
         let scaled = match self.master.ratio() {
             mine if mine == next.master.ratio() => over,
             mine => next.master.step(Gear::new(mine.inverse()?).step(over)),
@@ -235,7 +235,7 @@ impl Cam {
 
     /// Returns the distance of the slave to an end at which it will rest, if the lead reaches the end within that
     /// number of cycles.
-    pub fn way_to_end(&self, change: Position, cycles: f64, tables: &[Arc<Table>]) -> Option<Position> {
+    pub fn distance_to_end(&self, change: Position, cycles: f64, tables: &[Arc<Table>]) -> Option<Position> {
         let (table, shape) = self.find(tables)?;
         let left = (Position::whole(shape.length) - self.place).to_f64();
         let ahead = change.to_f64() * self.master.ratio().to_f64() * cycles;
@@ -244,14 +244,14 @@ impl Cam {
     }
 
     /// Returns the largest allowed change of the lead in a cycle (inc).
-    pub fn most(&self, tables: &[Arc<Table>]) -> f64 {
+    pub fn largest_change(&self, tables: &[Arc<Table>]) -> f64 {
         let length = self.find(tables).map_or(0, |(_, shape)| shape.length);
         length as f64 / self.master.ratio().to_f64().abs()
     }
 
     /// Whether the change of the lead is allowed. A change of more than a length is undefined in a table.
     #[inline]
-    pub fn bears(&self, change: Position, tables: &[Arc<Table>]) -> bool {
+    pub fn allows_change(&self, change: Position, tables: &[Arc<Table>]) -> bool {
         let length = self.find(tables).map_or(0, |(_, shape)| shape.length);
         let scaled = (change.to_f64() * self.master.ratio().to_f64()).abs();
         scaled <= length as f64
@@ -280,7 +280,7 @@ impl Cam {
     pub fn stepped(mut self, change: Position, tables: &[Arc<Table>]) -> Option<(Position, Self)> {
         i64::try_from(change.raw()).ok()?;
         let (_, shape) = self.find(tables)?;
-        let step = (shape.is_cyclic && self.bears(change, tables)).then(|| self.step(change, tables))?;
+        let step = (shape.is_cyclic && self.allows_change(change, tables)).then(|| self.step(change, tables))?;
         Some((step, self))
     }
 
@@ -301,7 +301,7 @@ impl Cam {
             // fits.
             let periods = self.place.raw().div_euclid(length.raw());
             self.place = Position::from_raw(self.place.raw() - periods * length.raw());
-            way = Position::from_raw(periods.saturating_mul(Position::whole(shape.way).raw()));
+            way = Position::from_raw(periods.saturating_mul(Position::whole(shape.travel).raw()));
             self.passed = periods.signum() as i8;
         }
         self.look_up(table, shape, self.place.max(Position::ZERO).min(length).raw());
@@ -357,7 +357,7 @@ impl Cam {
 }
 
 /// Returns `a * b` modulo `m`, 0 <= a < m < 2^126, by doubling: the product itself may have 190 bits.
-fn times_modulo(a: i128, b: i128, m: i128) -> i128 {
+fn multiply_modulo(a: i128, b: i128, m: i128) -> i128 {
     let reduced = |sum: i128| if sum >= m { sum - m } else { sum };
     let mut sum = 0;
     for bit in (0..64).rev() {

@@ -116,7 +116,7 @@ impl MasterFilter {
     }
 
     /// Returns the distance that it holds back (inc).
-    pub fn owed(&self) -> Position {
+    pub fn lag_distance(&self) -> Position {
         self.lag.owed
     }
 
@@ -131,7 +131,7 @@ impl MasterFilter {
     }
 
     /// Returns the factor by which the filter reduces the unevenness of the counts of a master.
-    pub fn smooths(&self, filtering: &Filtering, cycle_us: f64) -> f64 {
+    pub fn smoothing_factor(&self, filtering: &Filtering, cycle_us: f64) -> f64 {
         share(cycle_us / self.tau(filtering))
     }
 

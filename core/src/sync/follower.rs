@@ -16,7 +16,7 @@
 use super::gear::Gear;
 use super::{Stepped, SyncMode, Transmission};
 use crate::encoder::Lead;
-use crate::parameter::Rule;
+use crate::parameter::ReversingRule;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::table::Table;
@@ -51,7 +51,7 @@ pub struct Bounds {
 
 /// Motions added to the slave in addition to the output of its transmission.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Beside {
+pub struct AddedMotion {
     /// Distance of this cycle.
     pub way: Position,
     /// Part of the change of the leader that is not its own motion.
@@ -88,7 +88,7 @@ pub struct Reserve {
 }
 
 impl Bounds {
-    fn less(self, reserve: Reserve) -> Self {
+    fn reduced_by(self, reserve: Reserve) -> Self {
         if reserve == Reserve::default() {
             let rate = self.max_acceleration.min(self.max_deceleration);
             let (velocity, acceleration) = (self.velocity.min(self.max_velocity), self.acceleration.min(rate));
@@ -203,7 +203,7 @@ impl Follower {
 
     /// Returns the follower that already leads by that distance.
     #[must_use]
-    pub fn led_ahead(self, led_by: Position) -> Self {
+    pub fn leading_by(self, led_by: Position) -> Self {
         Self { led_by, ..self }
     }
 
@@ -220,7 +220,7 @@ impl Follower {
     }
 
     /// Replaces the approach to a pair of positions by its gear, which takes over the present motion of the slave.
-    pub fn give_approach_up(&mut self, slave: Motion) {
+    pub fn replace_approach_by_gear(&mut self, slave: Motion) {
         if let Transmission::Approach(approach) = &self.transmission {
             self.transmission = Transmission::Gear(Gear::new(approach.ratio()));
             (self.phase, self.target) = (Phase::CatchingUp, slave.position);
@@ -230,13 +230,13 @@ impl Follower {
     /// Sets whether the slave of a cam rests at the end of the table.
     pub fn rest_at_end(&mut self, rests: bool) {
         if let Transmission::Cam(cam) = &mut self.transmission {
-            *cam = if rests { cam.resting() } else { cam.going_on() };
+            *cam = if rests { cam.resting() } else { cam.continuing_at_end() };
         }
     }
 
     /// Sets the position at which the leader will stop abruptly, while the slave is on the straight segment to it;
     /// none: unknown.
-    pub fn halt_at(&mut self, halt: Option<Position>) {
+    pub fn set_halt(&mut self, halt: Option<Position>) {
         self.halt = halt;
     }
 
@@ -258,7 +258,7 @@ impl Follower {
     }
 
     /// Returns the distance by which it leads, if it has reached that.
-    pub fn led_by(&self) -> Position {
+    pub fn leading_distance(&self) -> Position {
         if self.phase == Phase::CatchingUp { Position::ZERO } else { self.led_by }
     }
 
@@ -333,12 +333,12 @@ impl Follower {
     }
 
     /// Whether the reversing rule has prevented backward motion in its last step.
-    pub fn is_barred(&self) -> bool {
+    pub fn is_reverse_prevented(&self) -> bool {
         self.barred
     }
 
     /// Whether its leader alone, without added motions, exceeded the limits in the last step.
-    pub fn is_overtaken(&self) -> bool {
+    pub fn leader_exceeds_limits(&self) -> bool {
         self.overtaken
     }
 
@@ -367,22 +367,22 @@ impl Follower {
         lead: (Lead, &[Arc<Table>]),
         cycle_s: f64,
         reserve: Reserve,
-        rule: Rule,
+        rule: ReversingRule,
     ) -> Motion {
-        self.step_beside(slave, lead, cycle_s, reserve, rule, Beside::default())
+        self.step_with_added(slave, lead, cycle_s, reserve, rule, AddedMotion::default())
     }
 
     /// As [`step`](Self::step), with added motions.
-    pub fn step_beside(
+    pub fn step_with_added(
         &mut self,
         slave: Motion,
         (lead, tables): (Lead, &[Arc<Table>]),
         cycle_s: f64,
         reserve: Reserve,
-        rule: Rule,
-        beside: Beside,
+        rule: ReversingRule,
+        beside: AddedMotion,
     ) -> Motion {
-        let bounds = self.bounds.less(reserve);
+        let bounds = self.bounds.reduced_by(reserve);
         let change = self.transmission.step(lead, tables);
         // The rest of the transmission before, and added motions, are no motion of the leader.
         let added = beside.added.to_f64();
@@ -408,16 +408,16 @@ impl Follower {
         let alone = self.can_follow(led, self.recent[0], own, cycle_s, bounds);
         self.note_change(led);
         let forward_only = match rule {
-            Rule::Always => false,
-            Rule::WithMaster => led >= 0.0,
-            Rule::Never => true,
+            ReversingRule::Always => false,
+            ReversingRule::WithMaster => led >= 0.0,
+            ReversingRule::Never => true,
         };
         let rate = bounds.acceleration * cycle_s * cycle_s;
         let slowing = self.slowing(cycle_s, bounds);
         if let Some(cam) = self.transmission.cam() {
             // A smooth end of a cam is followed. If the slave could not stop in time, it slows down before.
             let cycles = before.abs() / slowing + 2.0;
-            self.halt = cam.way_to_end(lead.change, cycles, tables).map(|way| self.target + way);
+            self.halt = cam.distance_to_end(lead.change, cycles, tables).map(|way| self.target + way);
         }
         let ahead = self.slowed(slave.position, geared, slowing) == geared;
         self.barred = forward_only && geared < 0.0;
@@ -450,7 +450,7 @@ impl Follower {
         (lead, change): (Lead, Position),
         behind: &impl Stepped,
         cycle_s: f64,
-        rule: Rule,
+        rule: ReversingRule,
     ) -> Option<Following> {
         // In inc per cycle.
         let geared = change.to_f64();
@@ -464,7 +464,7 @@ impl Follower {
             && lead.valid
             && lead.uneven == self.lead_uneven
             && self.halt.is_none()
-            && (rule != Rule::Never || geared >= 0.0)
+            && (rule != ReversingRule::Never || geared >= 0.0)
             && geared.abs() <= max_velocity * cycle_s + uneven
             && (geared - before).abs() <= rate * cycle_s * cycle_s + uneven;
         let position = slave.position + change;
@@ -518,7 +518,7 @@ impl Follower {
     /// Limits a step so that the slave can still stop at the halt of its leader.
     fn slowed(&self, position: Position, step: f64, rate: f64) -> f64 {
         match self.halt.map(|halt| (halt - position).to_f64()) {
-            Some(way) if way * step > 0.0 => step.abs().min(closing(way, rate).0.abs()).copysign(step),
+            Some(way) if way * step > 0.0 => step.abs().min(closing_velocity(way, rate).0.abs()).copysign(step),
             _ => step,
         }
     }
@@ -539,7 +539,7 @@ impl Follower {
             SyncMode::Velocity => 0.0,
             _ => (self.target - change - position).to_f64(),
         };
-        let (closing, arrives) = closing(way, rate);
+        let (closing, arrives) = closing_velocity(way, rate);
         // A leader as fast as the velocity of the goal can be caught up only with a higher velocity.
         let catches = bounds.velocity * cycle_s > geared.abs();
         let top = if catches { bounds.velocity } else { bounds.max_velocity } * cycle_s;
@@ -563,7 +563,7 @@ impl Follower {
 
 /// Returns the velocity with which a distance is closed (inc per cycle) if it decreases by `rate` (inc per cycle and
 /// cycle), and whether it is closed in this cycle.
-pub(super) fn closing(way: f64, rate: f64) -> (f64, bool) {
+pub(super) fn closing_velocity(way: f64, rate: f64) -> (f64, bool) {
     let cycles = ((-3.0 + (1.0 + 8.0 * way.abs() / rate).sqrt()) / 2.0).ceil().max(0.0);
     let speed = way.abs() / (cycles + 1.0) + rate * cycles / 2.0;
     (speed.copysign(way), cycles == 0.0)

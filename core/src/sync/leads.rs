@@ -9,7 +9,7 @@
 //! Refuses  nothing: a leader that does not exist is a lost lead
 //! Source   MACS-ENC-10, MACS-SYNC-01
 
-use super::sum::{Sum, so_often};
+use super::sum::{Sum, times_position};
 use crate::encoder::Lead;
 use crate::object::Leader;
 use crate::position::Position;
@@ -113,7 +113,7 @@ impl Leads {
     /// or has them as members.
     pub fn share(&self, leader: Leader, by: Position, holds: impl Fn(Leader) -> bool) -> Position {
         let times = self.sum(leader).map_or_else(|| i64::from(holds(leader)), |sum| sum.times(&holds));
-        so_often(by, times)
+        times_position(by, times)
     }
 }
 

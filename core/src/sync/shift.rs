@@ -7,7 +7,7 @@
 //! Refuses  nothing: velocity and acceleration were checked by the axis
 //! Source   contract section 10, PLCopen (MC_PhasingRelative)
 
-use super::follower::closing;
+use super::follower::closing_velocity;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
@@ -66,7 +66,7 @@ impl Shift {
     /// Returns the shift after a cycle in which only `done` (inc per cycle) of its last change was moved: it
     /// accelerates from there.
     #[must_use]
-    pub fn held_to(self, done: f64) -> Self {
+    pub fn limited_to(self, done: f64) -> Self {
         let (low, high) = (self.speed.min(0.0), self.speed.max(0.0));
         Self { speed: done.max(low).min(high), ..self }
     }
@@ -94,7 +94,7 @@ impl Shift {
 
     /// As [`step`](Self::step), at most `most` (inc per cycle) as soon as it has slowed down to that.
     pub fn step_within(&mut self, most: f64) -> (Position, bool) {
-        let (wanted, arrives) = if self.stops { (0.0, false) } else { closing(self.left.to_f64(), self.rate) };
+        let (wanted, arrives) = if self.stops { (0.0, false) } else { closing_velocity(self.left.to_f64(), self.rate) };
         let (low, high) = (self.speed - self.rate, self.speed + self.rate);
         // Not `clamp`: an invalid state may have crossed bounds.
         let most = self.velocity.min(most.max(0.0));
@@ -143,7 +143,7 @@ mod tests {
             shift.step();
         }
         for (done, speed) in [(0.0, 0.0), (-0.5, -0.5), (2.0, 0.0), (-3.0, -1.0), (-1.0, -1.0)] {
-            let mut held = shift.held_to(done);
+            let mut held = shift.limited_to(done);
             assert_eq!((held.speed(), held.left()), (speed, shift.left()));
             assert_eq!(held.step().0.to_f64(), (speed - 0.25).max(-1.0));
         }

@@ -71,8 +71,8 @@ impl Sum {
         let mut sum = Lead { valid: true, ..Lead::default() };
         for &Term { leader, times } in &self.terms {
             let lead = leads.simple(leader).copied().unwrap_or_default();
-            sum.position += so_often(lead.position, times.into());
-            sum.change += so_often(lead.change, times.into());
+            sum.position += times_position(lead.position, times.into());
+            sum.change += times_position(lead.change, times.into());
             sum.velocity += lead.velocity * f64::from(times);
             sum.uneven += lead.uneven * f64::from(times).abs();
             sum.valid &= lead.valid;
@@ -82,7 +82,7 @@ impl Sum {
 }
 
 /// Returns a multiple of a position.
-pub(super) fn so_often(position: Position, times: i64) -> Position {
+pub(super) fn times_position(position: Position, times: i64) -> Position {
     Position::from_raw(position.raw().saturating_mul(times.into()))
 }
 

@@ -87,7 +87,7 @@ impl Transmission {
     }
 
     /// Whether forward motion of the lead counts as backward (MACS-DIR-04).
-    pub fn is_turned(&self) -> bool {
+    pub fn is_mirrored(&self) -> bool {
         match self {
             Self::Gear(gear) => gear.ratio().numerator() < 0,
             Self::Cam(cam) => cam.is_turned(),

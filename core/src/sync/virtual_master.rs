@@ -123,7 +123,7 @@ impl VirtualMaster {
         let (from, to) = if after > before {
             (before.div_euclid(whole), after.div_euclid(whole))
         } else {
-            (ceiling(before, whole), ceiling(after, whole))
+            (rounded_up(before, whole), rounded_up(after, whole))
         };
         if from != to {
             let place = Position::from_raw(to.saturating_mul(whole));
@@ -183,7 +183,7 @@ impl VirtualSource {
     }
 }
 
-fn ceiling(value: i128, step: i128) -> i128 {
+fn rounded_up(value: i128, step: i128) -> i128 {
     value.div_euclid(step) + i128::from(value.rem_euclid(step) != 0)
 }
 

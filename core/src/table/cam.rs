@@ -11,9 +11,9 @@ use crate::position::Position;
 use serde::{Deserialize, Serialize};
 
 /// Maximum magnitude of a value (inc of the slave), so that the change per period has 31 bits.
-pub const MOST_VALUE: i64 = 1 << 30;
+pub const MAX_VALUE: i64 = 1 << 30;
 /// Maximum length (inc of the master).
-pub const MOST_LENGTH: i64 = i32::MAX as i64;
+pub const MAX_LENGTH: i64 = i32::MAX as i64;
 
 /// Settings of the cell for a table as a cam.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -67,15 +67,15 @@ impl Interpolation {
         };
         let spline = spline.map_err(|error| match error {
             SplineError::Count { count, fewest } => CamError::Few { count, fewest },
-            SplineError::Size { point } => CamError::Uneven(point + 1),
+            SplineError::Size { point } => CamError::SplineOvershoot(point + 1),
             // Whole numbers are finite, and the positions of a cam rise.
-            _ => CamError::Uneven(1),
+            _ => CamError::SplineOvershoot(1),
         })?;
         // The coefficients limit the deviation from a value.
         let swing = |interval: &[f64; 5]| interval.iter().map(|coefficient| coefficient.abs()).sum::<f64>();
-        let far = |(interval, value): (&[f64; 5], &f64)| value.abs() + swing(interval) > MOST_VALUE as f64;
+        let far = |(interval, value): (&[f64; 5], &f64)| value.abs() + swing(interval) > MAX_VALUE as f64;
         match spline.coefficients().iter().zip(&values).position(far) {
-            Some(point) => Err(CamError::Uneven(point + 1)),
+            Some(point) => Err(CamError::SplineOvershoot(point + 1)),
             None => Ok(Some(spline)),
         }
     }
@@ -97,11 +97,11 @@ pub enum CamError {
     },
     /// Spline that deviates too far after this point, from 1.
     #[error(
-        "behind point {0} the spline of a cam leaves -{MOST_VALUE} to {MOST_VALUE}; more points, or linear, is possible"
+        "behind point {0} the spline of a cam leaves -{MOST_VALUMAX_VALUET_VALUE}; more points, or linear, is possible"
     )]
-    Uneven(usize),
+    SplineOvershoot(usize),
     /// Form y without a length.
-    #[error("a cam of form y has no length; its length in increments of the master is needed, 1 to {MOST_LENGTH}")]
+    #[error("a cam of form y has no length; its length in increments of the master is needed, 1 to {MAX_LENGTH}")]
     NoLength,
     /// A length without effect, or out of range.
     #[error("a cam is {0} increments of the master long; 1 to {MOST_LENGTH} are possible")]
@@ -130,7 +130,7 @@ pub struct CamShape {
     /// Length (inc of the master), above 0.
     pub length: i64,
     /// Travel of the slave per period (inc).
-    pub way: i64,
+    pub travel: i64,
     /// Whether the cam repeats at its end.
     pub is_cyclic: bool,
 }
@@ -167,14 +167,14 @@ impl CamShape {
         if let Some(place) = (0..x.len()).find(|place| !rises(place)) {
             return Err(CamError::Place { place: place + 1, x: x.get(place).copied().unwrap_or_default() });
         }
-        if !(1..=MOST_LENGTH).contains(&length) {
+        if !(1..=MAX_LENGTH).contains(&length) {
             return Err(CamError::Length(length));
         }
-        let is_value = |value: &i64| (-MOST_VALUE..=MOST_VALUE).contains(value);
+        let is_value = |value: &i64| (-MAX_VALUE..=MAX_VALUE).contains(value);
         if let Some((place, value)) = (1..).zip(y).find(|(_, value)| !is_value(value)) {
             return Err(CamError::Value { place, y: *value });
         }
-        Ok(Self { length, way: last.saturating_sub(*first), is_cyclic: setting.is_cyclic })
+        Ok(Self { length, travel: last.saturating_sub(*first), is_cyclic: setting.is_cyclic })
     }
 }
 
@@ -195,7 +195,7 @@ mod tests {
         assert_eq!(of(&[0, 1 << 31], &[0, 1]), Err(CamError::Length(1 << 31)));
         assert_eq!(of(&[1, 2], &[0, 1]), Err(CamError::Place { place: 1, x: 1 }));
         assert_eq!(of(&[0, 5, 5], &[0, 1, 2]), Err(CamError::Place { place: 3, x: 5 }));
-        assert_eq!(of(&[0, 5], &[0, MOST_VALUE + 1]), Err(CamError::Value { place: 2, y: MOST_VALUE + 1 }));
+        assert_eq!(of(&[0, 5], &[0, MAX_VALUE + 1]), Err(CamError::Value { place: 2, y: MAX_VALUE + 1 }));
         assert_eq!(of(&[0, 5], &[i64::MIN, 0]), Err(CamError::Value { place: 1, y: i64::MIN }));
     }
 
@@ -207,7 +207,7 @@ mod tests {
             let setting = CamSetting { is_cyclic, interpolation: Interpolation::Cubic, ..CamSetting::default() };
             Table::new(Form::Xy, x, y).expect("points").with_cam(setting).cam()
         };
-        assert!(matches!(of(&[0, 1, 10_000], &[0, 1 << 29, 0], true), Err(CamError::Uneven(_))));
+        assert!(matches!(of(&[0, 1, 10_000], &[0, 1 << 29, 0], true), Err(CamError::SplineOvershoot(_))));
         assert_eq!(of(&[0, 10], &[0, 5], true), Err(CamError::Few { count: 2, fewest: 3 }));
         assert!(of(&[0, 10], &[0, 5], false).is_ok());
     }
@@ -215,9 +215,9 @@ mod tests {
     #[test]
     fn a_period_makes_the_way_from_the_first_point_to_the_last() {
         let shape = CamShape::of(Form::Xy, &[0, 10, 40], &[7, 100, -3], CamSetting::default());
-        assert_eq!(shape, Ok(CamShape { length: 40, way: -10, is_cyclic: true }));
+        assert_eq!(shape, Ok(CamShape { length: 40, travel: -10, is_cyclic: true }));
         let once = CamSetting { length: Some(90), is_cyclic: false, ..CamSetting::default() };
-        let shape = CamShape::of(Form::Y, &[], &[0, 40_000, -MOST_VALUE], once);
-        assert_eq!(shape, Ok(CamShape { length: 90, way: -MOST_VALUE, is_cyclic: false }));
+        let shape = CamShape::of(Form::Y, &[], &[0, 40_000, -MAX_VALUE], once);
+        assert_eq!(shape, Ok(CamShape { length: 90, travel: -MAX_VALUE, is_cyclic: false }));
     }
 }

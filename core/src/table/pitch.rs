@@ -11,7 +11,7 @@
 use super::{Form, Table, interval};
 
 /// The error changes by at most this part of the distance, so that positions and counts keep their order.
-pub const STEEPEST: i64 = 10;
+pub const MAX_SLOPE_DIVISOR: i64 = 10;
 
 /// Error of a table that is no pitch error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -69,7 +69,7 @@ impl PitchError {
 fn check_slope(point: usize, (x, y): (i64, i64), (to_x, to_y): (i64, i64)) -> Result<(), PitchError> {
     // Both have 32 bits, a turn at most 62: no difference wraps.
     let (way, change) = (to_x - x, to_y - y);
-    let is_flat = change.saturating_abs().saturating_mul(STEEPEST) <= way;
+    let is_flat = change.saturating_abs().saturating_mul(MAX_SLOPE_DIVISOR) <= way;
     if is_flat { Ok(()) } else { Err(PitchError::Steep { point, change, way }) }
 }
 
@@ -119,20 +119,20 @@ impl Table {
                 None => end.1,
                 Some(turn) => {
                     let place = if place < first.0 { place.saturating_add(turn) } else { place };
-                    between(place, end, (first.0.saturating_add(turn), first.1))
+                    interpolate(place, end, (first.0.saturating_add(turn), first.1))
                 }
             };
         }
         let at = interval(0, last, |at| x.get(at).is_some_and(|x| *x <= place));
         match (point(at), point(at.saturating_add(1))) {
-            (Some(before), Some(behind)) => between(place, before, behind),
+            (Some(before), Some(behind)) => interpolate(place, before, behind),
             _ => end.1,
         }
     }
 }
 
 /// Returns the linear interpolation between two points; a half is rounded up.
-fn between(place: i64, (x, y): (i64, i64), (to_x, to_y): (i64, i64)) -> i64 {
+fn interpolate(place: i64, (x, y): (i64, i64), (to_x, to_y): (i64, i64)) -> i64 {
     let way = i128::from(to_x) - i128::from(x);
     if way <= 0 {
         return y;
@@ -229,7 +229,7 @@ mod tests {
                 points.push((x + way, y + (way as f64 / 10.0 * share) as i64));
             }
             let (x, y) = *points.last().expect("a last one");
-            let turn = turns.then_some(x + y.abs() * STEEPEST + 1);
+            let turn = turns.then_some(x + y.abs() * MAX_SLOPE_DIVISOR + 1);
             let pitch = table(&points);
             prop_assert_eq!(pitch.check_pitch(turn), Ok(()));
             for (x, y) in points {

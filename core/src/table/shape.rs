@@ -27,12 +27,12 @@ pub enum CurveError {
 
 /// Properties of a table that is a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shape {
+pub struct CurveShape {
     /// Largest magnitude of its values.
-    pub extreme: u64,
+    pub max_magnitude: u64,
 }
 
-impl Shape {
+impl CurveShape {
     /// Returns the properties of points.
     pub(super) fn of(form: Form, x: &[i64], y: &[i64]) -> Result<Self, CurveError> {
         if form == Form::Words {
@@ -57,7 +57,7 @@ impl Shape {
         if let Some(place) = y.windows(2).position(|pair| !is_step(pair)) {
             return Err(CurveError::Step(place + 1));
         }
-        Ok(Self { extreme: y.iter().map(|value| value.unsigned_abs()).max().unwrap_or(0) })
+        Ok(Self { max_magnitude: y.iter().map(|value| value.unsigned_abs()).max().unwrap_or(0) })
     }
 }
 
@@ -78,7 +78,7 @@ mod tests {
     /// Proves: AMK-FIPW-02, AMK-XFIPW-05, AMK-XFIPW-18, AMK-XFIPW-20
     #[test]
     fn what_is_no_curve_is_told_with_its_point() {
-        let of = |table: Table| table.shape().map(|shape| shape.extreme);
+        let of = |table: Table| table.shape().map(|shape| shape.max_magnitude);
         assert_eq!(of(Table::new(Form::Words, &[], &[0, 1]).expect("words")), Err(CurveError::Words));
         assert_eq!(of(even(&[0])), Err(CurveError::Few(1)));
         assert_eq!(of(even(&[3, 4])), Err(CurveError::First(3)));

@@ -5,7 +5,7 @@ use super::{function, number_text, plain, row, scale_of, trajectory};
 use crate::axis::homing_methods::SWITCHES;
 use crate::axis::{COORDINATE_USES, Fallback, fallback};
 use crate::code::{Code, Row, not_built_here};
-use crate::config::{MachineConfig, names_no_io};
+use crate::config::{MachineConfig, missing_io_text};
 use crate::drive::{DriveState, ForeignEmergency, NodeNotice, NotEnabled, error_text, register_texts};
 use crate::event::{Event, Kind, Number};
 use crate::object::Object;
@@ -130,7 +130,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
         // What is missing has no value.
         Code::EFFORT_MISSING | Code::CURRENT_LOOP => format!("{} {}", key(event), not_built_here(event.code)),
         Code::NO_SUCH_INPUT | Code::NO_SUCH_OUTPUT => {
-            names_no_io(key(event), &plain(event.asked), event.code == Code::NO_SUCH_OUTPUT, &plain(event.limit))
+            missing_io_text(key(event), &plain(event.asked), event.code == Code::NO_SUCH_OUTPUT, &plain(event.limit))
         }
         Code::OUTPUT_TAKEN => {
             let owner = match event.limit {

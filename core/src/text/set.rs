@@ -1,7 +1,7 @@
 //! Messages of refused parameter sets.
 
 use super::{allowed_text, number_text, parameter_value, refused_text, row, scale_of, value_of};
-use crate::config::{MachineConfig, highest_of};
+use crate::config::{MachineConfig, max_of_row};
 use crate::event::{Event, Number};
 use crate::parameter::{Refused, Row, Value};
 
@@ -38,7 +38,7 @@ pub(super) fn read_only(event: &Event, config: &MachineConfig) -> String {
 pub(super) fn refused(event: &Event, row: &Row, why: Refused, config: &MachineConfig) -> String {
     let highest = match event.limit {
         Number::Velocity(highest) => Some(highest),
-        _ => highest_of(row, config.cycle_ns),
+        _ => max_of_row(row, config.cycle_ns),
     };
     refused_text(row, why, value_of(event.asked), &scale_of(event.source, config), highest)
 }
@@ -80,7 +80,7 @@ pub(super) fn given_twice(event: &Event, config: &MachineConfig) -> String {
 }
 
 /// Returns the value of a parameter and the value it was compared with, with enough digits to differ.
-fn told_apart(event: &Event, row: &Row, config: &MachineConfig) -> (String, String) {
+fn distinct_values(event: &Event, row: &Row, config: &MachineConfig) -> (String, String) {
     let value = parameter_value(row, event.asked, event.source, config);
     let limit = number_text(event.limit, event.source, config);
     if value != limit || event.asked == event.limit {
@@ -99,7 +99,7 @@ fn told_apart(event: &Event, row: &Row, config: &MachineConfig) -> (String, Stri
 /// Returns the message of two values that contradict each other, or of a value that moves another one out of its range.
 pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
     let Some(row) = row(event) else { return "the parameters contradict each other".to_owned() };
-    let (value, limit) = told_apart(event, row, config);
+    let (value, limit) = distinct_values(event, row, config);
     let derived = match event.limit {
         Number::Velocity(value) => Some(("max_velocity", value)),
         Number::Acceleration(value) => Some(("max_acceleration", value)),
@@ -110,7 +110,7 @@ pub(super) fn contradict(event: &Event, config: &MachineConfig) -> String {
         && let Some((_, native)) = Row::find(native)
         && native.check(Value::Real(number)).is_err()
     {
-        let range = allowed_text(native, &scale_of(event.source, config), highest_of(native, config.cycle_ns));
+        let range = allowed_text(native, &scale_of(event.source, config), max_of_row(native, config.cycle_ns));
         return format!("{} {value} makes {} {limit}; {range} is allowed", row.key, native.key);
     }
     // A value that MACS gives as a fraction or a count is reported together with the value of MACS.

@@ -70,7 +70,7 @@ impl Lag {
 
     /// Returns the time from the last point of the trajectory until the axis rests there, in the time of the trajectory
     /// (s).
-    pub fn late_s(&self, trajectory: &Trajectory) -> f64 {
+    pub fn time_after_end_s(&self, trajectory: &Trajectory) -> f64 {
         let holds =
             trajectory.times_ns.get(self.last as usize).map_or(0, |time| trajectory.end_ns().saturating_sub(*time));
         (self.late_s.unwrap_or(0.0) - holds as f64 / 1e9).max(0.0)
@@ -107,12 +107,12 @@ impl Lag {
             for step in 1..=steps {
                 let next = spline.at(duration_ns as f64 * f64::from(step) / f64::from(steps)).position;
                 let seconds = seconds / f64::from(steps);
-                self.chase((next - place).to_f64() / seconds, seconds, limits);
+                self.catch_up((next - place).to_f64() / seconds, seconds, limits);
                 place = next;
             }
         }
         if is_last && self.late_s.is_none() {
-            self.late_s = Some(self.chase(0.0, f64::INFINITY, limits));
+            self.late_s = Some(self.catch_up(0.0, f64::INFINITY, limits));
         }
         if self.largest > before {
             self.point = point as u32;
@@ -142,7 +142,7 @@ impl Lag {
     }
 
     /// Follows a trajectory with velocity `u` (inc/s) for a time. Returns the time until the axis has caught up.
-    fn chase(&mut self, u: f64, seconds: f64, limits: &LagLimits) -> f64 {
+    fn catch_up(&mut self, u: f64, seconds: f64, limits: &LagLimits) -> f64 {
         let mut left = seconds;
         let phases = self.phases(u, limits);
         for (acceleration, time) in phases {
@@ -162,7 +162,7 @@ impl Lag {
         let (a, mut left) = (limits.acceleration, seconds);
         // An axis that reaches the end before the trajectory moves on to meet it.
         for _ in 0..MOST_TURNS {
-            let passes = self.chase_to_end(u, &mut left, limits);
+            let passes = self.catch_up_to_end(u, &mut left, limits);
             let until = left.min(passes.unwrap_or((self.velocity / a).abs()));
             self.moves(u, -a.copysign(self.velocity), until);
             left -= until;
@@ -170,12 +170,12 @@ impl Lag {
                 break;
             }
         }
-        self.chase(0.0, f64::INFINITY, limits)
+        self.catch_up(0.0, f64::INFINITY, limits)
     }
 
     /// Follows a trajectory with velocity `u` that stops abruptly after a time, until the axis has to decelerate for
     /// that. Returns the time until it passes the end, if it is too fast to stop there.
-    fn chase_to_end(&mut self, u: f64, left: &mut f64, limits: &LagLimits) -> Option<f64> {
+    fn catch_up_to_end(&mut self, u: f64, left: &mut f64, limits: &LagLimits) -> Option<f64> {
         let a = limits.acceleration;
         let rest = a * limits.cycle_s;
         let way = u * *left + self.lag;

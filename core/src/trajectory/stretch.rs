@@ -46,7 +46,7 @@ impl Stretch {
     }
 
     /// Returns the time of the trajectory after `begin_ns`, once `elapsed_ns` of real time have passed since then.
-    pub fn moment(self, begin_ns: u64, elapsed_ns: u64) -> Moment {
+    pub fn time_after(self, begin_ns: u64, elapsed_ns: u64) -> Moment {
         let scaled = u128::from(elapsed_ns) << 32;
         // The result does not exceed the elapsed time, as the stretch is at least 1.
         let divisor = u128::from(self.0.max(ONE));
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn unstretched_time_is_real_time() {
-        let moment = Stretch::NONE.moment(7, 1_000_000_007);
+        let moment = Stretch::NONE.time_after(7, 1_000_000_007);
         assert_eq!(moment, Moment { ns: 1_000_000_014, fraction: 0.0 });
         let motion = Motion { velocity: 0.1, acceleration: -0.3, jerk: 0.7, ..Motion::default() };
         assert_eq!(Stretch::NONE.real(motion), motion);
@@ -112,8 +112,8 @@ mod tests {
     #[test]
     fn stretched_time_keeps_its_fraction() {
         let stretch = Stretch::at_least(1.5);
-        assert_eq!(stretch.moment(10, 3), Moment { ns: 12, fraction: 0.0 });
-        assert_eq!(stretch.moment(10, 1), Moment { ns: 10, fraction: 2.0 / 3.0 });
+        assert_eq!(stretch.time_after(10, 3), Moment { ns: 12, fraction: 0.0 });
+        assert_eq!(stretch.time_after(10, 1), Moment { ns: 10, fraction: 2.0 / 3.0 });
         assert_eq!((stretch.real_ns(2), stretch.real_ns(1)), (3, 2));
         let motion = Motion { velocity: 2.0, acceleration: 4.0, jerk: 8.0, ..Motion::default() };
         let half = Motion { velocity: 1.0, acceleration: 1.0, jerk: 1.0, ..Motion::default() };
@@ -137,9 +137,9 @@ mod tests {
             let stretch = Stretch::at_least(factor);
             prop_assert!(stretch.factor() >= factor && stretch.factor() - factor <= 1.0 / ONE as f64);
             let real = stretch.real_ns(time_ns);
-            prop_assert!(stretch.moment(0, real).ns >= time_ns);
-            prop_assert!(real == 0 || stretch.moment(0, real - 1).ns < time_ns);
-            prop_assert!(stretch.moment(0, time_ns).ns <= time_ns);
+            prop_assert!(stretch.time_after(0, real).ns >= time_ns);
+            prop_assert!(real == 0 || stretch.time_after(0, real - 1).ns < time_ns);
+            prop_assert!(stretch.time_after(0, time_ns).ns <= time_ns);
         }
     }
 }

@@ -144,18 +144,18 @@ impl UnitError {
     }
 
     /// Returns the error with its hint, as text.
-    pub fn sentence(&self) -> String {
+    pub fn message_with_hint(&self) -> String {
         self.hint().map_or_else(|| self.to_string(), |hint| format!("{self}; {hint}"))
     }
 
     /// Returns the error with its hint, as text. For a text that is no number, the hint is an example in this unit,
     /// which is that of the axis.
-    pub fn sentence_for(self, expected: Dimension, unit: Unit) -> String {
+    pub fn message_with_example(self, expected: Dimension, unit: Unit) -> String {
         match self {
             Self::NotANumber { .. } if self.hint().is_none() => {
                 format!("{self}; {} is expected", expected.such_as(Some(unit)))
             }
-            error => error.in_unit(unit).sentence(),
+            error => error.in_unit(unit).message_with_hint(),
         }
     }
 

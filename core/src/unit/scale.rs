@@ -12,10 +12,10 @@ use std::f64::consts::TAU;
 const LIMIT: u64 = 1 << 62;
 /// Minimum rate other than 0 (inc/s^n). No machine is that slow. Above it every f64 written as its shortest decimal has
 /// a last digit that [`parse_decimal`](super::parse_decimal) can read, so that a recorded rate reads back unchanged.
-const LEAST_RATE: f64 = 1e-22;
+const MIN_RATE: f64 = 1e-22;
 
 /// Rates from this one on are outside every range (inc/s^n).
-const BEYOND_ALL: f64 = 1e30;
+const MAX_EXACT_RATE: f64 = 1e30;
 
 /// Kind of the axis: linear (m) or rotary (rad).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -154,7 +154,7 @@ impl Scale {
             other => Some(other?),
         };
         // A fraction beyond 128 bits may still be a small number with many digits: that is inexact, not out of range.
-        if exact.is_none() && self.rough(quantity).abs() < LIMIT as f64 {
+        if exact.is_none() && self.approximate_increments(quantity).abs() < LIMIT as f64 {
             return Err(UnitError::Inexact { given: *quantity });
         }
         exact
@@ -177,12 +177,12 @@ impl Scale {
             Ok(exact) => fraction_to_f64(&exact),
             Err(error) => {
                 // The error is the size of the rate, not the number of its digits.
-                let (rate, unit) = (self.rough(quantity), Unit::INCREMENT.with_order(order));
-                let is_high = matches!(error, UnitError::Inexact { .. }) && rate.abs() >= BEYOND_ALL;
+                let (rate, unit) = (self.approximate_increments(quantity), Unit::INCREMENT.with_order(order));
+                let is_high = matches!(error, UnitError::Inexact { .. }) && rate.abs() >= MAX_EXACT_RATE;
                 return Err(if is_high { UnitError::RateTooHigh { given: *quantity, rate, unit } } else { error });
             }
         };
-        if rate != 0.0 && rate.abs() < LEAST_RATE {
+        if rate != 0.0 && rate.abs() < MIN_RATE {
             return Err(UnitError::RateTooLow { given: *quantity, rate, unit: Unit::INCREMENT.with_order(order) });
         }
         Ok(rate)
@@ -363,7 +363,7 @@ impl Scale {
     }
 
     /// Returns the increments of a position in f64, for the case that the exact fraction exceeds 128 bits.
-    fn rough(&self, quantity: &Quantity) -> f64 {
+    fn approximate_increments(&self, quantity: &Quantity) -> f64 {
         let plain = quantity.unit().with_order(0);
         fraction_to_f64(&quantity.value()) * if plain == Unit::INCREMENT { 1.0 } else { self.per(plain.into()) }
     }

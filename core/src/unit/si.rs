@@ -11,12 +11,12 @@ pub struct SiScale {
     scale: Scale,
     /// Increments per m or rad, the nearest f64.
     nearest: f64,
-    way: Way,
+    way: DivisionMethod,
 }
 
 /// Method of dividing a whole number of increments.
 #[derive(Clone, Copy, Debug)]
-enum Way {
+enum DivisionMethod {
     /// By the nearest f64: rad has no exact number of increments.
     Nearest,
     /// By the exact fraction, whose numerator and denominator are an f64 each.
@@ -29,9 +29,9 @@ impl SiScale {
     pub(super) fn new(scale: Scale, exact: Option<Fraction>, nearest: f64) -> Self {
         let whole = |number: &i128| i64::try_from(*number).ok().filter(|number| number.unsigned_abs() <= EXACT);
         let way = match exact.map(|exact| (whole(exact.numer()), whole(exact.denom()))) {
-            None => Way::Nearest,
-            Some((Some(numerator), Some(denominator))) => Way::Ratio(numerator as f64, denominator),
-            Some(_) => Way::Exact,
+            None => DivisionMethod::Nearest,
+            Some((Some(numerator), Some(denominator))) => DivisionMethod::Ratio(numerator as f64, denominator),
+            Some(_) => DivisionMethod::Exact,
         };
         Self { scale, nearest, way }
     }
@@ -39,15 +39,15 @@ impl SiScale {
     /// Converts a position like [`Scale::position_to_si`].
     pub fn position(&self, increments: i64, fraction: f64) -> f64 {
         let whole = match self.way {
-            Way::Nearest => increments as f64 / self.nearest,
+            DivisionMethod::Nearest => increments as f64 / self.nearest,
             // The quotient of two numbers that are exact in f64 is rounded once (IEEE 754), like the exact fraction.
-            Way::Ratio(numerator, denominator)
+            DivisionMethod::Ratio(numerator, denominator)
                 if let Some(product) = increments.checked_mul(denominator)
                     && product.unsigned_abs() <= EXACT =>
             {
                 product as f64 / numerator
             }
-            Way::Ratio(..) | Way::Exact => return self.scale.position_to_si(increments, fraction),
+            DivisionMethod::Ratio(..) | DivisionMethod::Exact => return self.scale.position_to_si(increments, fraction),
         };
         whole + fraction / self.nearest
     }
@@ -88,8 +88,8 @@ mod tests {
 
     #[test]
     fn usual_scales_need_no_exact_fraction() {
-        assert!(matches!(SiScale::from(scale(Unit::METRE, 1_000_000, 1)).way, Way::Ratio(1e6, 1)));
-        assert!(matches!(SiScale::from(scale(Unit::REVOLUTION, 8192, 1)).way, Way::Nearest));
-        assert!(matches!(SiScale::from(scale(Unit::METRE, (1 << 60) + 1, 1)).way, Way::Exact));
+        assert!(matches!(SiScale::from(scale(Unit::METRE, 1_000_000, 1)).way, DivisionMethod::Ratio(1e6, 1)));
+        assert!(matches!(SiScale::from(scale(Unit::REVOLUTION, 8192, 1)).way, DivisionMethod::Nearest));
+        assert!(matches!(SiScale::from(scale(Unit::METRE, (1 << 60) + 1, 1)).way, DivisionMethod::Exact));
     }
 }

@@ -47,7 +47,7 @@ pub(crate) enum Notice {
 
 /// Vocabularies that have been used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Awake {
+struct UsedVocabularies {
     amc: bool,
     saia: bool,
     wf: bool,
@@ -69,17 +69,17 @@ pub struct Vocabularies {
     amc: Amc,
     saia: Saia,
     wf: Wf,
-    awake: Awake,
+    awake: UsedVocabularies,
 }
 
 impl Vocabularies {
     /// Returns true if any vocabulary has been used.
-    pub(crate) fn are_awake(&self) -> bool {
+    pub(crate) fn any_used(&self) -> bool {
         self.awake.amc || self.awake.saia || self.awake.wf
     }
 
     /// Returns true if a step is due, because the vocabulary was used before or is used by these parameters.
-    pub(crate) fn wakes(&mut self, owner: Owner, parameters: &AxisParameters) -> bool {
+    pub(crate) fn is_step_due(&mut self, owner: Owner, parameters: &AxisParameters) -> bool {
         match owner {
             Owner::Native => false,
             Owner::Amc => {
@@ -114,7 +114,7 @@ impl Vocabularies {
     }
 
     /// Marks a vocabulary as used, whatever the result of the request.
-    pub(crate) fn rouse(&mut self, owner: Owner) {
+    pub(crate) fn mark_used(&mut self, owner: Owner) {
         match owner {
             Owner::Native => {}
             Owner::Amc => self.awake.amc = true,
@@ -128,7 +128,7 @@ impl Vocabularies {
     ///
     /// # Errors
     /// An error of the vocabulary.
-    pub(crate) fn ask(
+    pub(crate) fn try_request(
         &self,
         request: &Request,
         view: &View<'_>,
@@ -144,7 +144,7 @@ impl Vocabularies {
                 let mut wf = self.wf;
                 match wf.run(asked, view) {
                     Ok(order) => Ok((Vocabulary::Wf(wf), Outcome::of(order))),
-                    Err(refusal) => self.ask_instead(request, view, refusal),
+                    Err(refusal) => self.try_failed_request(request, view, refusal),
                 }
             }
         }
@@ -154,7 +154,7 @@ impl Vocabularies {
     ///
     /// # Errors
     /// The same error, if the request as a whole fails.
-    pub(crate) fn ask_instead(
+    pub(crate) fn try_failed_request(
         &self,
         request: &Request,
         view: &View<'_>,
@@ -163,7 +163,7 @@ impl Vocabularies {
         match request {
             Request::Saia(_) if view.parameters.vocabularies.saia.refuses() => Err(refusal),
             // The start fails; the other parts of the request take effect.
-            Request::Saia(_) => self.ask(request, view, Some(refusal)),
+            Request::Saia(_) => self.try_request(request, view, Some(refusal)),
             // A request that cannot begin still stops a motion whose release it includes (WF-SET-02).
             Request::Wf(request) => {
                 let mut wf = self.wf;
@@ -180,17 +180,17 @@ impl Vocabularies {
 
     /// Returns true if a vocabulary needs the state at the end of the cycle.
     #[inline]
-    pub(crate) fn watches_end(&self) -> bool {
+    pub(crate) fn needs_cycle_end(&self) -> bool {
         self.awake.amc
     }
 
     /// Deselects the reference because the axis is locked. Returns the parameter to write.
-    pub(crate) fn give_up(&mut self) -> super::Writes {
-        Vocabulary::written(self.amc.give_up())
+    pub(crate) fn deselect(&mut self) -> super::ParameterChange {
+        Vocabulary::selection_change(self.amc.give_up())
     }
 
     /// Returns a copy of the owner if its homing runs.
-    pub(crate) fn homes(&self, owner: Owner) -> Option<Vocabulary> {
+    pub(crate) fn homing_owner(&self, owner: Owner) -> Option<Vocabulary> {
         (owner == Owner::Amc && self.amc.homes()).then_some(Vocabulary::Amc(self.amc))
     }
 
@@ -218,7 +218,7 @@ impl Vocabularies {
     /// Continues the PID with its sum but without a change of the error, because it was not stepped while the axis was
     /// held.
     pub(crate) fn forget_loop_past(&mut self) {
-        self.saia.forget_loop_past();
+        self.saia.skip_unsampled_time();
     }
 
     /// Passes a notice to all vocabularies that it concerns.
@@ -226,17 +226,17 @@ impl Vocabularies {
         match notice {
             Notice::ZeroSet => {
                 self.awake.wf = true;
-                self.wf.take_zero();
+                self.wf.set_zero();
             }
-            Notice::ZeroLost => self.wf.lose_zero(),
+            Notice::ZeroLost => self.wf.invalidate_zero(),
             Notice::Shifted { by } => {
-                self.saia.take_shift(by);
+                self.saia.shift_positions(by);
                 self.amc.shift(Position::whole(by));
             }
-            Notice::Displaced { by } => self.saia.take_shift(by),
-            Notice::Jumped => self.saia.note_jump(),
+            Notice::Displaced { by } => self.saia.shift_positions(by),
+            Notice::Jumped => self.saia.handle_position_jump(),
             Notice::Turned => {
-                self.amc.turn_over();
+                self.amc.invert_direction();
                 // As after power-on: their zeros and targets belonged to the other direction.
                 (self.saia, self.wf) = (Saia::default(), Wf::default());
             }
@@ -256,7 +256,7 @@ impl Vocabularies {
     /// Returns the vocabularies whose signals are to be written in this cycle, if any.
     pub(crate) fn begin_publishing(&mut self) -> Option<Shown> {
         let all = !std::mem::replace(&mut self.awake.shown, true);
-        let Awake { amc, saia, wf, .. } = self.awake;
+        let UsedVocabularies { amc, saia, wf, .. } = self.awake;
         (all || amc || saia || wf).then_some(Shown { amc: all || amc, saia: all || saia, wf: all || wf })
     }
 
@@ -307,6 +307,6 @@ mod tests {
         assert_ne!(turned.wf, Wf::default());
         turned.notice(Notice::Turned);
         assert_eq!((turned.saia, turned.wf), (Saia::default(), Wf::default()));
-        assert!(turned.are_awake(), "their signals are written on");
+        assert!(turned.any_used(), "their signals are written on");
     }
 }

@@ -17,7 +17,7 @@ pub mod wf;
 pub use all::Vocabularies;
 pub(crate) use all::{Notice, add_signals};
 pub use amc::{Problem, Setting, check};
-pub(crate) use one::{Vocabulary, Writes};
+pub(crate) use one::{Vocabulary, ParameterChange};
 pub use request::{Outcome, Request};
 
 use crate::code::Code;
@@ -69,12 +69,12 @@ impl Owner {
     pub(crate) const VOCABULARIES: [Self; 3] = [Self::Amc, Self::Saia, Self::Wf];
 
     /// Returns true if another order of the owner ends the homing that it started.
-    pub(crate) fn leaves_homing(self) -> bool {
+    pub(crate) fn order_ends_homing(self) -> bool {
         self == Self::Amc
     }
 
     /// Returns true if outputs of an axis without a position loop follow the orders of the owner.
-    pub(crate) fn switches(self) -> bool {
+    pub(crate) fn drives_outputs(self) -> bool {
         self == Self::Wf
     }
 }
@@ -106,7 +106,7 @@ pub struct CamPoint {
 
 /// A latch of this cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Latched {
+pub struct LatchView {
     /// The object that latched.
     pub object: Object,
     /// Whether the edge was rising.
@@ -119,10 +119,10 @@ pub struct Latched {
     pub position: Position,
 }
 
-impl Latched {
+impl LatchView {
     /// Returns the travel of a leader from the time of the latch to t_k: from the captured position if the device of
     /// the leader captured it, otherwise by linear interpolation in this cycle.
-    pub(crate) fn way_since(&self, leader: Leader, lead: Lead, cycle_ns: u64) -> Position {
+    pub(crate) fn travel_since(&self, leader: Leader, lead: Lead, cycle_ns: u64) -> Position {
         let is_its_own = match (leader, self.object) {
             (Leader::Encoder(encoder), Object::Encoder(object)) => encoder == object,
             (Leader::AxisActual(axis), Object::Axis(object)) => axis == object,
@@ -198,7 +198,7 @@ pub struct View<'a> {
     /// Command interface of the drive; `None` for a virtual axis.
     pub interface: Option<Interface>,
     /// Whether the controller of the vocabulary closes the loop of the axis.
-    pub regulates: bool,
+    pub closes_loop: bool,
     /// Connections of the vocabularies.
     pub wiring: Wiring,
     /// Active parameters, including those of the vocabularies.
@@ -206,7 +206,7 @@ pub struct View<'a> {
     /// The leaders, as far as this cycle has updated them.
     pub leads: &'a Leads,
     /// Latches of this cycle.
-    pub latches: &'a [Latched],
+    pub latches: &'a [LatchView],
     /// Position of the index of its encoder in this cycle.
     pub index: Option<Position>,
 }
@@ -214,7 +214,7 @@ pub struct View<'a> {
 impl View<'_> {
     /// Returns limits at the maxima of the axis, with its profile.
     pub fn largest_limits(&self) -> Limits {
-        self.parameters.largest_limits()
+        self.parameters.max_limits()
     }
 }
 
@@ -260,7 +260,7 @@ pub enum Order {
         limits: Limits,
     },
     /// Sets the command to the actual position, at once and at rest, without a ramp.
-    StandOnActual,
+    HoldActualPosition,
     /// Follows the master of the vocabulary through the gear of the axis.
     Gear {
         /// Travel of the leader to include (inc): from the freeze point to t_k.

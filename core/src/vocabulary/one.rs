@@ -19,7 +19,7 @@ pub(crate) enum Vocabulary {
 
 /// A parameter that a vocabulary has changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Writes {
+pub(crate) struct ParameterChange {
     /// Index of its row.
     pub row: u16,
     /// New value.
@@ -30,16 +30,16 @@ pub(crate) struct Writes {
 
 /// Result of a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Asked {
+pub(crate) struct StepResult {
     /// Order to the axis.
     pub order: Option<Order>,
     /// Error that prevents an order.
     pub problem: Option<Problem>,
     /// Parameter to write, if it belongs to the vocabulary.
-    pub writes: Option<Writes>,
+    pub writes: Option<ParameterChange>,
 }
 
-impl Asked {
+impl StepResult {
     fn of(order: Option<Order>) -> Self {
         Self { order, problem: None, writes: None }
     }
@@ -47,14 +47,14 @@ impl Asked {
 
 impl Vocabulary {
     /// Executes one step at t_k, after the commands of the cycle.
-    pub(crate) fn step(&mut self, view: &View<'_>) -> Asked {
+    pub(crate) fn step(&mut self, view: &View<'_>) -> StepResult {
         match self {
             Self::Amc(amc) => {
                 let step = amc.step(view);
-                Asked { order: step.order, problem: step.problem, writes: Some(Self::written(step.select)) }
+                StepResult { order: step.order, problem: step.problem, writes: Some(Self::selection_change(step.select)) }
             }
-            Self::Saia(saia) => Asked::of(saia.step(view)),
-            Self::Wf(wf) => Asked::of(wf.step(view)),
+            Self::Saia(saia) => StepResult::of(saia.step(view)),
+            Self::Wf(wf) => StepResult::of(wf.step(view)),
         }
     }
 
@@ -62,17 +62,17 @@ impl Vocabulary {
     pub(crate) fn order_failed(
         &mut self,
         before: Option<&Self>,
-        asked: &Asked,
+        asked: &StepResult,
         view: &View<'_>,
         refusal: Refusal,
-    ) -> (Option<Writes>, Option<Order>) {
+    ) -> (Option<ParameterChange>, Option<Order>) {
         match (self, before) {
             (Self::Amc(amc), Some(Self::Amc(before))) => {
                 let (select, stop) = match asked.order {
-                    Some(Order::Home) if before.waits() => (amc.give_up(), None),
+                    Some(Order::Home) if before.waits_for_rest() => (amc.give_up(), None),
                     _ => amc.order_failed(before, view, refusal.code),
                 };
-                (Some(Self::written(select)), stop)
+                (Some(Self::selection_change(select)), stop)
             }
             (Self::Saia(saia), _) => {
                 saia.order_failed(refusal);
@@ -95,7 +95,7 @@ impl Vocabulary {
 
     /// Returns true if its homing waits for the axis to come to rest.
     pub(crate) fn waits(&self) -> bool {
-        matches!(self, Self::Amc(amc) if amc.waits())
+        matches!(self, Self::Amc(amc) if amc.waits_for_rest())
     }
 
     /// Returns true if a velocity has been active since then.
@@ -104,16 +104,16 @@ impl Vocabulary {
     }
 
     /// Handles the end of its homing. Returns the last order and the parameter to write.
-    pub(crate) fn end_homing(&mut self, view: &View<'_>) -> (Option<Order>, Option<Writes>) {
+    pub(crate) fn end_homing(&mut self, view: &View<'_>) -> (Option<Order>, Option<ParameterChange>) {
         match self {
-            Self::Amc(amc) => (Some(amc.end_homing(view)), Some(Self::written(0))),
+            Self::Amc(amc) => (Some(amc.end_homing(view)), Some(Self::selection_change(0))),
             Self::Saia(_) | Self::Wf(_) => (None, None),
         }
     }
 
     /// Returns the change of the selected reference.
-    pub(super) fn written(select: i64) -> Writes {
+    pub(super) fn selection_change(select: i64) -> ParameterChange {
         let row = const { Row::place("amc.reference_select") };
-        Writes { row, value: Value::Int(select), reference: Reference::selected(select) }
+        ParameterChange { row, value: Value::Int(select), reference: Reference::selected(select) }
     }
 }

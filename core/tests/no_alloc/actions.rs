@@ -2,7 +2,7 @@
 
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    AbortTrigger, Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
+    AbortTrigger, Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, DisengageAt, Level,
     MasterPosition, Move, MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory,
     RunFunction, SetEncoderPosition, SetMasterPosition, SetPosition, ShiftPosition, Synchronize, TouchProbe,
 };
@@ -47,9 +47,9 @@ pub(super) fn phase(axis: u16, number: i64) -> Phase {
 /// Returns the end of a coupling at a position that is reached often.
 pub(super) fn leaving(axis: u16, number: i64) -> GearOut {
     let at = match number % 5 {
-        0 => LeaveAt::Now,
-        1 | -1 => LeaveAt::Axis(number / 7),
-        _ => LeaveAt::Leader(number / 7),
+        0 => DisengageAt::Now,
+        1 | -1 => DisengageAt::Axis(number / 7),
+        _ => DisengageAt::Leader(number / 7),
     };
     let disengage = (number % 2 == 0).then_some(Disengage::KeepVelocity);
     GearOut { axis, at, disengage }

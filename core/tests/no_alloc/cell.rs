@@ -7,7 +7,7 @@ use lineshaft_core::config::{
 };
 use lineshaft_core::drive::{AnalogWiring, Capabilities, Interface, SpeedOutputs};
 use lineshaft_core::encoder::{Absolute, Form, Parity, WordCode};
-use lineshaft_core::function::{self, Room, TYPES};
+use lineshaft_core::function::{self, MemorySize, TYPES};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::parameter::{
     AssignedOutputs, AxisParameters, Encoders, GantryParameters, MachineParameters, Supervision,
@@ -288,7 +288,7 @@ pub(super) fn slots() -> Vec<SlotConfig> {
             slot.tables[0] = Some(1);
             slot.values[row.find(name).expect("a field").1] = *value;
         }
-        slot.room = Room { mean: 32, cams: 0 };
+        slot.room = MemorySize { mean: 32, cams: 0 };
         if row.kind == function::Kind::Dfkt {
             let values =
                 ["table_count", "active_table", "div", "mult", "in_resolution", "in_final", "ratio_max", "ratio_div"];

@@ -4,7 +4,7 @@
 pub(crate) type Token = (usize, String);
 
 /// Returns the end of a comment, a string or a character that begins there; none if there is none.
-fn behind_text(signs: &[char], at: usize) -> Option<usize> {
+fn end_of_text(signs: &[char], at: usize) -> Option<usize> {
     let from = |place: usize| signs.get(place).copied().unwrap_or('\n');
     let find = |mut place: usize, ends: &dyn Fn(usize) -> bool| {
         while place < signs.len() && !ends(place) {
@@ -52,7 +52,7 @@ pub(crate) fn tokens(text: &str, kept: impl Fn(&str) -> bool) -> Vec<Token> {
     let (mut found, mut line, mut at) = (Vec::new(), 1, 0);
     while let Some(sign) = signs.get(at) {
         let letters = signs.iter().skip(at).take_while(|sign| is_word(sign)).count();
-        let end = match behind_text(&signs, at) {
+        let end = match end_of_text(&signs, at) {
             Some(end) => end,
             None if letters > 0 => at + letters,
             None if *sign == ':' && signs.get(at + 1) == Some(&':') => at + 2,
@@ -60,7 +60,7 @@ pub(crate) fn tokens(text: &str, kept: impl Fn(&str) -> bool) -> Vec<Token> {
         };
         let end = end.min(signs.len());
         let word: String = signs[at..end].iter().collect();
-        if !sign.is_whitespace() && (behind_text(&signs, at).is_none() || kept(&word)) {
+        if !sign.is_whitespace() && (end_of_text(&signs, at).is_none() || kept(&word)) {
             found.push((line, word));
         }
         line += signs[at..end].iter().filter(|sign| **sign == '\n').count();
@@ -70,7 +70,7 @@ pub(crate) fn tokens(text: &str, kept: impl Fn(&str) -> bool) -> Vec<Token> {
 }
 
 /// Returns the end of the item, field or statement that begins there.
-pub(crate) fn behind_item(tokens: &[Token], mut at: usize) -> usize {
+pub(crate) fn end_of_item(tokens: &[Token], mut at: usize) -> usize {
     let mut depth = 0_i32;
     while let Some((_, word)) = tokens.get(at) {
         match word.as_str() {

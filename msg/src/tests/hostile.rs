@@ -10,7 +10,7 @@ use crate::cdr::{Endian, decode, encode};
 const LONGEST_SENTENCE: usize = 600;
 
 /// Replaces each word of a valid value in turn by a length of 4 GiB, of 2 GiB, and of the number of bytes.
-fn lies<T: Message>() {
+fn replace_lengths<T: Message>() {
     let good = encode(&any_value::<T>(&[161; 300]));
     for place in (0..good.len().saturating_sub(3)).step_by(4) {
         for length in [u32::MAX, i32::MAX as u32, good.len() as u32] {
@@ -27,7 +27,7 @@ fn lies<T: Message>() {
 }
 
 /// Returns the peak of memory that this process has requested (kB), including memory that it did not access.
-fn asked_for() -> u64 {
+fn requested_memory() -> u64 {
     let status = fs::read_to_string("/proc/self/status").expect("Linux");
     let line = status.lines().find_map(|line| line.strip_prefix("VmPeak:")).expect("a line of every process");
     line.trim().trim_end_matches(" kB").parse().expect("a number")
@@ -35,14 +35,14 @@ fn asked_for() -> u64 {
 
 #[test]
 fn no_length_takes_memory_that_no_bytes_stand_for() {
-    let before = asked_for();
+    let before = requested_memory();
     macro_rules! call {
         ($type:ty) => {
             lies::<$type>()
         };
     }
     for_every_struct!(call);
-    let after = asked_for();
+    let after = requested_memory();
     // The other tests of this process request some MB; a single wrong length that is used would be at least 2 GiB.
     assert!(after - before < 1_000_000, "{before} kB before, {after} kB after");
 }

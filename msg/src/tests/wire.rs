@@ -22,7 +22,7 @@ fn comes_back<T: Message>(bytes: &[u8]) {
 }
 
 /// No byte may be missing; up to three may follow.
-fn knows_its_length<T: Message>(bytes: &[u8]) {
+fn checks_length<T: Message>(bytes: &[u8]) {
     let value = any_value::<T>(bytes);
     let mut good = encode(&value);
     for length in 0..good.len() {
@@ -41,7 +41,7 @@ fn knows_its_length<T: Message>(bytes: &[u8]) {
 }
 
 /// Any bytes are either rejected or are a value that is encoded as it was read.
-fn survives<T: Message>(bytes: &[u8]) {
+fn decodes_or_rejects<T: Message>(bytes: &[u8]) {
     for endian in [Endian::Little, Endian::Big] {
         if let Ok(value) = decode::<T>(bytes, endian) {
             let again = encode(&value);
@@ -57,7 +57,7 @@ fn survives_a_changed_byte<T: Message>(bytes: &[u8], place: usize, change: u8) {
     let mut changed = encode(&any_value::<T>(bytes));
     let place = place % changed.len();
     changed[place] ^= change;
-    survives::<T>(&changed);
+    decodes_or_rejects::<T>(&changed);
 }
 
 proptest! {

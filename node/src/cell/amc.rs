@@ -8,7 +8,7 @@ use super::parameters::{Given, Sections};
 use crate::document::{Map, Value};
 use lineshaft_core::config::{AxisConfig, IoConfig, IoKind, MachineConfig, TableConfig};
 use lineshaft_core::object::Object;
-use lineshaft_core::text::sentence;
+use lineshaft_core::text::message;
 use lineshaft_core::vocabulary::{self, amc::Wiring};
 
 /// Axes that may follow a leader's command: follower, source that it reads, and location of that key in the file.
@@ -83,7 +83,7 @@ pub(super) fn check(config: &AxisConfig, given: &Given<'_>, cycle_ns: Option<u64
     let Some(cycle_ns) = cycle_ns else { return };
     let machine = MachineConfig { cycle_ns, axes: vec![config.clone()], ..MachineConfig::default() };
     let Err(problem) = vocabulary::check(&config.parameters, &machine.setting(config)) else { return };
-    let text = sentence(&problem.refusal(Object::Axis(0)).event(0), &machine);
+    let text = message(&problem.refusal(Object::Axis(0)).event(0), &machine);
     let text = text.split_once(": ").map_or(text.as_str(), |(_, text)| text);
     if let Some((_, value)) = given.iter().find(|(key, _)| *key == problem.key()) {
         value.refuse(text, None);

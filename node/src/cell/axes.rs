@@ -23,7 +23,7 @@ use crate::document::{Allowed, Value};
 use lineshaft_can::drive::probe::Probe;
 use lineshaft_core::axis::{
     ENABLE_TIMEOUT_NS, MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity, may_read,
-    may_tell_sign,
+    may_output_sign,
 };
 use lineshaft_core::code::{Code, not_built_here};
 use lineshaft_core::config::{AxisConfig, EncoderConfig, TableConfig};
@@ -154,7 +154,7 @@ fn axis<'d>(
     let new = parameters::Axis { who, law: law_of(drive), has_two, absolute, cycle_ns: cx.cycle_ns };
     let (mut parameters, given) = parameters::read(&mut map, &mut sections, &travel, new);
     parameters.macs.scale = factors;
-    machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_tell_sign(who, &parameters)));
+    machine::check_axis(&parameters, &given, io, who.is_none_or(|who| may_output_sign(who, &parameters)));
     machine::note_functions(functions, &parameters.output_functions(), &given);
     let open_loop = sections.of("wf").map_or(Some(SpeedOutputs::default()), |section| {
         wiring::read(section, no_output_reason(drive, name).as_deref(), cx, io, outputs)

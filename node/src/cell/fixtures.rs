@@ -13,7 +13,7 @@ use crate::document::{Allowed, Map, Value};
 use lineshaft_core::config::{IoConfig, IoKind};
 use lineshaft_core::drive::inputs;
 use lineshaft_core::parameter::{AxisParameters, Polarity};
-use lineshaft_core::sim::{Fixtures, Index, Mechanics, Sign, Wire};
+use lineshaft_core::sim::{Fixtures, Index, Mechanics, SignOutputs, SwitchWiring};
 use lineshaft_core::unit::Dimension;
 
 /// Inputs that switches are wired to, by their index in section `io`.
@@ -127,10 +127,10 @@ pub(super) fn load(map: &mut Map<'_>, travel: &Travel) -> Option<f64> {
 pub(super) fn sign(parameters: &AxisParameters) -> Option<Sign> {
     match parameters.reversing().polarity {
         Polarity::Bipolar => None,
-        Polarity::Direction(output) => Some(Sign::Direction(usize::from(output).checked_sub(1)?)),
+        Polarity::Direction(output) => Some(SignOutputs::Direction(usize::from(output).checked_sub(1)?)),
         Polarity::Enables(output) => {
             let first = usize::from(output).checked_sub(1)?;
-            Some(Sign::Enables(first, first + 1))
+            Some(SignOutputs::Enables(first, first + 1))
         }
     }
 }
@@ -234,6 +234,6 @@ impl<'d> Reader<'_, 'd> {
             return None;
         }
         let input = (0..place).filter(|other| kind(*other) == Some(IoKind::DigitalInput)).count();
-        Some(Some(Wire { switch, input, normally_closed: normally_closed? }))
+        Some(Some(SwitchWiring { switch, input, normally_closed: normally_closed? }))
     }
 }

@@ -13,7 +13,7 @@ use lineshaft_core::config::{
     SinkConfig, SlotConfig, SourceConfig, TableConfig,
 };
 use lineshaft_core::drive::Interface;
-use lineshaft_core::function::{Description, Kind, LINES, Need, OnAxisError, Quantity, Room, TYPES, Width};
+use lineshaft_core::function::{Description, Kind, LINES, Requirement, OnAxisError, Quantity, MemorySize, TYPES, Width};
 use lineshaft_core::object::{Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};
@@ -272,7 +272,7 @@ fn slot<'d>(
             note(read.as_ref().is_some_and(|source| fits_source(&value, source, row)));
             slot.source = read.unwrap_or_default();
         }
-        None if row.source == Need::Must => {
+        None if row.source == Requirement::Must => {
             map.refuse(format!("function {} has no source; type {} reads one", entry.quoted(), row.name), None);
             note(false);
         }
@@ -284,7 +284,7 @@ fn slot<'d>(
             slot.sink = read.unwrap_or_default();
             note(Reader::take_sink(&value, slot.sink, &mut taken.written));
         }
-        None if row.sink == Need::Must => {
+        None if row.sink == Requirement::Must => {
             let hint = Some("`sink: none` keeps the value for other functions".to_owned());
             map.refuse(format!("function {} has no sink; type {} writes one", entry.quoted(), row.name), hint);
             note(false);
@@ -374,8 +374,8 @@ fn list<'d>(value: &Value<'d>, most: usize, key: &str) -> Option<Vec<Value<'d>>>
 fn fits_source(value: &Value<'_>, source: &SourceConfig, row: &Description) -> bool {
     let has = *source != SourceConfig::None;
     let problem = match row.source {
-        Need::Never if has => format!("type {} reads no source", row.name),
-        Need::Must if !has => format!("source is none; type {} reads one", row.name),
+        Requirement::Never if has => format!("type {} reads no source", row.name),
+        Requirement::Must if !has => format!("source is none; type {} reads one", row.name),
         _ if row.kind == Kind::Imes && !matches!(source, SourceConfig::Lead(Leader::Encoder(_))) => {
             "type imes measures on an encoder; source is something else".to_owned()
         }
@@ -484,7 +484,7 @@ impl<'d> Reader<'_, 'd> {
     fn fits_sink(&self, value: &Value<'d>, sink: SinkConfig, row: &Description) -> bool {
         let is_axis = matches!(sink, SinkConfig::Axis(_));
         let problem = match row.sink {
-            Need::Never if sink != SinkConfig::None => format!("type {} writes no sink", row.name),
+            Requirement::Never if sink != SinkConfig::None => format!("type {} writes no sink", row.name),
             _ if is_axis && !row.moves_axes => format!("type {} moves no axis", row.name),
             _ => return true,
         };
@@ -582,7 +582,7 @@ impl<'d> Reader<'_, 'd> {
         let table =
             slot.tables.first().copied().flatten().and_then(|place| self.objects.tables.get(usize::from(place)));
         let words = table.and_then(Option::as_ref).map_or(0, |entry| entry.table.len());
-        Room {
+        MemorySize {
             mean: usize::try_from(asked).unwrap_or(MEAN).clamp(MEAN, MAX_WINDOW),
             cams: words.saturating_sub(HEAD) / WORDS_PER_CAM,
         }

@@ -6,7 +6,7 @@ use super::parameters::Given;
 use super::row::{refuse_range, whole};
 use super::wiring;
 use crate::document::{Map, Value};
-use lineshaft_core::config::{Function, IoConfig, IoCounts, IoKind, NoSuchIo, names_no_io};
+use lineshaft_core::config::{Function, IoConfig, IoCounts, IoKind, NoSuchIo, missing_io_text};
 use lineshaft_core::parameter::{
     self, Applies, AxisParameters, MachineParameters, ROWS, Refused, VirtualMasterProblem,
 };
@@ -100,6 +100,6 @@ pub(crate) fn refuse_virtual_master(checked: Result<(), VirtualMasterProblem>, g
 pub(crate) fn refuse_missing(missing: Option<NoSuchIo>, given: &[(&'static str, Value<'_>)]) {
     let Some(NoSuchIo { key, number, is_output, count }) = missing else { return };
     if let Some((_, value)) = given.iter().find(|(known, _)| *known == key) {
-        value.refuse(names_no_io(key, &number.to_string(), is_output, &count.to_string()), None);
+        value.refuse(missing_io_text(key, &number.to_string(), is_output, &count.to_string()), None);
     }
 }

@@ -137,7 +137,7 @@ fn read_web_keys(map: &mut Map<'_>, whole: &Value<'_>, travel: &Travel) -> Optio
         width: width?,
         jitter: jitter?,
         stretch: stretch?,
-        lost: lost?,
+        missing_share: lost?,
         extra: extra?,
         seed: seed?,
     };

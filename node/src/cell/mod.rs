@@ -222,7 +222,7 @@ impl Cell {
         let buses = self.backends.iter().enumerate().map(objects).collect();
         let mut plant = Plant::with_buses(&self.machine, &models, buses);
         for (place, mechanics) in self.mechanics.iter().enumerate() {
-            plant.install(place, mechanics);
+            plant.attach_mechanics(place, mechanics);
         }
         for CellMarks { input, carrier, marks } in &self.marks {
             plant.print(*input, *carrier, *marks);

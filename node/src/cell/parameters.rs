@@ -8,7 +8,7 @@ use crate::document::{Allowed, Map, Value};
 pub(crate) use agree::{contradictions, double_views, inverted_limits};
 use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
 use lineshaft_core::code::{Code, not_built_here};
-use lineshaft_core::config::highest_of;
+use lineshaft_core::config::max_of_row;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::encoder::source::AbsoluteSources;
 use lineshaft_core::parameter::{
@@ -140,7 +140,7 @@ pub(crate) fn refuse_senses(
     if !may_turn_loop(interface, parameters) {
         refuse("posdrct", parameters.macs.posdrct, Code::LOOP_IN_DRIVE);
     }
-    if !may_tell_sign(interface, parameters) {
+    if !may_output_sign(interface, parameters) {
         refuse("revers", parameters.macs.revers, Code::REVERSING_BY_POSITION);
     }
 }
@@ -225,7 +225,7 @@ impl Reader<'_, '_> {
 
     /// Returns the maximum velocity of the row, in inc/s, if the cycle limits it.
     fn highest_velocity(&self) -> Option<f64> {
-        self.cycle_ns.and_then(|cycle_ns| highest_of(self.row, cycle_ns))
+        self.cycle_ns.and_then(|cycle_ns| max_of_row(self.row, cycle_ns))
     }
 
     fn is_too_fast(&self, value: parameter::Value) -> bool {

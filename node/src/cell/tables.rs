@@ -6,7 +6,7 @@ use crate::document::{Place, Problems, Value};
 use crate::program;
 use crate::table::csv::{self, Numbers, Refused};
 use lineshaft_core::config::TableConfig;
-use lineshaft_core::table::{CamSetting, Form, Interpolation, MOST_LENGTH, Table, falling_place};
+use lineshaft_core::table::{CamSetting, Form, Interpolation, MAX_LENGTH, Table, first_non_rising};
 use lineshaft_core::unit::excerpt;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -127,7 +127,7 @@ pub(crate) fn table(value: &Value<'_>, name: &str, files: &Files) -> Option<Tabl
 fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
     let mut map = value.map("cam")?;
     let length = map.optional("length");
-    let given = length.as_ref().map_or(Some(None), |length| length.integer(1..=MOST_LENGTH).map(Some));
+    let given = length.as_ref().map_or(Some(None), |length| length.integer(1..=MAX_LENGTH).map(Some));
     let is_cyclic = map.optional("cyclic").map_or(Some(true), |cyclic| cyclic.boolean());
     let interpolation = map
         .optional("interpolation")
@@ -144,7 +144,7 @@ fn cam_setting(value: &Value<'_>, form: Option<Form>) -> Option<CamSetting> {
 
 /// Checks that positions increase; refuses the first one that does not.
 fn rise(given: &Value<'_>, x: &[i64]) -> bool {
-    let Some((number, sentence)) = falling_place(x) else { return true };
+    let Some((number, sentence)) = first_non_rising(x) else { return true };
     let point = given.list().and_then(|items| items.into_iter().nth(number));
     point.as_ref().unwrap_or(given).refuse(sentence, None);
     false

@@ -132,7 +132,7 @@ fn joint_names(cell: &Cell) -> Option<String> {
 /// Returns warnings: settings that are valid but probably not intended.
 pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     let mut warnings = cell.robot.as_ref().map_or(Vec::new(), |robot| robot.warnings(&cell.machine, &cell.joint_names));
-    warnings.extend(cell.machine.endless_searches().map(|axis| {
+    warnings.extend(cell.machine.unlimited_searches().map(|axis| {
         let name = &axis.name;
         format!(
             "{name}: without its switch homing goes on for ever; \
@@ -246,7 +246,7 @@ fn idle_loops(axis: &AxisConfig) -> impl Iterator<Item = String> {
 fn idle_encoder(axis: &AxisConfig) -> Option<String> {
     let p = &axis.parameters.amplifier;
     let name = &axis.name;
-    if p.encoder.is_own() {
+    if p.encoder.is_separate() {
         return (!p.has_velocity_loop()).then(|| {
             format!(
                 "{name}: ampencno is {} and does nothing: with ampmode {} the axis has no velocity loop",

@@ -55,8 +55,8 @@ fn complain(sentence: &str) -> Exit {
 
 /// Parses the time between two calls, in ns.
 pub(super) fn call(text: &str) -> Result<u64, String> {
-    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.sentence())?;
-    let call = time.nanoseconds().map_err(|error| error.sentence())?;
+    let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.message_with_hint())?;
+    let call = time.nanoseconds().map_err(|error| error.message_with_hint())?;
     if !CALLS.contains(&call) {
         return Err("125 us to 5.1 s is allowed".to_owned());
     }

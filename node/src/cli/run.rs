@@ -226,7 +226,7 @@ fn try_first(config: &MachineConfig, actions: &[Action]) -> Result<(), String> {
         inputs.begin(machine.next_cycle(), 0);
         machine.cycle(&inputs, Commands::queue(commands), &mut outputs);
         if let Some(refused) = machine.events().iter().find(|event| event.kind == Kind::Refused) {
-            return Err(format!("parameters that were given to the node: {}", text::sentence(refused, config)));
+            return Err(format!("parameters that were given to the node: {}", text::message(refused, config)));
         }
     }
     Ok(())

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// Parses a time; returns it in s.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    Quantity::parse(text, &[Dimension::Time]).map(|time| time.si()).map_err(|error| error.sentence())
+    Quantity::parse(text, &[Dimension::Time]).map(|time| time.si()).map_err(|error| error.message_with_hint())
 }
 
 /// Parses a time from a minimum to a maximum, in s; `range` is the text of the range.

@@ -141,8 +141,8 @@ fn bounds(args: &TuneArgs, config: &MachineConfig) -> Result<Bounds, TuneError> 
 fn increments(scale: &Scale, text: &str, order: u8) -> Result<f64, String> {
     let unit = scale.unit().unit();
     let quantity = Quantity::parse(text, &scale.dimensions(order))
-        .map_err(|error| error.sentence_for(scale.kind().dimension(order), unit))?;
-    scale.rate(&quantity, order).map_err(|error| error.sentence())
+        .map_err(|error| error.message_with_example(scale.kind().dimension(order), unit))?;
+    scale.rate(&quantity, order).map_err(|error| error.message_with_hint())
 }
 
 /// Returns a note with the unit in which a number without unit was read, and its value in the axis unit; `None` if a

@@ -120,7 +120,7 @@ impl Given {
 }
 
 fn wrong(name: &str, error: &UnitError) -> Failure {
-    Failure::Usage(format!("{name}: {}", error.sentence()))
+    Failure::Usage(format!("{name}: {}", error.message_with_hint()))
 }
 
 /// Unit of all quantities of a goal.

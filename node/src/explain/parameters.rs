@@ -3,7 +3,7 @@
 
 use super::{documented, section};
 use crate::parameters::details;
-use lineshaft_core::parameter::{Here, ROWS, Row, Word};
+use lineshaft_core::parameter::{Equivalent, ROWS, Row, Word};
 
 pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     if let Some(row) = row(name) {
@@ -14,7 +14,7 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     let Some(word) = word else { return Vec::new() };
     let (heading, here) = (format!("{}: a word of {}", word.name, word.system.name()), word.text(None));
     let mut sections = vec![section(&heading, &[("here", here.as_str())], width)];
-    if let Here::Parameter(key) = word.here {
+    if let Equivalent::Parameter(key) = word.equivalent {
         sections.extend(Row::find(key).map(|(_, row)| text(row, width)));
     }
     sections

@@ -8,14 +8,14 @@ mod terminal;
 pub use markdown::{markdown, renewed};
 pub use terminal::{details, listing};
 
-use lineshaft_core::function::{Description, Field, Need, Quantity, Shown};
+use lineshaft_core::function::{Description, Field, Requirement, Quantity, Shown};
 
 /// Returns the facts about a type other than its fields: a label, and the rest of the sentence.
 fn facts(row: &Description) -> Vec<(&'static str, String)> {
     let source = match row.source {
-        Need::Must => "one",
-        Need::May => "one or none",
-        Need::Never => "none",
+        Requirement::Must => "one",
+        Requirement::May => "one or none",
+        Requirement::Never => "none",
     };
     let mut facts = vec![("source", source.to_owned()), ("sink", sink(row))];
     if row.chooses_quantity {
@@ -55,12 +55,12 @@ fn shown(shows: &[Shown]) -> String {
 
 fn sink(row: &Description) -> String {
     let what = match row.quantity {
-        _ if row.sink == Need::Never => return "none".to_owned(),
+        _ if row.sink == Requirement::Never => return "none".to_owned(),
         Quantity::Position => "",
         Quantity::Speed => "a speed (0.0001 rpm): ",
     };
     let axis = if row.moves_axes { "an axis, " } else { "" };
-    let end = if row.sink == Need::Must { "; it must be given" } else { "" };
+    let end = if row.sink == Requirement::Must { "; it must be given" } else { "" };
     format!("{what}{axis}a memory cell of numbers, an ao or none{end}")
 }
 

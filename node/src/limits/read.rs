@@ -5,7 +5,7 @@ use crate::cell::{Cell, contradictions};
 use crate::cell_file::Setting;
 use crate::document::{Document, Map, Problems, Value};
 use crate::scenario::{did_you_mean, nearest};
-use lineshaft_core::config::{AxisConfig, highest_of};
+use lineshaft_core::config::{AxisConfig, max_of_row};
 use lineshaft_core::parameter::{self, AxisParameters, ConvertError, Refused, Row};
 use lineshaft_core::text::refused_text;
 use lineshaft_core::unit::{Scale, UnitError, excerpt};
@@ -190,7 +190,7 @@ impl<'a, 'd> Joint<'a, 'd> {
         if row.value(&self.axis.parameters) == asked {
             return Some(None);
         }
-        let highest = highest_of(row, cycle_ns);
+        let highest = max_of_row(row, cycle_ns);
         let is_too_fast =
             matches!(asked, parameter::Value::Real(rate) if highest.is_some_and(|highest| rate > highest));
         let taken = if is_too_fast { Err(Refused::OutOfRange) } else { row.assign(after, asked) };

@@ -1,7 +1,7 @@
 //! Generates docs/parameters.md from the rows of the catalogue.
 
 use super::words::{default_text, effect_text, range_words, storage_text, unit_text, views_of};
-use lineshaft_core::parameter::{Effect, Group, Here, ROWS, Row, System, Word};
+use lineshaft_core::parameter::{Effect, Group, Equivalent, ROWS, Row, System, Word};
 use std::fmt::Write;
 
 const INTRODUCTION: &str = "\
@@ -123,10 +123,10 @@ fn words() -> String {
         }
         let _ = writeln!(text, "\n### Words of {}\n\n| word | here |\n|-|-|", system.name());
         for word in lines {
-            let here = match word.here {
-                Here::Parameter(key) => format!("`{key}`"),
-                Here::Key(key) => format!("key `{key}` of the axis in its cell"),
-                Here::Words(words) => words.to_owned(),
+            let here = match word.equivalent {
+                Equivalent::Parameter(key) => format!("`{key}`"),
+                Equivalent::Key(key) => format!("key `{key}` of the axis in its cell"),
+                Equivalent::Words(words) => words.to_owned(),
             };
             let number =
                 ROWS.iter().find(|row| row.system == system && row.mnemonic == word.name).map(|row| row.number);

@@ -11,8 +11,8 @@ use crate::cell::{
 };
 use crate::document::{Document, Problems, Value};
 use crate::scenario::parameter_change;
-use lineshaft_core::axis::may_tell_sign;
-use lineshaft_core::config::{IoCounts, MachineConfig, Switcher, highest_of};
+use lineshaft_core::axis::may_output_sign;
+use lineshaft_core::config::{IoCounts, MachineConfig, OutputOwner, max_of_row};
 use lineshaft_core::parameter::{self, AxisParameters, Change, MACHINE, MachineParameters, Row, in_order};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::text::refused_text;
@@ -72,7 +72,7 @@ pub fn check_import(document: Document, config: &MachineConfig, directory: &Dire
         refuse_senses(interface, after, &given);
         // Outputs that the axis cannot use are refused separately.
         let missing = IoCounts::of(config).check_axis(after).err();
-        refuse_missing(missing.filter(|missing| missing.key != "revers" || may_tell_sign(interface, after)), &given);
+        refuse_missing(missing.filter(|missing| missing.key != "revers" || may_output_sign(interface, after)), &given);
     }
     lines.refuse_shared(config, &machine, &parameters);
     let changes = lines.0.iter().map(|line| line.change).collect();
@@ -148,8 +148,8 @@ impl<'d> Lines<'d> {
         let is_new = |index: usize| self.of(index).next().is_some();
         let Err(shared) = config.check_functions(machine.o_error, functions, is_new) else { return };
         let other = match shared.other {
-            Switcher::Parameter(axis, (key, _)) => Some((axis, key)),
-            Switcher::Axis(_) | Switcher::Slot(_) => None,
+            OutputOwner::Parameter(axis, (key, _)) => Some((axis, key)),
+            OutputOwner::Axis(_) | OutputOwner::Slot(_) => None,
         };
         for (axis, key) in [Some((shared.axis, shared.function.0)), other].into_iter().flatten() {
             if let Some((_, value)) = self.given(usize::from(axis)).into_iter().find(|(known, _)| *known == key) {
@@ -185,7 +185,7 @@ fn change(key: &Value<'_>, value: &Value<'_>, config: &MachineConfig, directory:
     let scale = axis.map_or(Scale::increments(), |axis| axis.scale);
     let mut copy = axis.map_or(AxisParameters::new(1.0, 1.0), |axis| axis.parameters);
     let taken = if axis.is_some() { row.change(&mut copy, change.value) } else { row.check(change.value) };
-    let highest = highest_of(row, config.cycle_ns);
+    let highest = max_of_row(row, config.cycle_ns);
     taken.map_err(|why| value.refuse(refused_text(row, why, change.value, &scale, highest), None)).ok()?;
     Some(change)
 }

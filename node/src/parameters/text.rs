@@ -18,7 +18,7 @@ pub fn export_text(config: &MachineConfig, image: &ParameterImage, axes: AxisSet
     let defaults = AxisParameters::new(0.0, 0.0);
     // Reading the text begins with the direction of rotation.
     let before = |index: usize, row: &Row, other: &AxisParameters| match image.effective.get(index) {
-        Some(now) if row.key != "posdrct" => row.value(&other.in_sense_of(now)),
+        Some(now) if row.key != "posdrct" => row.value(&other.with_direction_of(now)),
         _ => row.value(other),
     };
     let text = lines(config, &image.effective, |index, row| {

@@ -26,7 +26,7 @@ pub fn values(config: &MachineConfig, parameters: &[AxisParameters], filter: &Fi
     for (axis, parameters) in config.axes.iter().zip(parameters) {
         for row in ROWS.iter().filter(|row| row.applies.to(axis) && filter.takes_of(&axis.name, row)) {
             let is_given = row.required || row.value(parameters) != row.value(&defaults);
-            let differs = is_given && parameters.gives(row);
+            let differs = is_given && parameters.is_given_by(row);
             if changed && !differs {
                 continue;
             }

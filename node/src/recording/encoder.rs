@@ -128,7 +128,7 @@ pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Comman
     };
     let is_bad = event.code == Code::BAD_REQUEST;
     let refused = if is_bad { commands.into_iter().find_map(refused) } else { None };
-    refused.unwrap_or_else(|| text::sentence(event, config))
+    refused.unwrap_or_else(|| text::message(event, config))
 }
 
 impl Encoded {

@@ -137,7 +137,7 @@ impl ClockWatch {
 /// Returns the message of the event of a step.
 fn sentence(step_ns: i64, handle: &Handle) -> String {
     let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, Code::CLOCK_STEPPED);
-    text::sentence(&event.with(Number::Count(step_ns), Number::None), handle.machine_config())
+    text::message(&event.with(Number::Count(step_ns), Number::None), handle.machine_config())
 }
 
 /// Calculates the times of cycles, in the cycle thread.

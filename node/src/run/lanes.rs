@@ -255,7 +255,7 @@ impl CommandQueues {
         self.taken_stop.extend_from_slice(commands.stop);
         self.taken_queue.extend_from_slice(commands.queue);
         if let Some(stream) = commands.stream {
-            self.taken_stream.take(stream);
+            self.taken_stream.merge(stream);
         }
     }
 

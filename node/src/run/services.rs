@@ -128,7 +128,7 @@ fn run_during<T>(started: &mut [Box<dyn Service>], this: impl FnOnce() -> T) -> 
         for service in started {
             scope.spawn(|| {
                 while !is_over.load(Ordering::Relaxed) {
-                    service.idle();
+                    service.poll_without_cycle();
                 }
             });
         }
@@ -222,7 +222,7 @@ mod tests {
             "nothing".to_owned()
         }
 
-        fn idle(&mut self) {
+        fn poll_without_cycle(&mut self) {
             self.idled.fetch_add(1, Ordering::Relaxed);
             std::thread::sleep(Duration::from_millis(1));
         }

@@ -21,7 +21,7 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Event, Kind, Severity};
 use lineshaft_core::object::Object;
 use lineshaft_core::signal::Value as Number;
-use lineshaft_core::text::sentence;
+use lineshaft_core::text::message;
 use lineshaft_core::unit::excerpt;
 
 /// One expectation.
@@ -122,7 +122,7 @@ impl Filter {
             && self.code.is_none_or(|code| code == event.code.0)
             && self.age_ns.is_none_or(|age| age == event.age_ns)
             && self.increments.is_none_or(|increments| increments == event.position.floor())
-            && self.text.as_ref().is_none_or(|text| contains(&sentence(event, config), text))
+            && self.text.as_ref().is_none_or(|text| contains(&message(event, config), text))
     }
 }
 
@@ -278,7 +278,7 @@ impl Reader<'_> {
                 Mode::Never => (0, Some(0)),
                 Mode::Always => {
                     let sentence = "mode is always, but an event stands in one cycle; eventually or never is allowed";
-                    mode.refuse(sentence, Some("count, min and max say how often it comes".to_owned()));
+                    mode.refuse(message, Some("count, min and max say how often it comes".to_owned()));
                     return None;
                 }
             };

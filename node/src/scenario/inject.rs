@@ -96,7 +96,7 @@ impl Injection {
     pub(super) fn apply(self, plant: &mut Plant) -> bool {
         match self {
             Self::Latch(latch) => return plant.add_latch(latch),
-            Self::BusLost { bus } => return plant.lose_bus(bus),
+            Self::BusLost { bus } => return plant.switch_off_bus(bus),
             Self::Digital { place, on } => plant.set_digital(place, on),
             Self::Analog { place, volts } => plant.set_analog(place, volts),
             Self::EncoderJump { encoder, by } => plant.jump_encoder(encoder, by),
@@ -105,11 +105,11 @@ impl Injection {
             Self::Cut { of: Encoder::Entry(encoder) } => plant.cut_encoder(encoder),
             Self::Dead { of: Encoder::Entry(encoder) } => plant.count_encoder_by(encoder, 0),
             Self::Dead { of: Encoder::Drive(drive) } => match plant.drive(drive) {
-                Some(drive) => drive.count_by(0),
+                Some(drive) => drive.set_count_factor(0),
                 None => return false,
             },
             Self::Bits { of: Encoder::Drive(drive), bits, words } => match plant.drive(drive) {
-                Some(drive) => drive.disturb(bits, words),
+                Some(drive) => drive.invert_bits(bits, words),
                 None => return false,
             },
             Self::Cut { of: Encoder::Drive(drive) } => match plant.drive(drive) {
@@ -130,8 +130,8 @@ impl Injection {
                     Self::Emergency { emergency, .. } => drive.send_emergency(emergency),
                     Self::IndexLost { .. } => drive.lose_index(),
                     Self::Jam { jammed, .. } => drive.jam(jammed),
-                    Self::StuckSwitch { mask, value, .. } => drive.stick(mask, value),
-                    _ => drive.lose(),
+                    Self::StuckSwitch { mask, value, .. } => drive.set_stuck_inputs(mask, value),
+                    _ => drive.disconnect(),
                 }
             }
         }

@@ -11,7 +11,7 @@ use lineshaft_core::code::Code;
 use lineshaft_core::event::{Event, Number};
 use lineshaft_core::object::Object;
 use lineshaft_core::parameter::ROWS;
-use lineshaft_core::text::sentence;
+use lineshaft_core::text::message;
 use lineshaft_core::unit::excerpt;
 
 /// Answer to a command.
@@ -57,7 +57,7 @@ fn names(event: &Event, wanted: &Refusal, deed: Option<&Effect>, plan: &Plan) ->
     let code = Code::rows().find(|row| row.code == event.code);
     let names = [row.map_or("", |row| row.key), code.map_or("", |row| row.name)];
     let by_id = by_id(event, deed, plan).unwrap_or_default();
-    wanted.fits(event.code, &[&sentence(event, &plan.config), &by_id], &names)
+    wanted.fits(event.code, &[&message(event, &plan.config), &by_id], &names)
 }
 
 /// Act of a step, or entry of `drive`, to which a result belongs.
@@ -130,7 +130,7 @@ impl Outcome {
             }
         };
         let sentence = format!("{said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.wrong_times));
-        Some(Failure { place: source.place, sentence })
+        Some(Failure { place: source.place, message })
     }
 
     /// Returns the refusal that was expected.
@@ -138,13 +138,13 @@ impl Outcome {
         let (cycle, event) = self.refused.as_ref()?;
         let (verb, said) = (source.verb, said(event, source, plan));
         let sentence = format!("{verb}: {said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.refused_times));
-        Some(Failure { place: source.place, sentence })
+        Some(Failure { place: source.place, message })
     }
 }
 
 fn said(event: &Event, source: &Source<'_>, plan: &Plan) -> String {
     let own = source.refusal.map(str::to_owned).or_else(|| by_id(event, source.deed, plan));
-    own.unwrap_or_else(|| sentence(event, &plan.config))
+    own.unwrap_or_else(|| message(event, &plan.config))
 }
 
 /// Replaces the number of a goal that is not active by its ID; the number was assigned by the run, and the scenario has
@@ -154,7 +154,7 @@ fn by_id(event: &Event, deed: Option<&Effect>, plan: &Plan) -> Option<String> {
     let id = plan.ids.get(*place).filter(|_| event.code == Code::UNKNOWN_GOAL)?;
     let Number::Count(goal) = event.asked else { return None };
     let number = format!("goal {goal} ");
-    Some(sentence(event, &plan.config).replacen(&number, &format!("goal `{}` ", excerpt(id)), 1))
+    Some(message(event, &plan.config).replacen(&number, &format!("goal `{}` ", excerpt(id)), 1))
 }
 
 fn again(times: u64) -> String {

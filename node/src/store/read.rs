@@ -7,7 +7,7 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::{Number, Refusal};
 use lineshaft_core::parameter::{AxisParameters, Change, Contradiction, MachineParameters, Refused, Row, Storage};
 use lineshaft_core::signal::Directory;
-use lineshaft_core::text::sentence;
+use lineshaft_core::text::message;
 use lineshaft_core::unit::excerpt;
 use lineshaft_core::vocabulary;
 
@@ -83,7 +83,7 @@ fn check_axes(axes: &[(Value<'_>, Value<'_>)], config: &MachineConfig) -> bool {
         let Some(axis) = config.axes.iter().find(|axis| axis.name == name_text) else {
             let all: Vec<_> = config.axes.iter().map(|axis| axis.name.as_str()).collect();
             let sentence = format!("the cell has no axis `{}`; its axes are {}", excerpt(name_text), all.join(", "));
-            name.refuse(sentence, None);
+            name.refuse(message, None);
             fits = false;
             continue;
         };
@@ -93,7 +93,7 @@ fn check_axes(axes: &[(Value<'_>, Value<'_>)], config: &MachineConfig) -> bool {
                 "{name_text} was saved with a scale of {}, and has {expected} in the cell: its increments mean something else",
                 excerpt(given)
             );
-            scale.refuse(sentence, None);
+            scale.refuse(message, None);
             fits = false;
         }
     }
@@ -113,7 +113,7 @@ fn check_senses(axes: &[(Value<'_>, Value<'_>)], sets: &[Option<AxisParameters>]
                 "{} was saved with posdrct {saved} 0, and the cell has posdrct {posdrct}: its positions count the other way",
                 axis.name
             );
-            scale.refuse(sentence, None);
+            scale.refuse(message, None);
         }
     }
 }
@@ -161,7 +161,7 @@ fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<Sets> {
                 let root = |change: &Change| change.row().map_or("", Row::root);
                 let guilty = of_axis().find(|(_, change)| root(change) == key).or_else(|| of_axis().next());
                 guilty
-                    .map_or_else(|| values.refuse(&*sentence, None), |((_, value), _)| value.refuse(&*sentence, None));
+                    .map_or_else(|| values.refuse(&*message, None), |((_, value), _)| value.refuse(&*message, None));
                 is_good = false;
             }
         }
@@ -216,5 +216,5 @@ fn contradiction(place: usize, set: &AxisParameters, config: &MachineConfig) -> 
 /// Returns the message of a refusal.
 fn told(code: Code, change: &Change, asked: Number, limit: Number, config: &MachineConfig) -> String {
     let refusal = Refusal::new(code, change.object()).with(asked, limit);
-    sentence(&Refusal { parameter: Some(change.row), ..refusal }.event(0), config)
+    message(&Refusal { parameter: Some(change.row), ..refusal }.event(0), config)
 }

@@ -81,9 +81,9 @@ fn saved_rows<'a>(axis: &'a AxisConfig, user: &'a AxisParameters) -> impl Iterat
     // The same value set by another row differs, because it depends on other values.
     let differs = move |row: &&Row| {
         let init = if row.key == "posdrct" { &axis.parameters } else { &turned };
-        row.value(user) != row.value(init) || !init.gives(row)
+        row.value(user) != row.value(init) || !init.is_given_by(row)
     };
-    ROWS.iter().filter(|row| row.applies.to(axis) && user.gives(row)).filter(differs)
+    ROWS.iter().filter(|row| row.applies.to(axis) && user.is_given_by(row)).filter(differs)
 }
 
 /// Returns the exact meaning of an increment: increments per m, or per revolution.

@@ -7,7 +7,7 @@
 //!          increase, more than [`MOST`] points
 
 use crate::document::Place;
-use lineshaft_core::table::{Form, MOST, Table};
+use lineshaft_core::table::{Form, MAX_NUMBERS, Table};
 use lineshaft_core::unit::excerpt;
 use lineshaft_ros::layer::open_file;
 use std::fmt::Write as _;
@@ -62,8 +62,8 @@ pub(crate) fn parse(text: &str, form: Form) -> Result<Numbers, Refused> {
         if row.data.trim().is_empty() {
             continue;
         }
-        if y.len() == MOST {
-            return Err(row.refused(row.data, format!("this is point {}; {MOST} are possible", MOST + 1)));
+        if y.len() == MAX_NUMBERS {
+            return Err(row.refused(row.data, format!("this is point {}; {MAX_NUMBERS} are possible", MAX_NUMBERS + 1)));
         }
         let mut fields = row.data.split(',');
         let (first, second, third) = (fields.next().unwrap_or_default(), fields.next(), fields.next());

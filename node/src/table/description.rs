@@ -8,7 +8,7 @@
 use super::csv::Refused;
 use crate::document::{Document, Map, Place, Value};
 use lineshaft_core::law::{Law, Plan, PlanError, Segment};
-use lineshaft_core::table::{CurveError, Form, MOST, Table};
+use lineshaft_core::table::{CurveError, Form, MAX_NUMBERS, Table};
 
 /// Maximum step between two points of a cam, in inc.
 const LONGEST_STEP: f64 = 32_767.0;
@@ -42,7 +42,7 @@ impl Description {
         }
         let form = map.optional("form").map_or(Some(Form::Y), |form| form.choice(&FORMS));
         let given = map.required("points");
-        let points = given.as_ref().and_then(|points| points.integer(2..=MOST));
+        let points = given.as_ref().and_then(|points| points.integer(2..=MAX_NUMBERS));
         let is_cyclic = map.optional("cyclic").map_or(Some(true), |cyclic| cyclic.boolean());
         let period = map.required("master");
         let master = period.as_ref().and_then(|master| master.integer(1..=WIDEST));
@@ -113,7 +113,7 @@ impl Description {
         let v = self.plan.peaks().v.value;
         let room = LONGEST_STEP - 1.0 - if self.form == Form::Xy { v } else { 0.0 };
         let needed = if room > 0.0 { (self.master as f64 * v / room).ceil() + 1.0 } else { f64::INFINITY };
-        let most = if self.form == Form::Xy { MOST.min(self.master as usize + 1) } else { MOST };
+        let most = if self.form == Form::Xy { MAX_NUMBERS.min(self.master as usize + 1) } else { MAX_NUMBERS };
         let steps = format!("points is {}; with so few the steps between them are 32768 inc and more", self.points);
         if needed > most as f64 {
             return format!(

@@ -18,7 +18,7 @@ use lineshaft_core::parameter::{AxisParameters, Range, Row};
 use lineshaft_core::regulator::PidGains;
 use lineshaft_tune::{
     Bode, Design, DesignError, Identified, LoopError, Loops, Margins, Model, Move, PositionLaw, Record, Refusal, Trace,
-    Wish, bode, check_fit, design, identify, regimes, simulate, velocity_bode,
+    DesignSpec, bode, check_fit, design, identify, regimes, simulate, velocity_bode,
 };
 use serde::Serialize;
 
@@ -177,7 +177,7 @@ impl Findings {
     pub fn of(
         subject: Subject,
         identified: Identified,
-        wish: &Wish,
+        wish: &DesignSpec,
         before: &Loops,
         designed: Result<Design, DesignError>,
     ) -> Self {

@@ -14,7 +14,7 @@ use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
-use lineshaft_tune::{Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets, Wish};
+use lineshaft_tune::{Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets, DesignSpec};
 
 /// Bounds given by the user; the default is that of the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -204,7 +204,7 @@ impl Setting {
             return Err(Unfit::TwoEncoders { axis: name.to_owned(), number: p.amplifier.encoder.number });
         }
         let (before, wish) = loops(axis, &p, config.cycle_ns, takes)?;
-        let wish = Wish { inertia_ratio: inertia_ratio(config, axis, &p, takes, bounds)?, ..wish };
+        let wish = DesignSpec { inertia_ratio: inertia_ratio(config, axis, &p, takes, bounds)?, ..wish };
         Ok(Self {
             axis: u16::try_from(place).unwrap_or(u16::MAX),
             level: if takes == Takes::Effort { Level::Effort } else { Level::Setpoint },
@@ -297,7 +297,7 @@ fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> 
     let before = Loops { position, velocity: inner, max_velocity, max_acceleration };
     let targets = Targets::default();
     let velocity = inner.map(|inner| inner.method);
-    Ok((before, Wish { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }))
+    Ok((before, DesignSpec { law, velocity, max_velocity, max_acceleration, inertia_ratio: 0.0, targets }))
 }
 
 /// Returns the inertia ratio; 0 if none is given.
@@ -358,7 +358,7 @@ fn permitted(
     let duration = judge("duration", bounds.duration.unwrap_or(DURATION), DURATIONS, "s")?;
     let command = match takes {
         Takes::Velocity => BEYOND * velocity / p.max_velocity,
-        Takes::Effort => effort * p.amplifier.most(),
+        Takes::Effort => effort * p.amplifier.max_output(),
     };
     Ok(Permitted {
         cycle: cycle_ns as f64 / 1e9,

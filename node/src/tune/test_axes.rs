@@ -2,7 +2,7 @@
 
 use super::Subject;
 use lineshaft_core::regulator::{PidGains, VelocityGains, VelocityMethod};
-use lineshaft_tune::{Drive, Excitation, Inner, Law, Loops, Permitted, PositionLaw, Record, Takes, Targets, Wish};
+use lineshaft_tune::{ExcitationOutput, Excitation, Inner, Law, Loops, Permitted, PositionLaw, Record, Takes, Targets, DesignSpec};
 
 /// Increments per revolution.
 const TURN: f64 = 2000.0;
@@ -40,7 +40,7 @@ pub(super) fn before() -> Loops {
 /// Returns kv and a velocity loop, for a drive with effort interface.
 pub(super) fn cascade() -> (Wish, Loops) {
     let method = VelocityMethod::Filtered { time: 0.001 };
-    let wish = Wish { law: Law::Proportional, velocity: Some(method), max_velocity: 45.0 * TURN, ..wish() };
+    let wish = DesignSpec { law: Law::Proportional, velocity: Some(method), max_velocity: 45.0 * TURN, ..wish() };
     let gains = VelocityGains { proportional: 200, integral: 5, limit: 1000, cycle: 1.0 };
     let position = PositionLaw::Proportional { kv: 1000.0 / 60.0 };
     let loops =
@@ -74,7 +74,7 @@ fn record(takes: Takes, mut step: impl FnMut(&mut (f64, f64), f64, f64)) -> Reco
         let place = f64::floor(state.0);
         smooth += 0.3 * ((place - last) / permitted.cycle - smooth);
         last = place;
-        let Drive::Command(command) = excitation.next(place, smooth) else { return record };
+        let ExcitationOutput::Command(command) = excitation.next(place, smooth) else { return record };
         record.push(command, place as i64);
         for _ in 0..PARTS {
             step(&mut state, command, permitted.cycle / PARTS as f64);

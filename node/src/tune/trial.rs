@@ -21,7 +21,7 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::state::{AXIS_STATES, AxisState};
-use lineshaft_tune::{Abort, Drive, Excitation, Record};
+use lineshaft_tune::{Abort, ExcitationOutput, Excitation, Record};
 
 /// Reason why a trial was stopped early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -404,13 +404,13 @@ impl Trial {
             self.record.push(self.sent, before.wrapping_add(way.wrapping_mul(cycle) / cycles));
         }
         match self.excitation.next(position.wrapping_sub(self.start) as f64, self.velocity) {
-            Drive::Command(value) => {
+            ExcitationOutput::Command(value) => {
                 let is_other = (value - self.sent).abs() > STEP * self.setting.permitted.command;
                 let change = (value - self.sent).max(-self.setting.slew).min(self.setting.slew);
                 is_other.then(|| self.ask(self.sent + change))
             }
-            Drive::Done(_) => self.end(Ended::Done),
-            Drive::Aborted(abort) => self.end(Ended::Aborted(abort)),
+            ExcitationOutput::Done(_) => self.end(Ended::Done),
+            ExcitationOutput::Aborted(abort) => self.end(Ended::Aborted(abort)),
         }
     }
 }

@@ -25,7 +25,7 @@ fn a_copy_goes_on_as_the_original_does() {
     let mut copy = instance.clone();
     let written = postcard::to_allocvec(&instance).unwrap();
     let mut read: Instance = postcard::from_bytes(&written).unwrap();
-    assert!(read == instance && read.is_of(&module));
+    assert!(read == instance && read.belongs_to(&module));
     // Trailing zeros are not stored: the image is 960 bytes long.
     assert!(written.len() < 1000, "{}", written.len());
     let mut other = Instance::new(&module, 2);
@@ -46,7 +46,7 @@ fn what_was_read_may_be_anything() {
             let mut broken = whole.clone();
             broken[at] = byte;
             if let Ok(mut read) = postcard::from_bytes::<Instance>(&broken)
-                && read.is_of(&module)
+                && read.belongs_to(&module)
             {
                 taken += 1;
                 let _ = call(&mut read, &module, FUEL);
@@ -58,7 +58,7 @@ fn what_was_read_may_be_anything() {
     let other = load(
         "(module (memory 2) (global (export \"image\") i32 (i32.const 16)) (data (i32.const 16) \"\\b0\\03\") (func (export \"cycle\")))",
     );
-    assert!(!Instance::new(&module, 2).is_of(&other));
+    assert!(!Instance::new(&module, 2).belongs_to(&other));
 }
 
 #[test]

@@ -62,7 +62,7 @@ pub enum Law {
 
 /// Specification of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Wish {
+pub struct DesignSpec {
     /// Law of the position loop.
     pub law: Law,
     /// Method of finding the velocity for a velocity loop (AMPMODE 0); `None`: AMPMODE 2, or a velocity drive.
@@ -146,7 +146,7 @@ impl Targets {
     }
 }
 
-impl Wish {
+impl DesignSpec {
     fn unreachable(&self, which: &'static str) -> DesignError {
         let Targets { phase_margin: phase, gain_margin: gain, .. } = self.targets;
         let both = ", with the whole inertia and with the motor alone";
@@ -171,7 +171,7 @@ impl Law {
 ///
 /// # Errors
 /// The reason why there is no design.
-pub fn design(model: &Model, wish: &Wish) -> Result<Design, DesignError> {
+pub fn design(model: &Model, wish: &DesignSpec) -> Result<Design, DesignError> {
     model.check()?;
     wish.targets.check()?;
     judge("max_velocity", wish.max_velocity, "inc/s", 1e-3, 1e12)?;

@@ -1,8 +1,8 @@
 //! Design of the position loop: kv, or KPROP, KDER, KINT, KILIM, FFVEL, FFACC.
 
-use super::search::{Found, Search};
-use super::{DesignError, INTEGRAL, Law, Targets, Wish, regimes};
-use crate::discrete::{Discrete, radius, turn};
+use super::search::{FoundGains, Search};
+use super::{DesignError, INTEGRAL, Law, Targets, DesignSpec, regimes};
+use crate::discrete::{Discrete, radius, unit_circle};
 use crate::loops::{Inner, Loops, PositionLaw, gain, pid};
 use crate::model::{Dynamics, Model};
 use crate::response::frequency::{Margins, grid};
@@ -29,7 +29,7 @@ const RESERVE: (f64, f64) = (0.05, 1.5);
 pub(super) fn design(
     model: &Model,
     models: &[Model],
-    wish: &Wish,
+    wish: &DesignSpec,
     cycles: u32,
     velocity: Option<Inner>,
 ) -> Result<(Loops, Margins), DesignError> {
@@ -49,7 +49,7 @@ pub(super) fn design(
     Ok((Loops { position: found.gains, ..loops }, found.margins))
 }
 
-fn proportional(axes: &[Discrete], grid: &[f64], period: f64, wish: &Wish) -> Option<Found<PositionLaw>> {
+fn proportional(axes: &[Discrete], grid: &[f64], period: f64, wish: &DesignSpec) -> Option<FoundGains<PositionLaw>> {
     let targets = &wish.targets;
     let search = Search::new(grid, period, axes, &[gain(1.0)], targets, None);
     let rounded = |weights: &[f64]| {
@@ -67,12 +67,12 @@ fn with_pid(
     axes: &[Discrete],
     grid: &[f64],
     period: f64,
-    wish: &Wish,
+    wish: &DesignSpec,
     timer: u32,
-) -> Option<Found<PositionLaw>> {
+) -> Option<FoundGains<PositionLaw>> {
     let targets = &wish.targets;
     // With a velocity loop, oscillations of the coupling are handled by that loop.
-    let swing = if loops.velocity.is_some() { None } else { regimes::most_imaginary(wish) };
+    let swing = if loops.velocity.is_some() { None } else { regimes::max_imaginary(wish) };
     let laws = [pid(1.0, 0.0, 0.0), pid(0.0, 1.0, 0.0), pid(0.0, 0.0, 1.0)];
     let search = Search::new(grid, period, axes, &laws, targets, swing);
     let base = PidGains {
@@ -87,7 +87,7 @@ fn with_pid(
     let times = times(model, loops, period);
     let best = |least: f64| {
         let rounded = |weights: &[f64]| rounded(weights, least, &base, need, cycles, targets);
-        let mut best: Option<Found<PositionLaw>> = None;
+        let mut best: Option<FoundGains<PositionLaw>> = None;
         for &time in &times {
             let shape = |crossover: f64| {
                 let integral = if targets.integral { crossover / INTEGRAL } else { 0.0 };
@@ -108,9 +108,9 @@ fn with_pid(
 }
 
 /// Returns the largest magnitude of a pole of the closed loops.
-fn poles(law: &PositionLaw, axes: &[Discrete], wish: &Wish) -> f64 {
+fn poles(law: &PositionLaw, axes: &[Discrete], wish: &DesignSpec) -> f64 {
     let law = law.law(wish.max_velocity);
-    axes.iter().fold(0.0_f64, |most, axis| most.max(radius(&law.then(axis).closed())))
+    axes.iter().fold(0.0_f64, |most, axis| most.max(radius(&law.connect(axis).closed())))
 }
 
 /// Returns the derivative times (samples).
@@ -176,8 +176,8 @@ fn forward(model: &Model, loops: &Loops, axes: &[Discrete], period: f64) -> PidG
             let Some(axis) = axes.first() else { return PidGains::default() };
             // At a low frequency a velocity drive is a gain and a delay.
             let omega = TAU * 1e-3 * 0.5 / period;
-            let seen = axis.at(turn(omega * period)) * crate::discrete::C64::new(0.0, omega);
-            let (gain, delay) = (crate::discrete::size(seen), -libm::atan2(seen.im, seen.re) / omega);
+            let seen = axis.at(unit_circle(omega * period)) * crate::discrete::C64::new(0.0, omega);
+            let (gain, delay) = (crate::discrete::magnitude(seen), -libm::atan2(seen.im, seen.re) / omega);
             (loops.max_velocity / gain, delay * loops.max_acceleration / gain)
         }
     };

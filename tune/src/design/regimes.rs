@@ -15,7 +15,7 @@
 //! is raised to Im(L) R / ((1 + R) 2 z) if its phase is beyond -180 degrees, and to less than 1 otherwise: a limit of
 //! Im(L) keeps the gain margin at any stiffness.
 
-use super::Wish;
+use super::DesignSpec;
 use crate::model::{Dynamics, Model, ModelError, judge};
 
 /// Maximum inertia of a load relative to that of the motor.
@@ -53,7 +53,7 @@ pub fn regimes(model: &Model, inertia_ratio: f64) -> Result<Vec<Model>, ModelErr
 }
 
 /// Returns the maximum imaginary part of the open loop of a motor alone, beyond its crossover; `None` without a ratio.
-pub(super) fn most_imaginary(wish: &Wish) -> Option<f64> {
+pub(super) fn max_imaginary(wish: &DesignSpec) -> Option<f64> {
     let share = wish.inertia_ratio / (1.0 + wish.inertia_ratio);
     let margin = libm::exp10(-wish.targets.gain_margin / 20.0);
     (share > 0.0).then(|| margin * 2.0 * COUPLING_DAMPING / share)

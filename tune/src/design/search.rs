@@ -8,7 +8,7 @@
 //! Refuses  nothing: returns `None` if no gains keep the margins
 
 use super::Targets;
-use crate::discrete::{C64, Discrete, size};
+use crate::discrete::{C64, Discrete, magnitude};
 use crate::response::frequency::{Margins, margins, sampled};
 
 /// Maximum crossover relative to the sampling frequency.
@@ -30,7 +30,7 @@ pub(super) struct Search<'a> {
 }
 
 /// Gains with their margins.
-pub(super) struct Found<G> {
+pub(super) struct FoundGains<G> {
     pub(super) gains: G,
     /// Weight of the first term.
     pub(super) weight: f64,
@@ -74,7 +74,7 @@ impl<'a> Search<'a> {
         rounded: impl Fn(&[f64]) -> Option<(G, Vec<f64>)>,
         poles: impl Fn(&G) -> f64,
         softer: f64,
-    ) -> Option<Found<G>> {
+    ) -> Option<FoundGains<G>> {
         let highest = self.grid.iter().rposition(|f| f * self.period <= HIGHEST)?;
         let attempt = |at: usize| self.attempt(at, &shape, &rounded, &poles);
         let mut at = highest;
@@ -93,7 +93,7 @@ impl<'a> Search<'a> {
     /// Returns the weights for a crossover at that grid point.
     fn weights(&self, at: usize, shape: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
         let mut weights = shape(core::f64::consts::TAU * self.grid[at] * self.period);
-        let size = size(self.first(&weights, at));
+        let size = magnitude(self.first(&weights, at));
         weights.iter_mut().for_each(|weight| *weight /= size);
         weights
     }
@@ -104,7 +104,7 @@ impl<'a> Search<'a> {
         shape: impl Fn(f64) -> Vec<f64>,
         rounded: impl Fn(&[f64]) -> Option<(G, Vec<f64>)>,
         poles: impl Fn(&G) -> f64,
-    ) -> Option<Found<G>> {
+    ) -> Option<FoundGains<G>> {
         let weights = self.weights(at, shape);
         // Far from the margin even before rounding: not worth the further checks.
         if self.angle(self.first(&weights, at)) < self.targets.phase_margin - 5.0 {
@@ -115,18 +115,18 @@ impl<'a> Search<'a> {
         for (regime, parts) in self.regimes.iter().enumerate() {
             let open: Vec<C64> = (0..self.grid.len()).map(|at| Self::open(parts, &weights, at)).collect();
             let margins = margins(self.grid, &open);
-            if !self.targets.are_kept(&margins) || regime > 0 && self.swings(&open, margins.crossover) {
+            if !self.targets.are_kept(&margins) || regime > 0 && self.coupling_may_oscillate(&open, margins.crossover) {
                 return None;
             }
             found = Some(found.map_or(margins, |found| found.worse(&margins)));
         }
         let margins = Margins { radius: poles(&gains), ..found? };
         let weight = weights.first().copied().unwrap_or(0.0);
-        margins.is_stable().then_some(Found { gains, weight, margins })
+        margins.is_stable().then_some(FoundGains { gains, weight, margins })
     }
 
     /// Returns true if a coupling of some stiffness may oscillate.
-    fn swings(&self, open: &[C64], crossover: f64) -> bool {
+    fn coupling_may_oscillate(&self, open: &[C64], crossover: f64) -> bool {
         let beyond = self.grid.iter().zip(open).filter(|(f, _)| **f > crossover);
         self.most.is_some_and(|most| beyond.into_iter().any(|(_, open)| open.im > most))
     }

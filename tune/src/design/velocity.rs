@@ -1,7 +1,7 @@
 //! Design of the velocity loop: VELKPROP, VELKINT, VELKILIM.
 
 use super::search::Search;
-use super::{DesignError, INNER_INTEGRAL, Wish, regimes};
+use super::{DesignError, INNER_INTEGRAL, DesignSpec, regimes};
 use crate::discrete::Discrete;
 use crate::loops::{Inner, LoopError, pi};
 use crate::model::Model;
@@ -29,18 +29,18 @@ fn gains(proportional: f64, integral: f64, cycle: f64) -> Option<VelocityGains> 
 pub(super) fn design(
     model: &Model,
     models: &[Model],
-    wish: &Wish,
+    wish: &DesignSpec,
     method: VelocityMethod,
 ) -> Result<(Inner, Margins), DesignError> {
     let (targets, cycle) = (&wish.targets, model.cycle);
     let estimator = Discrete::estimator(method, cycle).map_err(LoopError::from)?;
     // Immediate effect of one increment.
     let per_increment = estimator.d.abs() * VELOCITY_GAIN / wish.max_velocity;
-    let seen = |model| Discrete::of(model).then(&estimator).scaled(1.0 / wish.max_velocity);
+    let seen = |model| Discrete::of(model).connect(&estimator).scaled(1.0 / wish.max_velocity);
     let seen: Vec<Discrete> = models.iter().map(seen).collect();
     let grid = grid(model, cycle);
     let search =
-        Search::new(&grid, cycle, &seen, &[pi(1.0, 0.0), pi(0.0, 1.0)], targets, regimes::most_imaginary(wish));
+        Search::new(&grid, cycle, &seen, &[pi(1.0, 0.0), pi(0.0, 1.0)], targets, regimes::max_imaginary(wish));
     let shape = |crossover: f64| {
         let integral = if targets.integral { crossover / INNER_INTEGRAL } else { 0.0 };
         vec![1.0, integral]
@@ -61,7 +61,7 @@ pub(super) fn design(
     };
     let radius = |gains: &VelocityGains| {
         let law = Inner { gains: *gains, method }.law();
-        seen.iter().fold(0.0_f64, |most, seen| most.max(velocity_radius(&law.then(seen).closed())))
+        seen.iter().fold(0.0_f64, |most, seen| most.max(velocity_radius(&law.connect(seen).closed())))
     };
     let found = search.fastest(shape, rounded, radius, 0.0).ok_or_else(|| wish.unreachable("velocity"))?;
     Ok((Inner { gains: found.gains, method }, found.margins))

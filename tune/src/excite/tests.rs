@@ -14,13 +14,13 @@ const PERMITTED: Permitted = Permitted {
 };
 
 /// An axis without inertia: its velocity is the command minus its friction.
-fn follows(permitted: Permitted, cycles: usize) -> Vec<(f64, Drive)> {
+fn follows(permitted: Permitted, cycles: usize) -> Vec<(f64, ExcitationOutput)> {
     let mut excitation = Excitation::new(permitted).unwrap();
     let (mut place, mut velocity) = (0.0, 0.0);
     (0..cycles)
         .map(|_| {
             let drive = excitation.next(place, velocity);
-            let command = if let Drive::Command(command) = drive { command } else { 0.0 };
+            let command = if let ExcitationOutput::Command(command) = drive { command } else { 0.0 };
             velocity = 20_000.0 * (command.abs() - 0.05).max(0.0) * command.signum();
             place += velocity * permitted.cycle;
             (place, drive)
@@ -53,7 +53,7 @@ fn the_same_seed_is_the_same_excitation() {
 fn steps_are_random_with_each_seed() {
     for seed in [0, 1, SEED, u64::MAX] {
         let mut excitation = Excitation::new(Permitted { seed, ..PERMITTED }).unwrap();
-        let bits: Vec<f64> = (0..20_000).map(|_| excitation.step_of_chance()).collect();
+        let bits: Vec<f64> = (0..20_000).map(|_| excitation.random_step()).collect();
         let sum: f64 = bits.iter().sum();
         assert!(sum.abs() < 1500.0, "{seed}: {sum}");
         let changes = bits.windows(2).filter(|pair| pair[0] != pair[1]).count();
@@ -72,7 +72,7 @@ fn it_goes_to_and_fro_and_comes_back() {
         assert!(most > 0.5 * PERMITTED.travel && most < PERMITTED.travel, "{most}");
         let turns = places.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
         assert!(turns >= 2, "{turns}");
-        assert!(matches!(run[run.len() - 1].1, Drive::Done(_)), "{takes:?}");
+        assert!(matches!(run[run.len() - 1].1, ExcitationOutput::Done(_)), "{takes:?}");
         assert!(places[places.len() - 1].abs() <= 0.1 * PERMITTED.travel);
     }
 }
@@ -82,7 +82,7 @@ fn progress_never_falls() {
     let mut excitation = Excitation::new(PERMITTED).unwrap();
     let (mut place, mut velocity, mut progress) = (0.0, 0.0, 0.0);
     for _ in 0..5000 {
-        let Drive::Command(command) = excitation.next(place, velocity) else { break };
+        let ExcitationOutput::Command(command) = excitation.next(place, velocity) else { break };
         velocity = 20_000.0 * (command.abs() - 0.05).max(0.0) * command.signum();
         place += velocity * PERMITTED.cycle;
         assert!((progress..=1.0).contains(&excitation.progress()), "{progress} {}", excitation.progress());
@@ -95,11 +95,11 @@ fn progress_never_falls() {
 #[test]
 fn beyond_its_margin_it_aborts_and_stays_aborted() {
     let mut excitation = Excitation::new(PERMITTED).unwrap();
-    assert!(matches!(excitation.next(1100.0, 0.0), Drive::Command(_)));
+    assert!(matches!(excitation.next(1100.0, 0.0), ExcitationOutput::Command(_)));
     let over = excitation.next(-1101.0, 0.0);
-    assert_eq!(over, Drive::Aborted(Abort::Travel { position: -1101.0, most: 1100.0 }));
+    assert_eq!(over, ExcitationOutput::Aborted(Abort::Travel { position: -1101.0, most: 1100.0 }));
     assert_eq!(excitation.next(0.0, 0.0), over);
-    let Drive::Aborted(abort) = over else { panic!() };
+    let ExcitationOutput::Aborted(abort) = over else { panic!() };
     assert_eq!(abort.to_string(), "the axis is -1101 inc from its start; within 1100 inc are permitted");
 }
 
@@ -109,11 +109,11 @@ fn a_turn_that_comes_late_is_braked() {
     let mut excitation = Excitation::new(PERMITTED).unwrap();
     (excitation.up, excitation.down, excitation.amplitude) = (0.1, -0.1, 0.025);
     (excitation.phase, excitation.sense) = (Phase::Legs { left: 100 }, -1.0);
-    assert_eq!(excitation.next(850.0, 1000.0), Drive::Command(-0.2));
-    assert_eq!(excitation.next(750.0, 1000.0), Drive::Command(-0.125));
-    assert_eq!(excitation.next(-850.0, -1000.0), Drive::Command(0.2));
+    assert_eq!(excitation.next(850.0, 1000.0), ExcitationOutput::Command(-0.2));
+    assert_eq!(excitation.next(750.0, 1000.0), ExcitationOutput::Command(-0.125));
+    assert_eq!(excitation.next(-850.0, -1000.0), ExcitationOutput::Command(0.2));
     // Too fast, at any position.
-    assert_eq!(excitation.next(0.0, 4800.0), Drive::Command(-0.2));
+    assert_eq!(excitation.next(0.0, 4800.0), ExcitationOutput::Command(-0.2));
 }
 
 proptest! {
@@ -137,16 +137,16 @@ proptest! {
             };
             let beyond = place.is_finite() && place.abs() > 1100.0;
             match excitation.next(place, velocity) {
-                Drive::Command(asked) => {
+                ExcitationOutput::Command(asked) => {
                     prop_assert!(asked.abs() <= command, "{asked}");
                     prop_assert!(!beyond);
                 }
-                Drive::Done(hold) => {
+                ExcitationOutput::Done(hold) => {
                     prop_assert!(hold.abs() <= command);
                     return Ok(());
                 }
-                Drive::Aborted(_) => {
-                    prop_assert!(matches!(excitation.next(0.0, 0.0), Drive::Aborted(_)));
+                ExcitationOutput::Aborted(_) => {
+                    prop_assert!(matches!(excitation.next(0.0, 0.0), ExcitationOutput::Aborted(_)));
                     return Ok(());
                 }
             }

@@ -1,8 +1,8 @@
 //! Identification of a drive with effort interface: acceleration, frictions, load, delay, and a resonance if there is
 //! one.
 
-use super::fit::{Beginning, Fit, Stretches, least};
-use super::{Deviation, Identified, Refusal, Squares, WORTH};
+use super::fit::{InitialState, Fit, Stretches, minimize};
+use super::{Deviation, Identified, Refusal, Squares, MAX_RESONANCE_RATIO};
 use crate::discrete::Delayed;
 use crate::model::{Dynamics, Model, Resonance, first_order, second_order};
 use crate::record::Record;
@@ -19,7 +19,7 @@ const LEAST_STRETCH: usize = 24;
 const SENSE: (f64, usize) = (0.01, 4);
 
 /// Distance in that window from which on the direction is known (inc).
-const SENSE_WAY: f64 = 3.0;
+const DIRECTION_DISTANCE: f64 = 3.0;
 
 /// Distance in two cycles from which on hesitation is detected (inc), and the fraction of it below which an axis
 /// hesitates.
@@ -44,7 +44,7 @@ struct Search<'a> {
 }
 
 /// Returns the direction of motion in each cycle; 0 if it is unknown.
-fn senses(record: &Record, way: &[f64]) -> Vec<f64> {
+fn directions(record: &Record, way: &[f64]) -> Vec<f64> {
     let reach = ((SENSE.0 / record.cycle) as usize).max(SENSE.1);
     let sense = |k: usize| {
         let (Some(before), Some(after)) = (k.checked_sub(reach).and_then(|k| way.get(k)), way.get(k + reach)) else {
@@ -55,7 +55,7 @@ fn senses(record: &Record, way: &[f64]) -> Vec<f64> {
         let (Some(last), Some(next)) = (k.checked_sub(1).and_then(|k| way.get(k)), way.get(k + 1)) else { return 0.0 };
         let (usual, here) = (moved.abs() / reach as f64, moved.signum() * (next - last));
         let hesitates = usual >= HESITATES.0 && here < HESITATES.1 * usual;
-        if moved.abs() < SENSE_WAY || hesitates { 0.0 } else { moved.signum() }
+        if moved.abs() < DIRECTION_DISTANCE || hesitates { 0.0 } else { moved.signum() }
     };
     let rough: Vec<f64> = (0..way.len()).map(sense).collect();
     // Near a reversal the window contains both directions.
@@ -67,7 +67,7 @@ fn senses(record: &Record, way: &[f64]) -> Vec<f64> {
 }
 
 /// Returns stretches with one known direction, none longer than `longest`.
-fn one_way(senses: &[f64], longest: usize) -> Vec<Range<usize>> {
+fn stretches_of_one_direction(senses: &[f64], longest: usize) -> Vec<Range<usize>> {
     let mut ranges = Vec::new();
     let mut from = 0;
     for k in 0..=senses.len() {
@@ -85,17 +85,17 @@ fn one_way(senses: &[f64], longest: usize) -> Vec<Range<usize>> {
 
 impl<'a> Search<'a> {
     fn new(record: &'a Record) -> Self {
-        let (cycle, way) = (record.cycle, record.way());
-        let mut senses = senses(record, &way);
+        let (cycle, way) = (record.cycle, record.relative_positions());
+        let mut senses = directions(record, &way);
         let longest =
             ((STRETCH / cycle) as usize).clamp(2 * LEAST_STRETCH, record.positions.len().max(2 * LEAST_STRETCH));
-        let mut ranges = one_way(&senses, longest);
+        let mut ranges = stretches_of_one_direction(&senses, longest);
         if ranges.is_empty() {
             // The motion is too short for its friction: only its reaction and direction can be checked.
             ranges.push(0..record.positions.len());
             senses.fill(0.0);
         }
-        let stretches = Stretches::new(ranges, Beginning::Motion, &way);
+        let stretches = Stretches::new(ranges, InitialState::Motion, &way);
         let mean = way.iter().sum::<f64>() / way.len() as f64;
         let mut sum = 0.0;
         let passed: Vec<f64> = way
@@ -142,9 +142,9 @@ impl<'a> Search<'a> {
     fn stretches(&self, at: &[f64]) -> Stretches {
         let beginning = if at.len() > 1 {
             let (omega, damping) = self.resonance(at);
-            Beginning::Swing(omega * self.record.cycle, damping)
+            InitialState::Oscillation(omega * self.record.cycle, damping)
         } else {
-            Beginning::Motion
+            InitialState::Motion
         };
         self.stretches.beginning_with(beginning, &self.way)
     }
@@ -165,12 +165,12 @@ impl<'a> Search<'a> {
         let mut best = (vec![0.0], f64::INFINITY);
         for half in 0..(2.0 * MOST_DELAY) as u32 {
             let at = vec![0.5 * f64::from(half)];
-            let left = self.fit(&at).left;
+            let left = self.fit(&at).residual_squares;
             if left < best.1 {
                 best = (at, left);
             }
         }
-        least(&best.0, &[0.3], 25, |at| self.fit(at).left)
+        minimize(&best.0, &[0.3], 25, |at| self.fit(at).residual_squares)
     }
 
     /// Searches from the delay of a rigid axis: half of a resonance may appear as delay.
@@ -183,15 +183,15 @@ impl<'a> Search<'a> {
             let omega = libm::log(TAU * low * libm::exp2(f64::from(step) / PER_OCTAVE));
             for damping in DAMPINGS {
                 let at = vec![delay, omega, libm::log(damping)];
-                let left = self.fit(&at).left;
+                let left = self.fit(&at).residual_squares;
                 if left < best.1 {
                     best = (at, left);
                 }
             }
         }
         // Twice, because a simplex may collapse before it reaches the minimum.
-        let (at, _) = least(&best.0, &[0.3, 0.05, 0.5], 70, |at| self.fit(at).left);
-        least(&at, &[-0.2, 0.02, 0.2], 50, |at| self.fit(at).left)
+        let (at, _) = minimize(&best.0, &[0.3, 0.05, 0.5], 70, |at| self.fit(at).residual_squares);
+        minimize(&at, &[-0.2, 0.02, 0.2], 50, |at| self.fit(at).residual_squares)
     }
 
     /// Returns the change of the residual per coordinate of the search: delay (s), frequency (Hz), damping.
@@ -226,15 +226,15 @@ pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
     let found = search.fit(&swinging);
     let ratio = found.figures[4] / found.figures[0];
     // A ratio outside this range does not come from two masses.
-    let has_resonance = left < WORTH * rigid_left && found.figures[0] > 0.0 && (0.02..1000.0).contains(&ratio);
+    let has_resonance = left < MAX_RESONANCE_RATIO * rigid_left && found.figures[0] > 0.0 && (0.02..1000.0).contains(&ratio);
     if has_resonance {
         at = swinging;
     }
     let fit = search.fit(&at);
     let acceleration = fit.figures[0];
     let stretches = search.stretches(&at);
-    let without = Search::fitted(&stretches, &search.resisting).left;
-    let squares = Squares { whole: stretches.whole(), without, left: fit.left };
+    let without = Search::fitted(&stretches, &search.resisting).residual_squares;
+    let squares = Squares { whole: stretches.whole(), without, left: fit.residual_squares };
     let (explained, nrmse) = squares.judge(acceleration, "inc/s^2")?;
     let mut columns = search.columns(&at);
     columns.extend(search.slopes(&at, &fit));
@@ -286,7 +286,7 @@ mod tests {
 
     fn of(way: impl Fn(f64) -> f64) -> Vec<f64> {
         let record = record(way);
-        senses(&record, &record.way())
+        directions(&record, &record.relative_positions())
     }
 
     /// Up to 200, then down; 20 cycles around the reversal and at both ends are unknown.
@@ -301,7 +301,7 @@ mod tests {
                 _ => {}
             }
         }
-        assert_eq!(one_way(&senses, 100).iter().map(|range| range.len().min(99)).filter(|n| *n == 99).count(), 2);
+        assert_eq!(stretches_of_one_direction(&senses, 100).iter().map(|range| range.len().min(99)).filter(|n| *n == 99).count(), 2);
         assert!(of(|_| 0.0).iter().all(|sense| *sense == 0.0));
     }
 

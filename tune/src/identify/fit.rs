@@ -16,13 +16,13 @@ const ROUNDS: usize = 10_000;
 
 /// Unknown initial state of a stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Beginning {
+pub(crate) enum InitialState {
     /// A position.
     Place,
     /// A position and a velocity.
     Motion,
     /// Both, and an oscillation: its frequency (rad per cycle), its damping relative to the critical one.
-    Swing(f64, f64),
+    Oscillation(f64, f64),
 }
 
 /// Stretches of a record.
@@ -33,7 +33,7 @@ pub(crate) struct Stretches {
     measured: Vec<f64>,
 }
 
-impl Beginning {
+impl InitialState {
     /// Returns an orthonormal basis.
     fn basis(self, length: usize) -> Vec<Vec<f64>> {
         let of = |law: &dyn Fn(f64) -> f64| (0..length).map(|k| law(k as f64)).collect::<Vec<f64>>();
@@ -41,7 +41,7 @@ impl Beginning {
         if self != Self::Place {
             laws.push(of(&|k| k - 0.5 * length as f64));
         }
-        if let Self::Swing(omega, damping) = self {
+        if let Self::Oscillation(omega, damping) = self {
             let swings = omega * (1.0 - damping * damping).max(0.0).sqrt();
             laws.push(of(&|k| libm::exp(-damping * omega * k) * libm::cos(swings * k)));
             laws.push(of(&|k| libm::exp(-damping * omega * k) * libm::sin(swings * k)));
@@ -78,13 +78,13 @@ pub(crate) struct Fit {
     /// One figure for each column.
     pub(crate) figures: Vec<f64>,
     /// Residual sum of squares (inc^2).
-    pub(crate) left: f64,
+    pub(crate) residual_squares: f64,
     /// Residual of each sample (inc).
     pub(crate) residual: DVector<f64>,
 }
 
 impl Stretches {
-    pub(crate) fn new(ranges: Vec<Range<usize>>, beginning: Beginning, positions: &[f64]) -> Self {
+    pub(crate) fn new(ranges: Vec<Range<usize>>, beginning: InitialState, positions: &[f64]) -> Self {
         let lengths: BTreeSet<usize> = ranges.iter().map(Range::len).collect();
         let bases = lengths.into_iter().map(|length| (length, beginning.basis(length))).collect();
         let mut stretches = Self { ranges, bases, measured: Vec::new() };
@@ -93,7 +93,7 @@ impl Stretches {
     }
 
     /// Returns the same stretches with another type of initial state.
-    pub(crate) fn beginning_with(&self, beginning: Beginning, positions: &[f64]) -> Self {
+    pub(crate) fn beginning_with(&self, beginning: InitialState, positions: &[f64]) -> Self {
         Self::new(self.ranges.clone(), beginning, positions)
     }
 
@@ -138,7 +138,7 @@ impl Stretches {
         let solved = solved.unwrap_or_else(|| DVector::zeros(n));
         let residual = measured - matrix * &solved;
         let figures = solved.iter().zip(&sizes).map(|(x, size)| x / size).collect();
-        Fit { figures, left: residual.norm_squared(), residual }
+        Fit { figures, residual_squares: residual.norm_squared(), residual }
     }
 
     /// Returns the standard deviation of each figure from its column, with the residual of `fit`.
@@ -152,8 +152,8 @@ impl Stretches {
         // Residuals of neighbours are correlated, so that they contain less information than independent ones.
         let r = &fit.residual;
         let next: f64 = r.iter().zip(r.iter().skip(1)).map(|(a, b)| a * b).sum();
-        let likeness = if fit.left > 0.0 { (next / fit.left).clamp(0.0, 0.99) } else { 0.0 };
-        let variance = fit.left / freedom * (1.0 + likeness) / (1.0 - likeness);
+        let likeness = if fit.residual_squares > 0.0 { (next / fit.residual_squares).clamp(0.0, 0.99) } else { 0.0 };
+        let variance = fit.residual_squares / freedom * (1.0 + likeness) / (1.0 - likeness);
         let Some(v_t) = svd.v_t else { return unknown };
         let of = |column: usize| {
             svd.singular_values.iter().enumerate().fold(0.0, |sum, (i, &s)| {
@@ -174,7 +174,7 @@ fn scaled(columns: &[Vec<f64>], rows: usize) -> (DMatrix<f64>, Vec<f64>) {
 }
 
 /// Returns the minimum of `cost` near `start`, by a simplex with edges `step`.
-pub(crate) fn least(
+pub(crate) fn minimize(
     start: &[f64],
     step: &[f64],
     rounds: usize,
@@ -240,11 +240,11 @@ mod tests {
         // Another position and another velocity from 100 on, and from 200 on.
         let jump = |k: f64| (k / 100.0).floor() * (1e6 - 33.0 * k);
         let measured = line(|k| 7e-3 * k * k + jump(k));
-        let stretches = Stretches::new(vec![0..100, 100..200, 200..300], Beginning::Motion, &measured);
+        let stretches = Stretches::new(vec![0..100, 100..200, 200..300], InitialState::Motion, &measured);
         let fit = stretches.fit(&[stretches.reduced(&column)]);
         assert!((fit.figures[0] - 7.0).abs() < 1e-6, "{:?}", fit.figures);
-        assert!(fit.left < 1e-6 * stretches.whole(), "{}", fit.left);
-        let place = Stretches::new(vec![0..100, 100..200], Beginning::Place, &line(|k| 2.0 * k + (k / 100.0).floor()));
+        assert!(fit.residual_squares < 1e-6 * stretches.whole(), "{}", fit.residual_squares);
+        let place = Stretches::new(vec![0..100, 100..200], InitialState::Place, &line(|k| 2.0 * k + (k / 100.0).floor()));
         let fit = place.fit(&[place.reduced(&line(|k| k))]);
         assert!((fit.figures[0] - 2.0).abs() < 1e-9, "{:?}", fit.figures);
     }
@@ -254,15 +254,15 @@ mod tests {
         let swing = |k: f64| 5.0 * libm::exp(-0.02 * k) * libm::cos(0.4 * k + 1.0);
         let damped = (0.4_f64 * 0.4 + 0.02 * 0.02).sqrt();
         let stretches = |beginning| Stretches::new(vec![0..150, 150..300], beginning, &line(swing));
-        assert!(stretches(Beginning::Swing(damped, 0.02 / damped)).whole() < 1e-18);
-        assert!(stretches(Beginning::Motion).whole() > 1.0);
+        assert!(stretches(InitialState::Oscillation(damped, 0.02 / damped)).whole() < 1e-18);
+        assert!(stretches(InitialState::Motion).whole() > 1.0);
     }
 
     /// Equal columns share their figure, and a column without information has none.
     #[test]
     fn columns_that_say_nothing_break_nothing() {
         let column = line(libm::sin);
-        let stretches = Stretches::new(vec![0..150, 150..300], Beginning::Place, &column);
+        let stretches = Stretches::new(vec![0..150, 150..300], InitialState::Place, &column);
         let column = stretches.reduced(&column);
         let fit = stretches.fit(&[column.clone(), column.clone(), vec![0.0; 300]]);
         assert!((fit.figures[0] - 0.5).abs() < 1e-9 && (fit.figures[1] - 0.5).abs() < 1e-9, "{:?}", fit.figures);
@@ -293,7 +293,7 @@ mod tests {
                     3.0 * x + last
                 };
                 let measured: Vec<f64> = column.iter().map(&mut value).collect();
-                let stretches = Stretches::new(vec![0..150, 150..300], Beginning::Motion, &measured);
+                let stretches = Stretches::new(vec![0..150, 150..300], InitialState::Motion, &measured);
                 let reduced = vec![stretches.reduced(&column)];
                 let fit = stretches.fit(&reduced);
                 squares += (fit.figures[0] - 3.0) * (fit.figures[0] - 3.0) / 200.0;
@@ -310,9 +310,9 @@ mod tests {
             let (x, y) = (at[0], at[1]);
             (1.0 - x) * (1.0 - x) + 100.0 * (y - x * x) * (y - x * x)
         };
-        let (at, value) = least(&[-1.2, 1.0], &[0.3, 0.3], 200, valley);
+        let (at, value) = minimize(&[-1.2, 1.0], &[0.3, 0.3], 200, valley);
         assert!(value < 1e-8 && (at[0] - 1.0).abs() < 1e-3, "{at:?} {value}");
-        let (at, _) = least(&[5.0], &[1.0], 60, |at| (at[0] - 2.5).abs());
+        let (at, _) = minimize(&[5.0], &[1.0], 60, |at| (at[0] - 2.5).abs());
         assert!((at[0] - 2.5).abs() < 1e-6, "{at:?}");
     }
 }

@@ -62,14 +62,14 @@ pub struct Deviation {
 }
 
 /// Standard deviations of the delay to add if backlash may hide a part of it.
-const HIDDEN: f64 = 3.0;
+const HIDDEN_DELAY_DEVIATIONS: f64 = 3.0;
 
 impl Identified {
     /// Returns the model for the design of gains of an axis with a given ratio of inertias (above 0): a motor that
     /// turns alone within the backlash responds sooner than with its load, which hides a part of the delay. The delay
     /// is therefore increased by three of its standard deviations. Without a ratio the model is returned unchanged.
     pub fn for_design(&self, inertia_ratio: f64) -> Model {
-        let hidden = if inertia_ratio > 0.0 { HIDDEN * self.deviation.delay } else { 0.0 };
+        let hidden = if inertia_ratio > 0.0 { HIDDEN_DELAY_DEVIATIONS * self.deviation.delay } else { 0.0 };
         Model { delay: self.model.delay + hidden, ..self.model }
     }
 }
@@ -87,7 +87,7 @@ pub const LEAST_EXPLAINED: f64 = 80.0;
 pub const LEAST_REACTION: f64 = 25.0;
 
 /// Maximum ratio of the residual squares with a resonance to those without it.
-pub const WORTH: f64 = 0.7;
+pub const MAX_RESONANCE_RATIO: f64 = 0.7;
 
 /// Identifies the model.
 ///

@@ -1,6 +1,6 @@
 //! Identification of a velocity drive: gain, offset, time constant, delay.
 
-use super::fit::{Beginning, Fit, Stretches, least};
+use super::fit::{InitialState, Fit, Stretches, minimize};
 use super::{Deviation, Identified, Refusal, Squares};
 use crate::discrete::Delayed;
 use crate::model::{Dynamics, Model, first_order};
@@ -42,7 +42,7 @@ pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
     let longest = ((STRETCH / cycle) as usize).clamp(32, record.positions.len() / 2);
     let count = record.positions.len();
     let ranges = (0..count / longest).map(|i| i * longest..(i + 1) * longest).collect();
-    let stretches = Stretches::new(ranges, Beginning::Place, &record.way());
+    let stretches = Stretches::new(ranges, InitialState::Place, &record.relative_positions());
     let time: Vec<f64> = (0..count).map(|k| k as f64 * cycle).collect();
     let time = stretches.reduced(&time);
     let search = Search { record, stretches, time };
@@ -51,19 +51,19 @@ pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
     for lag in [0.1, 1.0, 3.0, 10.0, 30.0, 100.0] {
         for delay in [0.0, 1.0, 2.0, 4.0, 7.0, 11.0, 16.0] {
             let at = vec![lag, delay];
-            let left = search.fit(&at).left;
+            let left = search.fit(&at).residual_squares;
             if left < best.1 {
                 best = (at, left);
             }
         }
     }
     let step = [0.3 * best.0[0], 0.7];
-    let (at, _) = least(&best.0, &step, 80, |at| search.fit(at).left);
+    let (at, _) = minimize(&best.0, &step, 80, |at| search.fit(at).residual_squares);
     let fit = search.fit(&at);
     let squares = Squares {
         whole: search.stretches.whole(),
-        without: search.stretches.fit(core::slice::from_ref(&search.time)).left,
-        left: fit.left,
+        without: search.stretches.fit(core::slice::from_ref(&search.time)).residual_squares,
+        left: fit.residual_squares,
     };
     let (gain, offset) = (fit.figures[0], fit.figures[1]);
     let (explained, nrmse) = squares.judge(gain, "inc/s")?;

@@ -9,7 +9,7 @@
 //!
 //! Between two points logarithm and angle are interpolated linearly.
 
-use crate::discrete::{C64, Discrete, poles, radius, size, turn};
+use crate::discrete::{C64, Discrete, poles, radius, magnitude, unit_circle};
 use crate::loops::{LoopError, Loops};
 use crate::model::{Dynamics, Model};
 use core::f64::consts::PI;
@@ -149,7 +149,7 @@ pub(crate) fn grid(model: &Model, period: f64) -> Vec<f64> {
 
 /// Returns the response of a system at each frequency.
 pub(crate) fn sampled(system: &Discrete, grid: &[f64], period: f64) -> Vec<C64> {
-    grid.iter().map(|frequency| system.at(turn(2.0 * PI * frequency * period))).collect()
+    grid.iter().map(|frequency| system.at(unit_circle(2.0 * PI * frequency * period))).collect()
 }
 
 /// Returns all margins except the poles.
@@ -163,11 +163,11 @@ pub(crate) fn margins(grid: &[f64], open: &[C64]) -> Margins {
         radius: f64::INFINITY,
     };
     for value in open {
-        margins.sensitivity = margins.sensitivity.max(1.0 / size(value + 1.0));
+        margins.sensitivity = margins.sensitivity.max(1.0 / magnitude(value + 1.0));
     }
     for (f, l) in grid.windows(2).zip(open.windows(2)) {
         let (&[f0, f1], &[l0, l1]) = (f, l) else { continue };
-        let (high, low) = (libm::log(size(l0)), libm::log(size(l1)));
+        let (high, low) = (libm::log(magnitude(l0)), libm::log(magnitude(l1)));
         let (from, to) = angles(l0, l1);
         if (high > 0.0) != (low > 0.0) {
             let part = high / (high - low);
@@ -183,7 +183,7 @@ pub(crate) fn margins(grid: &[f64], open: &[C64]) -> Margins {
     }
     // At half the sampling frequency all values are real.
     if let Some(last) = open.last().filter(|last| last.re < 0.0) {
-        margins.cross(libm::log(size(*last)));
+        margins.cross(libm::log(magnitude(*last)));
     }
     margins
 }
@@ -212,7 +212,7 @@ fn to_180(angle: f64) -> f64 {
 }
 
 fn response(grid: &[f64], open: &[C64], radius: f64) -> Bode {
-    let db = |value: C64| 20.0 * libm::log10(size(value));
+    let db = |value: C64| 20.0 * libm::log10(magnitude(value));
     let mut points: Vec<Point> = Vec::with_capacity(grid.len());
     for (&frequency, &l) in grid.iter().zip(open) {
         let closed = l / (l + 1.0);
@@ -259,9 +259,9 @@ pub fn velocity_bode(model: &Model, loops: &Loops) -> Result<Option<Bode>, LoopE
 /// A velocity loop does not depend on the position of its axis: one pole at 1 is that of the position, not of the loop.
 pub(crate) fn velocity_radius(closed: &DMatrix<f64>) -> f64 {
     let mut all = poles(closed);
-    let far = |z: &C64| size(z - 1.0);
+    let far = |z: &C64| magnitude(z - 1.0);
     all.sort_by(|a, b| far(a).total_cmp(&far(b)));
-    if all.is_empty() { f64::INFINITY } else { all.iter().skip(1).fold(0.0_f64, |most, &z| most.max(size(z))) }
+    if all.is_empty() { f64::INFINITY } else { all.iter().skip(1).fold(0.0_f64, |most, &z| most.max(magnitude(z))) }
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ const STEPS: u32 = 4;
 pub fn retrace(model: &Model, record: &Record) -> Result<Vec<f64>, Refusal> {
     record.check()?;
     model.check()?;
-    let trial = Trial { model, inputs: record.inputs(), way: record.way() };
+    let trial = Trial { model, inputs: record.inputs(), way: record.relative_positions() };
     let longest = ((STRETCH.0 / record.cycle) as usize).max(STRETCH.1);
     let count = trial.way.len();
     let mut found = Vec::with_capacity(count);
@@ -47,7 +47,7 @@ pub fn retrace(model: &Model, record: &Record) -> Result<Vec<f64>, Refusal> {
 /// motor, and more often than there are reversals: within it the motor turns alone, and ahead of a model that moves the
 /// load. A velocity drive moves its motor through backlash by its own loop, which is of higher than first order: its
 /// deviation is ten times as large.
-const LEFT: (f64, f64) = (1e-4, 1.0);
+const MAX_MEDIAN: (f64, f64) = (1e-4, 1.0);
 const LEFT_OF_VELOCITY: f64 = 1e-3;
 
 /// Checks that the model fits the record well enough for the design of gains.
@@ -58,13 +58,13 @@ const LEFT_OF_VELOCITY: f64 = 1e-3;
 /// # Errors
 /// [`Refusal::Misfit`]; an invalid model or record.
 pub fn check_fit(model: &Model, record: &Record) -> Result<(), Refusal> {
-    let (found, way) = (retrace(model, record)?, record.way());
+    let (found, way) = (retrace(model, record)?, record.relative_positions());
     let mut left: Vec<f64> = way.iter().zip(&found).map(|(way, found)| (way - found).abs()).collect();
     left.sort_by(f64::total_cmp);
     let left = left.get(left.len() / 2).copied().unwrap_or(0.0);
     let (low, high) = way.iter().fold((0.0_f64, 0.0_f64), |(low, high), way| (low.min(*way), high.max(*way)));
-    let part = if model.takes() == Takes::Velocity { LEFT_OF_VELOCITY } else { LEFT.0 };
-    let most = (part * (high - low)).max(LEFT.1);
+    let part = if model.takes() == Takes::Velocity { LEFT_OF_VELOCITY } else { MAX_MEDIAN.0 };
+    let most = (part * (high - low)).max(MAX_MEDIAN.1);
     if left <= most { Ok(()) } else { Err(Refusal::Misfit { left, most }) }
 }
 
@@ -177,7 +177,7 @@ mod tests {
         let record = record();
         let found = retrace(&model(5e4), &record).unwrap();
         assert_eq!(found.len(), 2000);
-        for (k, (found, way)) in found.iter().zip(record.way()).enumerate() {
+        for (k, (found, way)) in found.iter().zip(record.relative_positions()).enumerate() {
             assert!((found - way).abs() < 1.0, "{k}: {found} {way}");
         }
     }
@@ -187,7 +187,7 @@ mod tests {
     fn a_wrong_model_shows() {
         let record = record();
         let found = retrace(&model(6e4), &record).unwrap();
-        let most = found.iter().zip(record.way()).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        let most = found.iter().zip(record.relative_positions()).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         assert!((50.0..2000.0).contains(&most), "{most}");
         assert_eq!(check_fit(&model(5e4), &record), Ok(()));
         assert!(matches!(check_fit(&model(6e4), &record), Err(Refusal::Misfit { .. })));

@@ -1,22 +1,22 @@
 //! The axes, with their true figures and the expected results of their loops.
 
-use super::coupled::Drawn;
+use super::coupled::RandomAxis;
 use super::simulator::{Axis, Mechanics};
 use lineshaft_core::regulator::VelocityMethod;
 use lineshaft_tune::{Dynamics, Law, Model, Resonance};
 use std::f64::consts::TAU;
 
 /// An axis and the loops to be tried on it.
-pub(crate) struct Named {
+pub(crate) struct TestAxis {
     pub(crate) name: &'static str,
     pub(crate) axis: Axis,
-    pub(crate) loops: Vec<Tried>,
+    pub(crate) loops: Vec<LoopCase>,
     /// Acceleration of its move (turns/s^2).
     pub(crate) acceleration: f64,
 }
 
 /// Loops, and the limits of their results.
-pub(crate) struct Tried {
+pub(crate) struct LoopCase {
     pub(crate) law: Law,
     pub(crate) velocity: Option<VelocityMethod>,
     /// Overshoot of a step (%), settling time after a step and after a move (s).
@@ -64,15 +64,15 @@ fn spring(ratio: f64, hz: f64, damping: f64) -> Option<(f64, f64)> {
     Some((reduced * omega * omega, 2.0 * damping * omega * reduced))
 }
 
-fn pid(timer: u32, overshoot: f64, settling: f64) -> Tried {
-    Tried { law: Law::Pid { timer }, velocity: None, overshoot, settling }
+fn pid(timer: u32, overshoot: f64, settling: f64) -> LoopCase {
+    LoopCase { law: Law::Pid { timer }, velocity: None, overshoot, settling }
 }
 
-fn cascade(law: Law, time: f64, overshoot: f64, settling: f64) -> Tried {
-    Tried { law, velocity: Some(VelocityMethod::Filtered { time }), overshoot, settling }
+fn cascade(law: Law, time: f64, overshoot: f64, settling: f64) -> LoopCase {
+    LoopCase { law, velocity: Some(VelocityMethod::Filtered { time }), overshoot, settling }
 }
 
-pub(crate) fn all() -> Vec<Named> {
+pub(crate) fn all() -> Vec<TestAxis> {
     let rigid = |ratio, coulomb, gravity| axis(torque(ratio, coulomb, gravity, None), 8192.0, 2.5e-4);
     let usual = || {
         vec![
@@ -82,33 +82,33 @@ pub(crate) fn all() -> Vec<Named> {
         ]
     };
     vec![
-        Named { name: "1:1", axis: rigid(1.0, 0.06, 0.0), loops: usual(), acceleration: 200.0 },
-        Named { name: "1:5", axis: rigid(5.0, 0.06, 0.0), loops: usual(), acceleration: 130.0 },
-        Named {
+        TestAxis { name: "1:1", axis: rigid(1.0, 0.06, 0.0), loops: usual(), acceleration: 200.0 },
+        TestAxis { name: "1:5", axis: rigid(5.0, 0.06, 0.0), loops: usual(), acceleration: 130.0 },
+        TestAxis {
             name: "1:30",
             axis: rigid(30.0, 0.06, 0.0),
             loops: vec![pid(2, 30.0, 0.4), cascade(Law::Proportional, 0.003, 10.0, 0.2)],
             acceleration: 20.0,
         },
-        Named { name: "friction", axis: rigid(5.0, 0.5, 0.0), loops: usual(), acceleration: 100.0 },
-        Named { name: "vertical", axis: rigid(5.0, 0.06, 0.2), loops: usual(), acceleration: 100.0 },
-        Named {
+        TestAxis { name: "friction", axis: rigid(5.0, 0.5, 0.0), loops: usual(), acceleration: 100.0 },
+        TestAxis { name: "vertical", axis: rigid(5.0, 0.06, 0.2), loops: usual(), acceleration: 100.0 },
+        TestAxis {
             name: "elastic",
             axis: axis(torque(3.0, 0.06, 0.0, spring(3.0, 60.0, 0.03)), 8192.0, 2.5e-4),
             loops: vec![cascade(Law::Proportional, 0.01, 8.0, 0.6)],
             acceleration: 40.0,
         },
-        Named {
+        TestAxis {
             name: "coarse",
             axis: axis(torque(5.0, 0.06, 0.0, None), 500.0, 2.5e-4),
             loops: vec![pid(4, 10.0, 0.15), cascade(Law::Proportional, 0.005, 10.0, 0.2)],
             acceleration: 100.0,
         },
-        Named {
+        TestAxis {
             name: "velocity",
             axis: axis(Mechanics::Velocity { full: 300.0, lag: 6e-3 }, 2000.0, 1.5e-3),
             loops: vec![
-                Tried { law: Law::Proportional, velocity: None, overshoot: 10.0, settling: 0.06 },
+                LoopCase { law: Law::Proportional, velocity: None, overshoot: 10.0, settling: 0.06 },
                 pid(1, 20.0, 0.1),
                 pid(4, 20.0, 0.1),
             ],
@@ -131,7 +131,7 @@ pub(crate) fn with_play(ratio: f64) -> Axis {
 }
 
 /// Returns a motor and a load on a coupling with backlash, with random figures.
-pub(crate) fn coupled(drawn: &Drawn) -> Axis {
+pub(crate) fn coupled(drawn: &RandomAxis) -> Axis {
     let mut axis = with_play(drawn.ratio);
     let inc = axis.encoder / TAU;
     axis.delay = drawn.delay * axis.cycle;

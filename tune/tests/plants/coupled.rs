@@ -5,12 +5,12 @@ use super::catalogue::{all, coupled};
 use super::fastest;
 use super::simulator::{Axis, excite, figures, permitted, run_until, trapezoid};
 use lineshaft_core::regulator::VelocityMethod;
-use lineshaft_tune::{Design, Identified, Law, Loops, PositionLaw, Targets, Wish, design, identify};
+use lineshaft_tune::{Design, Identified, Law, Loops, PositionLaw, Targets, DesignSpec, design, identify};
 use std::fmt;
 
 /// Random figures of an axis with backlash.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Drawn {
+pub(crate) struct RandomAxis {
     /// Inertia of the load relative to that of the motor.
     pub(crate) ratio: f64,
     /// Backlash, in increments of 8192 per turn.
@@ -52,14 +52,14 @@ impl fmt::Display for Moved {
     }
 }
 
-impl Drawn {
+impl RandomAxis {
     fn axis(&self) -> Axis {
         coupled(self)
     }
 
-    fn wish(&self, law: Law, velocity: Option<VelocityMethod>) -> Wish {
+    fn wish(&self, law: Law, velocity: Option<VelocityMethod>) -> DesignSpec {
         let encoder = self.axis().encoder;
-        Wish {
+        DesignSpec {
             law,
             velocity,
             max_velocity: 45.0 * encoder,
@@ -89,7 +89,7 @@ impl Drawn {
 
     /// Returns true if backlash makes a limit cycle worse, by more than itself and 3 inc. A motor whose static friction
     /// exceeds its Coulomb friction has a slow limit cycle with an integral term, with or without backlash.
-    fn hunts(&self, loops: &Loops) -> bool {
+    fn backlash_worsens_limit_cycle(&self, loops: &Loops) -> bool {
         let twin = Self { play: 0.0, ..*self };
         [self.step(), self.to()].iter().any(|motion| {
             let [with, without] = [self, &twin].map(|drawn| swing(&motion.run(drawn.axis(), loops, |_| false)));
@@ -174,7 +174,7 @@ fn laws() -> [(Law, Option<VelocityMethod>); 3] {
 }
 
 /// Checks that gains leave no oscillation beyond the backlash and 3 inc; failures are reported.
-fn judge(drawn: &Drawn, failed: &mut Vec<String>) -> [Option<(Design, Moved)>; 3] {
+fn judge(drawn: &RandomAxis, failed: &mut Vec<String>) -> [Option<(Design, Moved)>; 3] {
     let found = match drawn.identified() {
         Ok(found) => found,
         Err(sentence) => {
@@ -200,7 +200,7 @@ fn judge(drawn: &Drawn, failed: &mut Vec<String>) -> [Option<(Design, Moved)>; 3
             design.loops.velocity.map(|inner| inner.gains)
         );
         println!("{line}");
-        if !moved.rests && (drawn.friction.0 == 0.0 || drawn.hunts(&design.loops)) {
+        if !moved.rests && (drawn.friction.0 == 0.0 || drawn.backlash_worsens_limit_cycle(&design.loops)) {
             failed.push(line);
         }
         Some((design, moved))
@@ -222,7 +222,7 @@ fn gains_of_both_regimes_do_not_swing() {
                     if !is_long && number % 3 != delay as usize {
                         continue;
                     }
-                    let drawn = Drawn { ratio, play, friction, delay, coupling: (150.0, 0.03), told: 1.0 };
+                    let drawn = RandomAxis { ratio, play, friction, delay, coupling: (150.0, 0.03), told: 1.0 };
                     for (law, found) in judge(&drawn, &mut failed).into_iter().enumerate() {
                         count[law] += usize::from(found.is_some());
                         most[law] = most[law].max(found.map_or(0.0, |(_, moved)| moved.overshoot));
@@ -237,9 +237,9 @@ fn gains_of_both_regimes_do_not_swing() {
 }
 
 /// Random numbers between 0 and 1 from a seed.
-struct Chance(u64);
+struct RandomNumbers(u64);
 
-impl Chance {
+impl RandomNumbers {
     fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -251,10 +251,10 @@ impl Chance {
         low * (high / low).powf(self.next())
     }
 
-    fn drawn(&mut self) -> Drawn {
+    fn drawn(&mut self) -> RandomAxis {
         let size = [0.0, 0.1 * self.next()][usize::from(self.next() > 0.25)];
         let on_motor = self.next().round();
-        Drawn {
+        RandomAxis {
             ratio: self.between(1.0, 30.0),
             play: self.between(3.0, 100.0),
             friction: (size * on_motor, size * (1.0 - on_motor)),
@@ -268,7 +268,7 @@ impl Chance {
 /// New axes, with a ratio that is wrong by up to a fifth: no limit of the design was tuned to them.
 #[test]
 fn axes_that_are_drawn_do_not_swing() {
-    let mut chance = Chance(0xD1B5_4A32_D192_ED03);
+    let mut chance = RandomNumbers(0xD1B5_4A32_D192_ED03);
     let (mut failed, mut count) = (Vec::new(), [0; 3]);
     for _ in 0..64 {
         let drawn = chance.drawn();
@@ -299,7 +299,7 @@ fn without_a_ratio_nothing_changes() {
         let tried = named.loops.iter().find(|tried| tried.law == Law::Proportional).expect("a cascade");
         let (max_velocity, max_acceleration) = (45.0 * named.axis.encoder, 100.0 * named.axis.encoder);
         let targets = Targets::default();
-        let wish = Wish {
+        let wish = DesignSpec {
             law: tried.law,
             velocity: tried.velocity,
             max_velocity,
@@ -321,7 +321,7 @@ fn without_a_ratio_nothing_changes() {
 fn a_hidden_delay_counts() {
     for ratio in [1.0, 3.0, 10.0] {
         for delay in [1.0, 2.0] {
-            let drawn = Drawn { ratio, play: 20.0, friction: (0.0, 0.0), delay, coupling: (150.0, 0.03), told: 1.0 };
+            let drawn = RandomAxis { ratio, play: 20.0, friction: (0.0, 0.0), delay, coupling: (150.0, 0.03), told: 1.0 };
             let found = drawn.identified().expect("a model");
             let (counts, truth) = (found.for_design(ratio).delay, drawn.axis().delay);
             assert!(counts >= truth - 5e-5, "1:{ratio}, {truth} s: {counts}");

@@ -8,16 +8,16 @@ mod play;
 mod refusals;
 mod simulator;
 
-use catalogue::{Named, Tried, all};
+use catalogue::{TestAxis, LoopCase, all};
 use lineshaft_core::regulator::{PidGains, VelocityGains};
 use lineshaft_tune::{
-    Abort, Design, Drive, Dynamics, Identified, Loops, PositionLaw, Resonance, Targets, Wish, design, identify,
+    Abort, Design, ExcitationOutput, Dynamics, Identified, Loops, PositionLaw, Resonance, Targets, DesignSpec, design, identify,
 };
 use simulator::{Axis, Mechanics, excite, figures, permitted, run, trapezoid};
 
 fn found(axis: Axis) -> Identified {
     let excited = excite(axis, permitted(&axis), |_| 0.0);
-    assert!(matches!(excited.end, Drive::Done(_)), "{:?}", excited.end);
+    assert!(matches!(excited.end, ExcitationOutput::Done(_)), "{:?}", excited.end);
     identify(&excited.record).expect("a model")
 }
 
@@ -35,7 +35,7 @@ fn resonances_agree(name: &str, found: Resonance, truth: Resonance) {
 
 #[test]
 fn what_is_found_is_true() {
-    for Named { name, axis, .. } in all() {
+    for TestAxis { name, axis, .. } in all() {
         let (found, truth) = (found(axis), axis.truth());
         println!("{name}: {:.3} % explained\n  found {:?}\n  true  {:?}\n", found.explained, found.model, truth);
         assert!(found.explained > 99.5, "{name}: {}", found.explained);
@@ -77,7 +77,7 @@ fn what_is_found_is_true() {
 /// accurate (friction within a cycle, counts that are rounded down) one part in a thousand, or 30 us.
 #[test]
 fn deviations_cover_the_errors() {
-    for Named { name, axis, .. } in all() {
+    for TestAxis { name, axis, .. } in all() {
         let (found, truth) = (found(axis), axis.truth());
         let (value, expected) = match (found.model.dynamics, truth.dynamics) {
             (Dynamics::Velocity { gain, .. }, Dynamics::Velocity { gain: truth, .. }) => (gain, truth),
@@ -95,11 +95,11 @@ fn deviations_cover_the_errors() {
 
 #[test]
 fn an_excitation_keeps_its_bounds_and_comes_back() {
-    for Named { name, axis, .. } in all() {
+    for TestAxis { name, axis, .. } in all() {
         for seed in 1..4 {
             let permitted = lineshaft_tune::Permitted { seed, ..permitted(&axis) };
             let excited = excite(axis, permitted, |_| 0.0);
-            assert!(matches!(excited.end, Drive::Done(_)), "{name}: {:?}", excited.end);
+            assert!(matches!(excited.end, ExcitationOutput::Done(_)), "{name}: {:?}", excited.end);
             assert!(excited.farthest <= permitted.travel, "{name}: {}", excited.farthest);
             assert!(excited.fastest <= 1.1 * permitted.velocity, "{name}: {}", excited.fastest);
             assert!(excited.last.abs() <= 0.1 * permitted.travel, "{name}: {}", excited.last);
@@ -112,7 +112,7 @@ fn an_excitation_keeps_its_bounds_and_comes_back() {
 fn an_axis_that_is_pushed_out_of_its_travel_is_left() {
     let axis = all().remove(0).axis;
     let excited = excite(axis, permitted(&axis), |k| if k > 2000 { 1.8 } else { 0.0 });
-    let Drive::Aborted(Abort::Travel { position, most }) = excited.end else { panic!("{:?}", excited.end) };
+    let ExcitationOutput::Aborted(Abort::Travel { position, most }) = excited.end else { panic!("{:?}", excited.end) };
     assert_eq!(most, 2.5 * 8192.0);
     assert!(position > most && position < 1.2 * most, "{position}");
 }
@@ -147,8 +147,8 @@ fn efforts_that_are_told_count() {
     near("1:5", "acceleration", acceleration, truth / 3.0, 0.005, 0.0);
 }
 
-fn tuned(axis: &Axis, model: &lineshaft_tune::Model, tried: &Tried) -> Design {
-    let wish = Wish {
+fn tuned(axis: &Axis, model: &lineshaft_tune::Model, tried: &LoopCase) -> Design {
+    let wish = DesignSpec {
         law: tried.law,
         velocity: tried.velocity,
         max_velocity: full_velocity(axis),
@@ -186,7 +186,7 @@ fn before(loops: &Loops) -> Loops {
 
 #[test]
 fn gains_that_are_found_move_the_true_axis() {
-    for Named { name, axis, loops, acceleration } in all() {
+    for TestAxis { name, axis, loops, acceleration } in all() {
         let model = found(axis).model;
         let inc = axis.encoder;
         for tried in &loops {
@@ -218,7 +218,7 @@ fn gains_that_are_found_move_the_true_axis() {
 #[test]
 fn a_model_moves_as_its_axis_does() {
     use lineshaft_tune::{Move, simulate};
-    for Named { name, axis, loops, acceleration } in all() {
+    for TestAxis { name, axis, loops, acceleration } in all() {
         let model = found(axis).model;
         let inc = axis.encoder;
         for tried in &loops {

@@ -3,7 +3,7 @@
 use super::catalogue::{all, with_play};
 use super::simulator::{Mechanics, excite, figures, permitted, run};
 use lineshaft_core::regulator::VelocityMethod;
-use lineshaft_tune::{Law, Refusal, Targets, Wish, check_fit, design, identify};
+use lineshaft_tune::{Law, Refusal, Targets, DesignSpec, check_fit, design, identify};
 
 #[test]
 fn play_is_refused_whatever_the_load_is() {
@@ -39,7 +39,7 @@ fn without_play_all_axes_fit() {
 fn gains_of_a_model_without_play_would_swing() {
     let axis = with_play(3.0);
     let record = excite(axis, permitted(&axis), |_| 0.0).record;
-    let wish = Wish {
+    let wish = DesignSpec {
         law: Law::Proportional,
         velocity: Some(VelocityMethod::Filtered { time: 0.001 }),
         max_velocity: 45.0 * axis.encoder,

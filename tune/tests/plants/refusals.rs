@@ -2,7 +2,7 @@
 
 use super::catalogue::all;
 use super::simulator::{Axis, Mechanics, Simulator, excite, permitted};
-use lineshaft_tune::{Abort, Drive, Record, Refusal, Takes, identify};
+use lineshaft_tune::{Abort, ExcitationOutput, Record, Refusal, Takes, identify};
 
 fn torque() -> Axis {
     all().into_iter().find(|named| named.name == "1:5").expect("it is there").axis
@@ -18,7 +18,7 @@ fn an_axis_that_is_stuck() {
     let Mechanics::Torque { coulomb, stiction, .. } = &mut axis.mechanics else { panic!() };
     (*coulomb, *stiction) = (1.2, 1.2);
     let excited = excite(axis, permitted(&axis), |_| 0.0);
-    assert_eq!(excited.end, Drive::Aborted(Abort::Stuck { command: 0.5 }));
+    assert_eq!(excited.end, ExcitationOutput::Aborted(Abort::Stuck { command: 0.5 }));
     let refusal = identify(&excited.record).unwrap_err();
     assert_eq!(
         refusal.to_string(),
@@ -32,7 +32,7 @@ fn an_axis_with_no_room_beside_its_friction() {
     let Mechanics::Torque { coulomb, stiction, .. } = &mut axis.mechanics else { panic!() };
     (*coulomb, *stiction) = (0.91, 0.92);
     let excited = excite(axis, permitted(&axis), |_| 0.0);
-    assert!(matches!(excited.end, Drive::Aborted(Abort::NoRoom { .. })), "{:?}", excited.end);
+    assert!(matches!(excited.end, ExcitationOutput::Aborted(Abort::NoRoom { .. })), "{:?}", excited.end);
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn an_axis_that_is_wired_the_other_way_round() {
     for axis in [torque(), velocity()] {
         let axis = Axis { wired: -1.0, ..axis };
         let excited = excite(axis, permitted(&axis), |_| 0.0);
-        assert!(matches!(excited.end, Drive::Aborted(Abort::Against { .. })), "{:?}", excited.end);
+        assert!(matches!(excited.end, ExcitationOutput::Aborted(Abort::Against { .. })), "{:?}", excited.end);
         assert!(excited.farthest < 2.5 * axis.encoder);
         let refusal = identify(&excited.record).unwrap_err();
         assert!(matches!(refusal, Refusal::Reversed { figure, .. } if figure < 0.0), "{refusal}");

@@ -5,7 +5,7 @@
 
 use lineshaft_core::position::Position;
 use lineshaft_core::regulator::{Pid, PidInput, Proportional, VelocityEstimator, VelocityLoop};
-use lineshaft_tune::{Drive, Excitation, Loops, Permitted, PositionLaw, Record, Takes};
+use lineshaft_tune::{ExcitationOutput, Excitation, Loops, Permitted, PositionLaw, Record, Takes};
 use std::f64::consts::TAU;
 
 pub(crate) const STEPS: u32 = 40;
@@ -193,7 +193,7 @@ impl Simulator {
 /// Result of an excitation.
 pub(crate) struct Excited {
     pub(crate) record: Record,
-    pub(crate) end: Drive,
+    pub(crate) end: ExcitationOutput,
     /// Largest position (inc) and velocity (inc/s).
     pub(crate) farthest: f64,
     pub(crate) fastest: f64,
@@ -213,7 +213,7 @@ pub(crate) fn excite(axis: Axis, permitted: Permitted, disturbance: impl Fn(usiz
         velocity += 0.3 * ((position - before) as f64 / axis.cycle - velocity);
         before = position;
         let drive = excitation.next(position as f64, velocity);
-        let Drive::Command(command) = drive else {
+        let ExcitationOutput::Command(command) = drive else {
             return Excited { record, end: drive, farthest, fastest, last: simulator.place() };
         };
         assert!(command.abs() <= permitted.command + 1e-12, "{command}");

@@ -49,7 +49,7 @@ enum Use {
 impl Axis {
     /// Returns an error if a motion refers to the present coordinate of the axis.
     pub(super) fn check_coordinate_free(&self) -> Result<(), Refusal> {
-        let moves = self.is_on() && !self.stands_idle();
+        let moves = self.is_on() && !self.is_idle_at_rest();
         let is_pair = |engage: Engage| matches!(engage, Engage::InPosition { .. });
         let waits_for_places = self.engagement.is_some_and(|waits| is_pair(waits.request.engage));
         let used = waits_for_places.then_some(Use::Engaging);

@@ -148,7 +148,7 @@ impl Homing {
     }
 
     /// Ends active homing without a zero, for a motion that replaces it.
-    pub(super) fn leave(&mut self) {
+    pub(super) fn cancel_homing(&mut self) {
         self.run = None;
         self.ends = false;
     }
@@ -171,7 +171,7 @@ impl Homing {
     }
 
     /// Called when the encoder that gave the reference is no longer in use.
-    pub(super) fn forget_told(&mut self) {
+    pub(super) fn forget_reference_of_encoder(&mut self) {
         self.lost = true;
     }
 
@@ -234,7 +234,7 @@ impl Axis {
         let method = self.homing_method(HomingMethod::Configured)?;
         self.check_homing()?;
         let run = self.homing_run(cx.cycle, method, &self.parameters)?;
-        self.abandon(cx, Code::REPLACED);
+        self.end_all_motion(cx, Code::REPLACED);
         self.begin_homing(cx, run);
         Ok(())
     }
@@ -267,7 +267,7 @@ impl Axis {
             minutes: 0,
             stage: Stage::Search(Search::default()),
         };
-        self.abandon(cx, Code::REPLACED);
+        self.end_all_motion(cx, Code::REPLACED);
         self.begin_homing(cx, Some(run));
         Ok(())
     }
@@ -277,14 +277,14 @@ impl Axis {
     pub(super) fn check_configured_homing(&self, cycle: u64, p: &AxisParameters, stops: bool) -> Result<(), Refusal> {
         self.check_may_home()?;
         if !stops {
-            self.check_stands()?;
+            self.check_at_rest()?;
         }
         self.homing_run(cycle, p.homing.method, p).map(|_| ())
     }
 
     fn check_homing(&self) -> Result<(), Refusal> {
         self.check_may_home()?;
-        self.check_stands()
+        self.check_at_rest()
     }
 
     fn check_may_home(&self) -> Result<(), Refusal> {
@@ -293,7 +293,7 @@ impl Axis {
         if self.homing.is_running() { Err(self.refuse(Code::HOMING_UNDER_WAY)) } else { Ok(()) }
     }
 
-    fn check_stands(&self) -> Result<(), Refusal> {
+    fn check_at_rest(&self) -> Result<(), Refusal> {
         if !self.rests() || self.goal.is_some() {
             return Err(self.not_at_standstill());
         }
@@ -332,13 +332,13 @@ impl Axis {
         let acceleration = p.homing_acceleration();
         let run = Run {
             method,
-            sense: sense(if methods::is_macs(method) { velocity < 0.0 } else { self.turned().units }),
+            sense: sense(if methods::is_macs(method) { velocity < 0.0 } else { self.direction().units }),
             speeds: [velocity.abs(), velocity.abs(), p.homing_index_velocity()],
             limits: Limits {
                 velocity: velocity.abs(),
                 acceleration,
                 deceleration: p.deceleration_limit() * (acceleration / p.max_acceleration),
-                shape: p.usual_shape(),
+                shape: p.default_goal_shape(),
             },
             goes: methods::is_macs(method).then_some(p.homing.offset),
             offset: p.homing.offset,
@@ -404,20 +404,20 @@ impl Axis {
         if self.homing.is_running() && self.squares_into_limit(cx) {
             return self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
         }
-        if self.outlasts(cx) {
+        if self.end_if_too_long(cx) {
             return;
         }
         match self.homing.run.map(|run| run.stage) {
             Some(Stage::Search(_)) => self.search(cx),
             Some(Stage::InDrive(_)) => self.watch_drive(cx),
-            Some(Stage::Found { goes: true, .. }) => self.watch_way(cx),
+            Some(Stage::Found { goes: true, .. }) => self.supervise_return(cx),
             Some(Stage::Found { .. }) | None => {}
         }
     }
 
     /// Ends homing that exceeds `homing.max_time`, and reports each minute of homing in the drive. Returns true if it
     /// has ended.
-    fn outlasts(&mut self, cx: &mut Context<'_>) -> bool {
+    fn end_if_too_long(&mut self, cx: &mut Context<'_>) -> bool {
         let most = self.parameters.homing.max_time;
         let Some(run) = &mut self.homing.run else { return false };
         let time_ns = cx.cycle.saturating_sub(run.began).saturating_mul(self.setup.cycle_ns);
@@ -445,7 +445,7 @@ impl Axis {
         if self.judge.in_position {
             self.take_zero(cx, zero);
         } else {
-            self.tell_long_wait(cx);
+            self.report_long_wait(cx);
         }
     }
 
@@ -497,7 +497,7 @@ impl Axis {
         let rewires = p.assigned != candidate.assigned
             || p.gantry.second_refswitch != candidate.gantry.second_refswitch
             || p.homing.cam_source != candidate.homing.cam_source;
-        if self.homing.is_running() && (rewires || p.loses_zero_to(candidate)) {
+        if self.homing.is_running() && (rewires || p.invalidates_zero(candidate)) {
             Err(self.refuse(Code::HOMING_UNDER_WAY))
         } else {
             Ok(())

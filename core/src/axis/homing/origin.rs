@@ -70,7 +70,7 @@ impl Axis {
             let Some(row) = ROWS.get(usize::from(place)) else { continue };
             let value = row.value(&self.parameters);
             if value != row.value(&before) {
-                self.tell_own(cx, None, place, value);
+                self.report_own_change(cx, None, place, value);
             }
         }
     }

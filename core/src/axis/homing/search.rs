@@ -62,12 +62,12 @@ impl Axis {
         }
         let Some(leg) = search.leg(run.method) else { return };
         // The axis is on the limit switch that would reverse it.
-        search.turned = search.leg == 0 && leg.turns && self.meets_limit(leg, way(&run, leg, false));
+        search.turned = search.leg == 0 && leg.turns && self.meets_limit(leg, direction_of_leg(&run, leg, false));
         search.from = self.actual.position;
         search.was_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         run.stage = Stage::Search(search);
         self.homing.run = Some(run);
-        self.go(cx, &run, leg, search.turned, run.limits);
+        self.move_along_leg(cx, &run, leg, search.turned, run.limits);
     }
 
     fn searching(&self) -> Option<(Run, Search)> {
@@ -81,20 +81,20 @@ impl Axis {
     /// Returns the signed velocity of the active leg (inc/s); 0 without search.
     pub(in crate::axis) fn search_speed(&self) -> f64 {
         let Some((run, search)) = self.searching() else { return 0.0 };
-        search.leg(run.method).map_or(0.0, |leg| run.speed(leg) * f64::from(way(&run, leg, search.turned)))
+        search.leg(run.method).map_or(0.0, |leg| run.speed(leg) * f64::from(direction_of_leg(&run, leg, search.turned)))
     }
 
     /// Moves from the present motion in the direction of a leg.
-    fn go(&mut self, cx: &mut Context<'_>, run: &Run, leg: &Leg, turned: bool, limits: Limits) {
+    fn move_along_leg(&mut self, cx: &mut Context<'_>, run: &Run, leg: &Leg, turned: bool, limits: Limits) {
         let velocity = run.speed(leg);
-        let signed = velocity * f64::from(way(run, leg, turned));
+        let signed = velocity * f64::from(direction_of_leg(run, leg, turned));
         if self.is_open_loop() {
             self.generator = Generator::Open { velocity: signed };
             self.command.velocity = signed;
             return;
         }
         let aim = Aim::velocity(signed);
-        let course = self.course(cx.cycle, self.present(), aim, Limits { velocity, ..limits });
+        let course = self.course(cx.cycle, self.present_motion(), aim, Limits { velocity, ..limits });
         self.generator = Generator::Plan(course);
     }
 
@@ -102,7 +102,7 @@ impl Axis {
     pub(super) fn search(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
         let Some(leg) = search.leg(run.method) else { return };
-        let way = way(&run, leg, search.turned);
+        let way = direction_of_leg(&run, leg, search.turned);
         // While the axis still reverses, edges belong to the leg before.
         let goes = self.command.velocity * f64::from(way) > 0.0;
         let change = along(self.actual.change, way);
@@ -115,7 +115,7 @@ impl Axis {
         let was_on = std::mem::replace(&mut search.was_on, is_on);
         run.stage = Stage::Search(search);
         self.homing.run = Some(run);
-        if let Some((gone, most)) = self.parted(cx).filter(|_| self.watched(leg) == Some(Switch::Home)) {
+        if let Some((gone, most)) = self.distance_with_one_switch(cx).filter(|_| self.watched(leg) == Some(Switch::Home)) {
             return self.fail_homing(cx, Code::NOT_SQUARE, Number::Position(gone), Number::Position(most));
         }
         if matches!(leg.until, Until::On(Switch::Home)) && !is_on && self.has_passed_switch(cx) {
@@ -141,7 +141,7 @@ impl Axis {
                 self.homing.run = Some(run);
                 // There is little distance after a limit switch.
                 let limits = Limits { deceleration: self.parameters.deceleration_limit(), ..run.limits };
-                return self.go(cx, &run, leg, true, limits);
+                return self.move_along_leg(cx, &run, leg, true, limits);
             }
             return self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
         }
@@ -169,7 +169,7 @@ impl Axis {
     /// Handles the edge of a leg: the next leg begins, or the edge is the reference.
     fn pass_edge(&mut self, cx: &mut Context<'_>, switch: Switch, rising: bool) {
         let Some((mut run, search)) = self.searching() else { return };
-        let mut place = self.edge_place(cx, switch, rising);
+        let mut place = self.edge_position(cx, switch, rising);
         let next = Search { leg: search.leg.saturating_add(1), turned: false, ..search };
         if next.leg(run.method).is_none_or(|leg| leg.until == Until::Index) {
             match self.square(cx) {
@@ -188,14 +188,14 @@ impl Axis {
         // A pulse of the same cycle counts if the sample shows that it is beyond the edge.
         if let Some((run, search)) = self.searching()
             && let Some(leg @ Leg { until: Until::Index, .. }) = search.leg(run.method)
-            && let Some(index) = self.index_ahead(&search, way(&run, leg, false))
+            && let Some(index) = self.index_ahead(&search, direction_of_leg(&run, leg, false))
         {
             self.find(cx, index);
         }
     }
 
     /// Returns the outermost position at which the switch is active, as far as it is known.
-    fn edge_place(&self, cx: &Context<'_>, switch: Switch, rising: bool) -> Position {
+    fn edge_position(&self, cx: &Context<'_>, switch: Switch, rising: bool) -> Position {
         if let Some(place) = self.latched_edge(cx, switch, rising) {
             return place;
         }
@@ -256,7 +256,7 @@ impl Axis {
             return self.switch_speed_off(cx);
         }
         let aim = target.map_or(Aim::Stop, Aim::Target);
-        let course = self.course(cx.cycle, self.present(), aim, run.limits);
+        let course = self.course(cx.cycle, self.present_motion(), aim, run.limits);
         self.generator = Generator::Plan(course);
     }
 
@@ -268,12 +268,12 @@ impl Axis {
 
     /// Returns the limit switch at the end of a direction in the coordinate of the axis.
     fn switch_at_end(&self, way: i8) -> Switch {
-        let rises = (way > 0) != self.turned().units;
+        let rises = (way > 0) != self.direction().units;
         if rises { Switch::Positive } else { Switch::Negative }
     }
 
     /// Ends homing with an error if a limit switch becomes active on the way from the reference to the zero.
-    pub(super) fn watch_way(&mut self, cx: &mut Context<'_>) {
+    pub(super) fn supervise_return(&mut self, cx: &mut Context<'_>) {
         let velocity = self.command.velocity;
         let way = if velocity < 0.0 { -1 } else { 1 };
         if velocity != 0.0 && self.is_actuated(self.switch_at_end(way)) {
@@ -309,7 +309,7 @@ fn missed_index(method: i64) -> Code {
 }
 
 /// Returns the direction of a leg in the coordinate of the axis.
-fn way(run: &Run, leg: &Leg, turned: bool) -> i8 {
+fn direction_of_leg(run: &Run, leg: &Leg, turned: bool) -> i8 {
     let way = leg.way * run.sense;
     if turned { -way } else { way }
 }

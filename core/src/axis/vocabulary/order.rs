@@ -1,6 +1,6 @@
 //! Execution of the orders of a vocabulary on its axis.
 
-use super::super::course::{Aim, Course};
+use super::super::course::{Aim, PlannedMotion};
 use super::super::generator::Coupling;
 use super::super::power::Power;
 use super::super::reaction::Failure;
@@ -33,7 +33,7 @@ impl Axis {
         }
         let bounds = Bounds {
             velocity: p.max_velocity,
-            acceleration: p.usual_acceleration().min(p.usual_deceleration()),
+            acceleration: p.default_goal_acceleration().min(p.default_goal_deceleration()),
             max_velocity: p.max_velocity,
             max_acceleration: p.max_acceleration,
             max_deceleration: p.deceleration_limit(),
@@ -57,7 +57,7 @@ impl Axis {
     }
 
     /// Switches the axis off: at once, or after its brake has closed if the axis is at rest.
-    pub(in crate::axis) fn let_go(&mut self, cx: &mut Context<'_>) {
+    pub(in crate::axis) fn switch_off_with_brake(&mut self, cx: &mut Context<'_>) {
         if matches!(self.power, Power::Closing { .. }) {
             return;
         }
@@ -72,14 +72,14 @@ impl Axis {
     ///
     /// # Errors
     /// The limits or the state do not allow it; nothing is changed then.
-    pub(crate) fn obey(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
-        if !owner.leaves_homing() || !self.homes_for(owner) {
+    pub(crate) fn execute(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
+        if !owner.order_ends_homing() || !self.homes_for(owner) {
             return self.carry_out(cx, owner, order);
         }
         // Another reference ends homing (AMC-FSM-01..07): limits apply to it as without homing.
         let homing = self.homing;
         if matches!(order, Order::Position { .. } | Order::Velocity { .. } | Order::Gear { .. } | Order::Cam { .. }) {
-            self.homing.leave();
+            self.homing.cancel_homing();
         }
         let result = self.carry_out(cx, owner, order);
         if result.is_ok() {
@@ -98,7 +98,7 @@ impl Axis {
         from: Motion,
         target: Position,
         limits: Limits,
-    ) -> Result<Course, Refusal> {
+    ) -> Result<PlannedMotion, Refusal> {
         self.check_target(target, &self.parameters)?;
         let course = self.course(cycle, from, Aim::Target(Position::whole(target.nearest())), limits);
         self.check_course(&course, from, limits).map(|()| course)
@@ -111,7 +111,7 @@ impl Axis {
         from: Motion,
         velocity: f64,
         limits: Limits,
-    ) -> Result<Course, Refusal> {
+    ) -> Result<PlannedMotion, Refusal> {
         self.check_velocity(velocity)?;
         let course = self.course(cycle, from, Aim::velocity(velocity), limits);
         self.check_course(&course, from, limits).map(|()| course)
@@ -131,11 +131,11 @@ impl Axis {
                 }
             }
             Order::SwitchOff => {
-                self.abandon(cx, Code::REPLACED);
+                self.end_all_motion(cx, Code::REPLACED);
                 // Also an axis that is being switched on.
                 let runs = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
                 if !self.is_virtual() && runs {
-                    self.let_go(cx);
+                    self.switch_off_with_brake(cx);
                 }
             }
             Order::FailOff { refusal } => {
@@ -144,39 +144,39 @@ impl Axis {
             Order::Position { target, limits, reference } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
-                let course = self.admit_position(cx.cycle, self.present(), target, limits)?;
-                self.abandon(cx, Code::REPLACED);
+                let course = self.admit_position(cx.cycle, self.present_motion(), target, limits)?;
+                self.end_all_motion(cx, Code::REPLACED);
                 self.judge.rested_at = None;
                 self.begin_motion(cx, AxisState::DiscreteMotion, reference, Generator::Plan(course));
             }
             Order::Velocity { velocity, limits } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
-                let course = self.admit_velocity(cx.cycle, self.present(), velocity, limits)?;
-                self.abandon(cx, Code::REPLACED);
+                let course = self.admit_velocity(cx.cycle, self.present_motion(), velocity, limits)?;
+                self.end_all_motion(cx, Code::REPLACED);
                 self.judge.rested_at = None;
                 let state = if velocity == 0.0 { AxisState::DiscreteMotion } else { AxisState::ContinuousMotion };
                 self.begin_motion(cx, state, Reference::Speed, Generator::Plan(course));
             }
             Order::Stop { limits } => {
-                self.abandon(cx, Code::REPLACED);
+                self.end_all_motion(cx, Code::REPLACED);
                 // A stop by a quick stop or an error must not become softer.
                 let stops = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop);
                 if self.power == Power::On && !stops {
                     self.brake_to_rest(cx, &limits);
                 }
             }
-            Order::StandOnActual if self.is_open_loop() => {
-                self.abandon(cx, Code::REPLACED);
+            Order::HoldActualPosition if self.is_open_loop() => {
+                self.end_all_motion(cx, Code::REPLACED);
                 self.switch_speed_off(cx);
             }
             // Where no loop holds the axis, it cannot stay at the actual position.
-            Order::StandOnActual if self.out_an().is_some() => {
-                self.abandon(cx, Code::REPLACED);
-                self.leave_to_drive(cx);
+            Order::HoldActualPosition if self.out_an().is_some() => {
+                self.end_all_motion(cx, Code::REPLACED);
+                self.let_drive_stop(cx);
             }
-            Order::StandOnActual => {
-                self.abandon(cx, Code::REPLACED);
+            Order::HoldActualPosition => {
+                self.end_all_motion(cx, Code::REPLACED);
                 self.reference = Reference::Stop;
                 self.generator = Generator::Rest;
                 use AxisState::{ContinuousMotion, Homing, SynchronizedMotion};
@@ -189,7 +189,7 @@ impl Axis {
                 self.check_closed_loop()?;
                 self.check_free()?;
                 let coupling = self.coupling_to_master(cx.leads, cx.tables, (&self.parameters, order))?;
-                self.abandon(cx, Code::REPLACED);
+                self.end_all_motion(cx, Code::REPLACED);
                 self.judge.rested_at = None;
                 let is_cam = matches!(order, Order::Cam { .. });
                 let reference = if is_cam { Reference::Cam } else { Reference::Gear };

@@ -21,7 +21,7 @@ impl Axis {
         request: &Request,
     ) -> Result<(), Refusal> {
         let owner = request.owner();
-        self.vocabularies.rouse(owner);
+        self.vocabularies.mark_used(owner);
         let mut parameters = *self.parameters;
         for (row, value) in request.writes() {
             let change = Change { axis: self.setup.index, row, value };
@@ -31,15 +31,15 @@ impl Axis {
             entry.assign(&mut parameters, value).map_err(|_| refusal)?;
         }
         if self.setup.law == Law::Integer {
-            self.admits_sense(&parameters)?;
+            self.check_sense(&parameters)?;
         }
         let barred = self.check_stop_of(cx.cycle).err();
         let view = View { parameters: &parameters, ..self.view(cx.cycle, owner, cx.leads, cx.latches) };
-        let (mut tried, mut outcome) = self.vocabularies.ask(request, &view, barred)?;
-        if let Err(refusal) = self.attempt(cx, owner, &outcome) {
+        let (mut tried, mut outcome) = self.vocabularies.try_request(request, &view, barred)?;
+        if let Err(refusal) = self.execute_if_allowed(cx, owner, &outcome) {
             let view = View { parameters: &parameters, ..self.view(cx.cycle, owner, cx.leads, cx.latches) };
-            (tried, outcome) = self.vocabularies.ask_instead(request, &view, refusal)?;
-            self.attempt(cx, owner, &outcome)?;
+            (tried, outcome) = self.vocabularies.try_failed_request(request, &view, refusal)?;
+            self.execute_if_allowed(cx, owner, &outcome)?;
         }
         if let Some(refusal) = outcome.warning {
             self.warn_of(cx, refusal);
@@ -55,21 +55,21 @@ impl Axis {
     }
 
     /// Executes the order of a command if the motion that follows once the drive is on is allowed, too.
-    fn attempt(&mut self, cx: &mut Context<'_>, owner: Owner, outcome: &Outcome) -> Result<(), Refusal> {
+    fn execute_if_allowed(&mut self, cx: &mut Context<'_>, owner: Owner, outcome: &Outcome) -> Result<(), Refusal> {
         if let Some(motion) = outcome.coming {
-            self.check_coming(cx.cycle, motion)?;
+            self.check_coming_motion(cx.cycle, motion)?;
         }
-        outcome.order.map_or(Ok(()), |order| self.obey(cx, owner, order))
+        outcome.order.map_or(Ok(()), |order| self.execute(cx, owner, order))
     }
 
     /// Checks whether a motion may begin as soon as the drive is on. Until then a drive that is off neither unlocks the
     /// axis nor finds its reference.
-    fn check_coming(&self, cycle: u64, motion: Order) -> Result<(), Refusal> {
+    fn check_coming_motion(&self, cycle: u64, motion: Order) -> Result<(), Refusal> {
         self.check_closed_loop()?;
         self.check_lock()?;
         self.check_settled()?;
         // The end of a coasting axis is unknown.
-        let from = if self.is_virtual() { self.present() } else { Motion::at_rest(self.command.position) };
+        let from = if self.is_virtual() { self.present_motion() } else { Motion::at_rest(self.command.position) };
         match motion {
             Order::Position { target, limits, .. } => self.admit_position(cycle, from, target, limits).map(|_| ()),
             Order::Velocity { velocity, limits } => self.admit_velocity(cycle, from, velocity, limits).map(|_| ()),

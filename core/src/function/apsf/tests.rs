@@ -32,7 +32,7 @@ impl Trial {
         Self { module, function, board, fuel: 1000, first: 0, sink: 0, outputs: 0 }
     }
 
-    fn call(&mut self, source: i64, inputs: u8, act: impl FnOnce(&mut Apsf, &Seen<'_>) -> Outcome) -> Outcome {
+    fn call(&mut self, source: i64, inputs: u8, act: impl FnOnce(&mut Apsf, &CallInputs<'_>) -> Outcome) -> Outcome {
         let host = Host {
             module: &self.module,
             fuel: self.fuel,
@@ -41,8 +41,8 @@ impl Trial {
             writes: &[],
             first_output: self.first,
         };
-        let seen = Seen {
-            source: super::super::program::Reading { value: source, ..Default::default() },
+        let seen = CallInputs {
+            source: super::super::program::SourceValue { value: source, ..Default::default() },
             inputs,
             sink: self.sink,
             outputs: self.outputs,
@@ -157,7 +157,7 @@ fn a_table_and_parameters_are_there_from_start_on() {
     let mut trial = Trial::new(READS);
     let values = set(FIELDS, &[("parameter", 5)]);
     let start = |trial: &mut Trial, tables: super::super::program::Tables<'_>| {
-        trial.call(0, 0, |function, seen| function.start(Words(&values), &Seen { tables, ..*seen })).sink
+        trial.call(0, 0, |function, seen| function.start(Words(&values), &CallInputs { tables, ..*seen })).sink
     };
     assert_eq!(start(&mut trial, tab0(&table)), 3_123_405);
     // Words that the program writes there stay until the next START.
@@ -213,9 +213,9 @@ fn each_trap_has_its_code_and_the_next_start_begins_anew() {
             assert_eq!((fresh.failed, fresh.sink), (None, 9), "before {source}");
             let outcome = if at_start { trial.start(&[], source) } else { trial.step(source) };
             assert_eq!(outcome.failed, Some(code), "{source}");
-            assert!(trial.function.has_failed && trial.function.is_of(&trial.module, false));
+            assert!(trial.function.has_failed && trial.function.belongs_to(&trial.module, false));
             // A program that runs has not failed; memory beyond the reserved room would have to be allocated.
-            assert!(source != 10 || !trial.function.is_of(&trial.module, true));
+            assert!(source != 10 || !trial.function.belongs_to(&trial.module, true));
         }
     }
 }
@@ -269,7 +269,7 @@ fn a_state_that_was_read_belongs_to_its_set_and_module() {
         trial.function.check(Words(&words), &setting).is_ok()
     };
     assert!(is_kept(3) && !is_kept(2));
-    assert!(trial.function.is_of(&trial.module, true));
+    assert!(trial.function.belongs_to(&trial.module, true));
     let two_pages = "(module (memory 2) (global (export \"image\") i32 (i32.const 16)) (data (i32.const 16) \"\\b0\\03\") (func (export \"cycle\")))";
-    assert!(!trial.function.is_of(&Module::load(&wat::parse_str(two_pages).unwrap()).unwrap(), true));
+    assert!(!trial.function.belongs_to(&Module::load(&wat::parse_str(two_pages).unwrap()).unwrap(), true));
 }

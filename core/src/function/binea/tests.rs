@@ -1,7 +1,7 @@
 use super::super::trial::{at_rest, setting};
 use super::*;
 use crate::event::Number;
-use crate::function::program::Reading;
+use crate::function::program::SourceValue;
 use crate::function::trial::tab0;
 use crate::table::Form;
 use proptest::prelude::*;
@@ -49,11 +49,11 @@ impl Bench {
     }
 
     fn call(&mut self, words: Option<&[i64]>, value: i64) -> Outcome {
-        let source = Reading { value, travel: value, mark: None };
+        let source = SourceValue { value, travel: value, mark: None };
         let drives = crate::function::NO_DRIVES;
         let Self { call_ns, word, inputs, .. } = *self;
         let tables = tab0(&self.table);
-        let seen = Seen { call_ns, source, inputs, sink: 77, words: [word, 0], tables, drives, ..at_rest() };
+        let seen = CallInputs { call_ns, source, inputs, sink: 77, words: [word, 0], tables, drives, ..at_rest() };
         let Some(words) = words else { return self.binea.step(&seen) };
         assert_eq!(self.refused(words), None);
         self.binea.start(Words(words), &seen)
@@ -162,7 +162,7 @@ fn an_offset_is_the_sets_until_the_next_one_or_the_words_in_each_call() {
     bench.word = 9999;
     assert_eq!(bench.start(&set(&[(BA, 1), (FEEDBACK_OFFSET, -1)]), 0), 0b10, "19999");
     assert_eq!(bench.step(2500), 0b00, "2499");
-    bench.binea.renew(Words(&set(&[(BA, 1), (FEEDBACK_OFFSET, 0)])));
+    bench.binea.apply_values(Words(&set(&[(BA, 1), (FEEDBACK_OFFSET, 0)])));
     assert_eq!(bench.step(2500), 0b01, "the change shifts x, START does not come again");
 
     bench.binea = Binea::new(20, true);
@@ -256,9 +256,9 @@ fn a_mean_needs_room_only_where_it_is_taken() {
 fn a_state_from_outside_may_hold_anything() {
     let mut bench = Bench::new(example());
     bench.start(&set(&[(BA, 1), (FCT, 1), (DEAD_TIME, 32_000)]), 0);
-    assert!(bench.binea.is_sound());
+    assert!(bench.binea.is_valid_state());
     bench.binea.course.x = i64::MAX;
-    assert!(!bench.binea.is_sound());
+    assert!(!bench.binea.is_valid_state());
     bench.word = i64::MIN;
     bench.binea.has_offset_word = true;
     for value in [i64::MIN, i64::MAX, 0] {
@@ -292,7 +292,7 @@ proptest! {
             place += way;
             let x = if ba == 0 { place + offset } else { (place - 123 + offset).rem_euclid(point.into()) };
             prop_assert_eq!(bench.step(place), bits(&points, x));
-            prop_assert!(bench.binea.is_sound());
+            prop_assert!(bench.binea.is_valid_state());
         }
     }
 }

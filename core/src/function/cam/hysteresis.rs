@@ -32,7 +32,7 @@ impl Ring {
     }
 
     /// Returns the shorter signed distance; positive if both are equal.
-    pub(super) fn way(self, from: i64, to: i64) -> i64 {
+    pub(super) fn travel(self, from: i64, to: i64) -> i64 {
         let ahead = self.ahead(from, to);
         if ahead > self.length - ahead { ahead - self.length } else { ahead }
     }
@@ -61,7 +61,7 @@ pub(super) struct Arc {
 impl Arc {
     /// Returns the distance from the end of the cam to its start; a hysteresis must be shorter. `None` for a cam that
     /// is never on.
-    pub(super) fn rest(self) -> Option<i64> {
+    pub(super) fn gap(self) -> Option<i64> {
         (self.length > 0).then_some(self.ring.length - self.length)
     }
 }
@@ -86,7 +86,7 @@ enum State {
 
 /// A cam with hysteresis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Overrun {
+pub(super) struct HysteresisState {
     /// On and off positions, as read from the table.
     cam: (i32, i32),
     state: State,
@@ -94,9 +94,9 @@ pub(super) struct Overrun {
     u: i64,
 }
 
-impl Overrun {
+impl HysteresisState {
     /// Maximum transitions in half a turn: the cam is left on either side, reached from the other one and left again.
-    const MOST: usize = 8;
+    const MAX_TRANSITIONS: usize = 8;
 
     /// Returns the state at START and after an edit of the table.
     fn begin(cam: (i32, i32), arc: Arc, x: i64) -> Self {
@@ -105,7 +105,7 @@ impl Overrun {
     }
 
     /// Moves to x. Returns true if the cam is on there.
-    pub(super) fn step(&mut self, cam: (i32, i32), at: At, is_first: bool) -> bool {
+    pub(super) fn step(&mut self, cam: (i32, i32), at: TrackPosition, is_first: bool) -> bool {
         let arc = at.ring.arc(cam.0, cam.1);
         if is_first || cam != self.cam {
             *self = Self::begin(cam, arc, at.x);
@@ -120,7 +120,7 @@ impl Overrun {
     fn settle(&mut self, arc: Arc, hysteresis: i64) {
         let (end, turn) = (arc.length, arc.ring.length);
         let behind = end + hysteresis;
-        for _ in 0..Self::MOST {
+        for _ in 0..Self::MAX_TRANSITIONS {
             let u = self.u;
             let (state, shift) = match self.state {
                 State::PositiveOn if u < -hysteresis => (State::Free, turn),
@@ -148,7 +148,7 @@ impl Overrun {
 
 /// Position of a track, and the travel since the last call.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct At {
+pub(super) struct TrackPosition {
     pub ring: Ring,
     pub x: i64,
     pub way: i64,
@@ -156,7 +156,7 @@ pub(super) struct At {
 }
 
 #[cfg(test)]
-impl Overrun {
+impl HysteresisState {
     /// A state at any position.
     pub(super) fn at(u: i64) -> Self {
         Self { u, ..Self::default() }
@@ -172,11 +172,11 @@ mod tests {
 
     /// Returns whether the cam is on at each of the positions, which the track visits in their order.
     fn run(ring: Ring, cam: (i32, i32), hysteresis: i64, places: &[i64]) -> String {
-        let mut overrun = Overrun::default();
+        let mut overrun = HysteresisState::default();
         let mut last = None;
         let outputs = places.iter().map(|x| {
-            let way = ring.way(last.unwrap_or(*x), *x);
-            let at = At { ring, x: *x, way, hysteresis };
+            let way = ring.travel(last.unwrap_or(*x), *x);
+            let at = TrackPosition { ring, x: *x, way, hysteresis };
             let is_on = overrun.step(cam, at, last.replace(*x).is_none());
             assert!(overrun.is_sound());
             if is_on { '1' } else { '0' }
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_reached_of_a_cam_is_cut_off() {
-        let rest = |on, off| Ring::of(TURN).arc(on, off).rest();
+        let rest = |on, off| Ring::of(TURN).arc(on, off).gap();
         assert_eq!(rest(19_000, 25_000), Some(19_000));
         assert_eq!(rest(-5, 10), Some(19_990));
         assert_eq!(rest(10, -5), Some(10));
@@ -267,10 +267,10 @@ mod tests {
     fn the_shorter_way_is_taken_and_up_at_the_half() {
         let ring = Ring::of(10);
         assert_eq!(
-            [(0, 4), (0, 5), (0, 6), (9, 0), (0, 9), (3, 3)].map(|(from, to)| ring.way(from, to)),
+            [(0, 4), (0, 5), (0, 6), (9, 0), (0, 9), (3, 3)].map(|(from, to)| ring.travel(from, to)),
             [4, 5, -4, 1, -1, 0]
         );
-        assert_eq!(Ring::LINE.way(i32::MIN.into(), i32::MAX.into()), u32::MAX.into());
+        assert_eq!(Ring::LINE.travel(i32::MIN.into(), i32::MAX.into()), u32::MAX.into());
     }
 
     /// The state machine as the spec prints it, one increment at a time along an endless line of cams; `n` is the turn
@@ -333,15 +333,15 @@ mod tests {
             let is_inside = (first - start).rem_euclid(turn) < length;
             let state = if is_inside { State::PositiveOn } else { State::Free };
             let mut walk = Walk { state, x: first, n: (first - start).div_euclid(turn) };
-            let mut overrun = Overrun::default();
-            overrun.step(cam, At { ring, x: first, way: 0, hysteresis }, true);
+            let mut overrun = HysteresisState::default();
+            overrun.step(cam, TrackPosition { ring, x: first, way: 0, hysteresis }, true);
             for way in ways {
                 let way = way.clamp(-(turn - 1) / 2, turn / 2);
                 let from = walk.x.rem_euclid(turn);
                 walk.walk(way, (start, start + length), hysteresis, turn);
                 let x = walk.x.rem_euclid(turn);
-                prop_assert_eq!(ring.way(from, x), way);
-                let is_on = overrun.step(cam, At { ring, x, way, hysteresis }, false);
+                prop_assert_eq!(ring.travel(from, x), way);
+                let is_on = overrun.step(cam, TrackPosition { ring, x, way, hysteresis }, false);
                 prop_assert_eq!(is_on, matches!(walk.state, State::PositiveOn | State::NegativeOn));
                 prop_assert_eq!(overrun.state, walk.state);
             }

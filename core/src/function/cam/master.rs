@@ -5,7 +5,7 @@
 //! Source   AMK-CAM-03 to -05, AMK-CAM-10, -11, A-55, A-59
 
 use super::hysteresis::Ring;
-use crate::function::program::Seen;
+use crate::function::program::CallInputs;
 use crate::function::time::{self, HALF_MS, floor_ratio, wrapped};
 use crate::function::window::Window;
 use serde::{Deserialize, Serialize};
@@ -39,25 +39,25 @@ pub(super) struct Master {
 
 impl Master {
     /// Returns the master at START.
-    pub(super) fn new(ba: i64, modulo: i64, cycle_time: u16, seen: &Seen<'_>) -> Self {
+    pub(super) fn new(ba: i64, modulo: i64, cycle_time: u16, seen: &CallInputs<'_>) -> Self {
         let base = match ba {
             0 => Base::Absolute,
             1 => Base::Incremental,
             _ => Base::Time,
         };
-        let x = if base == Base::Absolute { cut(seen.source.value) } else { 0 };
+        let x = if base == Base::Absolute { limit_to_32_bits(seen.source.value) } else { 0 };
         let (travel, turn_ns) = (seen.source.travel, turn_ns(cycle_time));
         Self { base, modulo: modulo.max(1), x, travel, turn_ns, rest: 0, runs: false }
     }
 
     /// Adds the travel or the time since the last call to x.
     #[inline]
-    pub(super) fn advance(&mut self, cycle_time: u16, window: &mut Window, seen: &Seen<'_>) {
+    pub(super) fn advance(&mut self, cycle_time: u16, window: &mut Window, seen: &CallInputs<'_>) {
         let travel = seen.source.travel;
         let change = travel.wrapping_sub(std::mem::replace(&mut self.travel, travel));
         match self.base {
             Base::Absolute => {
-                self.x = cut(seen.source.value);
+                self.x = limit_to_32_bits(seen.source.value);
                 window.push(change);
             }
             Base::Incremental => {
@@ -119,11 +119,11 @@ impl Master {
         };
         // A saturated lead is at the end of the travel, or comes from a source that has jumped unreasonably far.
         let x = self.x.saturating_add(offset).saturating_add(lead);
-        if self.base == Base::Absolute { cut(x) } else { wrapped(x, self.modulo) }
+        if self.base == Base::Absolute { limit_to_32_bits(x) } else { wrapped(x, self.modulo) }
     }
 
     /// Returns an offset after a change of its word: a counter of 32 bits, or within the modulo.
-    pub(super) fn shifted(&self, offset: i64, change: i16) -> i64 {
+    pub(super) fn changed_offset(&self, offset: i64, change: i16) -> i64 {
         let sum = offset.wrapping_add(change.into());
         // The cast wraps like the counter of 32 bits (AMK-BCOM-41).
         if self.base == Base::Absolute { i64::from(sum as i32) } else { wrapped(sum, self.modulo) }
@@ -136,7 +136,7 @@ impl Master {
 
     /// Returns true if x is a position of the ring.
     pub(super) fn has(&self, x: i64) -> bool {
-        if self.base == Base::Absolute { cut(x) == x } else { (0..self.modulo).contains(&x) }
+        if self.base == Base::Absolute { limit_to_32_bits(x) == x } else { (0..self.modulo).contains(&x) }
     }
 
     /// Returns true if a restored state is valid.
@@ -149,7 +149,7 @@ impl Master {
 }
 
 /// Limits x to the travel of 32 bits.
-fn cut(x: i64) -> i64 {
+fn limit_to_32_bits(x: i64) -> i64 {
     x.clamp(i32::MIN.into(), i32::MAX.into())
 }
 

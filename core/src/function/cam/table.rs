@@ -105,7 +105,7 @@ pub(in crate::function) fn check_table(words: Words<'_>, setting: &Setting<'_>) 
             check_time(MONOFLOP + number, table.monoflop(number), call_ns)?;
         }
         let hysteresis = hysteresis_inc(words.get(HYSTERESIS + number));
-        let rests = table.cams(first, count).filter_map(|(on, off)| ring.arc(on, off).rest());
+        let rests = table.cams(first, count).filter_map(|(on, off)| ring.arc(on, off).gap());
         if let Some(rest) = rests.min().filter(|rest| hysteresis > 0 && hysteresis >= *rest) {
             return Err(Fault::new(Code::AMK_HYSTERESIS).with(hysteresis, rest));
         }

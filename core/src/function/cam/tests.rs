@@ -1,7 +1,7 @@
 use super::super::trial::{at_rest, setting};
 use super::*;
 use crate::event::Number;
-use crate::function::program::Reading;
+use crate::function::program::SourceValue;
 use crate::function::trial::tab0;
 use crate::table::{Form, Table};
 use proptest::prelude::*;
@@ -65,9 +65,9 @@ impl Bench {
             assert_eq!(self.check(words), Ok(()));
         }
         let tables = tab0(&self.table);
-        let source = Reading { value, travel: value, mark: None };
+        let source = SourceValue { value, travel: value, mark: None };
         let (call_ns, inputs, drives) = (self.call_ns, self.inputs, crate::function::NO_DRIVES);
-        let seen = Seen { call_ns, source, inputs, sink: 77, words: [0; 2], tables, drives, ..at_rest() };
+        let seen = CallInputs { call_ns, source, inputs, sink: 77, words: [0; 2], tables, drives, ..at_rest() };
         match words {
             Some(words) => self.cam.start(Words(words), &seen),
             None => self.cam.step(&seen),
@@ -284,7 +284,7 @@ fn time_mode_keeps_fractions_in_the_mean() {
         places.push(bench.cam.course.as_ref().expect("a started cam").lanes[0].x);
     }
     assert_eq!(places, [66, 0, 13, 27, 41]);
-    assert!(bench.cam.is_sound());
+    assert!(bench.cam.is_valid_state());
 }
 
 /// Proves: AMK-CAM-13, AMK-CAM-14, AMK-CAM-34, AMK-CAM-42
@@ -431,21 +431,21 @@ fn a_mean_needs_room() {
 fn a_state_from_outside_may_hold_anything() {
     let mut bench = Bench::new(example(&[(16, 32_767), (17, 9)]));
     let words = with(&EXAMPLE, &[(HYSTERESIS, 50), (HYSTERESIS + 1, 50)]);
-    assert!(bench.cam.is_sound());
+    assert!(bench.cam.is_valid_state());
     bench.start(&words, 0);
-    assert!(bench.cam.is_sound());
+    assert!(bench.cam.is_valid_state());
     for value in [i64::MIN, i64::MAX, 0, 1] {
         bench.step(value);
     }
-    assert!(bench.cam.is_sound());
+    assert!(bench.cam.is_valid_state());
     for overrun in [i64::MAX, i64::MIN] {
-        bench.cam.overruns[0] = Overrun::at(overrun);
-        assert!(!bench.cam.is_sound());
+        bench.cam.overruns[0] = HysteresisState::at(overrun);
+        assert!(!bench.cam.is_valid_state());
         bench.step(-10_000);
     }
     let course = bench.cam.course.as_mut().unwrap();
     (course.lanes[0].count, course.lanes[1].x, course.lanes[2].offset) = (u16::MAX, i64::MIN, i64::MAX);
-    assert!(!bench.cam.is_sound());
+    assert!(!bench.cam.is_valid_state());
     bench.step(i64::MAX);
 }
 
@@ -492,7 +492,7 @@ proptest! {
             let any = |cams: &[(i32, i32)], x: i64| cams.iter().any(|cam| is_on(*cam, x.rem_euclid(300), 300));
             let expected = u8::from(any(&cams[..split], place + offset)) | u8::from(any(&cams[split..], place)) << 1;
             prop_assert_eq!(bench.step(place), expected);
-            prop_assert!(bench.cam.is_sound());
+            prop_assert!(bench.cam.is_valid_state());
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Test oracles of DFKT, its inputs and errors, and a comparison with the formulas of the spec in fractions.
 
-use super::super::program::Reading;
+use super::super::program::SourceValue;
 use super::super::trial::{at_rest, set, setting};
 use super::*;
 use crate::event::Number;
@@ -69,10 +69,10 @@ impl Bench {
         self.clone().asked(more, false, Occasion::Order).err()
     }
 
-    fn seen(&self, value: i64, inputs: u8) -> Seen<'_> {
+    fn seen(&self, value: i64, inputs: u8) -> CallInputs<'_> {
         let tables = Tables { all: &self.tables, places: &self.places };
-        let source = Reading { value, travel: self.travel, mark: None };
-        Seen { call_ns: self.call_ns, source, inputs, tables, ..at_rest() }
+        let source = SourceValue { value, travel: self.travel, mark: None };
+        CallInputs { call_ns: self.call_ns, source, inputs, tables, ..at_rest() }
     }
 
     /// Returns sink, outputs and written outputs of START.
@@ -86,7 +86,7 @@ impl Bench {
 
     fn value_new(&mut self, more: &[(&'static str, i64)]) {
         let words = self.asked(more, true, Occasion::Order).expect("a set that it takes");
-        self.dfkt.renew(Words(&words));
+        self.dfkt.apply_values(Words(&words));
     }
 
     /// Returns sink and outputs of a call with an input in 0.0001 rpm.
@@ -94,7 +94,7 @@ impl Bench {
         let mut dfkt = self.dfkt.clone();
         let told = dfkt.step(&self.seen(value, inputs));
         self.dfkt = dfkt;
-        assert!(self.dfkt.is_sound());
+        assert!(self.dfkt.is_valid_state());
         (told.sink, told.outputs)
     }
 

@@ -11,9 +11,9 @@ pub(super) const BITS: u32 = 48;
 /// One increment.
 pub(super) const INC: i128 = 1 << BITS;
 /// Maximum velocity: no encoder travels 2^40 inc in a call.
-pub(super) const FASTEST: i128 = INC << 40;
+pub(super) const MAX_VELOCITY: i128 = INC << 40;
 /// Maximum distance to go.
-pub(super) const FARTHEST: i128 = INC << 62;
+pub(super) const MAX_DISTANCE: i128 = INC << 62;
 
 /// Upper bound of the time between calls (ns), far above any cycle.
 const CALL_BOUND: u64 = 1 << 40;
@@ -25,20 +25,20 @@ const TURN_SQUARED: i128 = 1_000_000_000_000_000_000_000;
 /// Returns the travel per call at a speed (0.0001 rpm), rounded down.
 pub(super) fn velocity(speed: i64, resolution: i64, call_ns: u64) -> i128 {
     let turns = i128::from(speed.unsigned_abs()) * i128::from(resolution);
-    parts(turns.saturating_mul(call(call_ns)), TURN)
+    quotient_in_parts(turns.saturating_mul(call(call_ns)), TURN)
 }
 
 /// Returns the change of velocity per call at a rate (0.001 turns/s^2), rounded down; at least 1.
 pub(super) fn change(rate: i64, resolution: i64, call_ns: u64) -> i128 {
     let turns = i128::from(rate) * i128::from(resolution);
-    parts(turns.saturating_mul(call(call_ns) * call(call_ns)), TURN_SQUARED).max(1)
+    quotient_in_parts(turns.saturating_mul(call(call_ns) * call(call_ns)), TURN_SQUARED).max(1)
 }
 
 /// Returns a quotient in parts of an increment, at most `FASTEST`; the divisor is below 2^70.
-pub(super) fn parts(dividend: i128, divisor: i128) -> i128 {
+pub(super) fn quotient_in_parts(dividend: i128, divisor: i128) -> i128 {
     // The scaled dividend would exceed 128 bits: quotient and remainder are scaled separately.
     let (whole, rest) = (dividend / divisor.max(1), dividend % divisor.max(1));
-    whole.saturating_mul(INC).saturating_add(rest * INC / divisor.max(1)).clamp(0, FASTEST)
+    whole.saturating_mul(INC).saturating_add(rest * INC / divisor.max(1)).clamp(0, MAX_VELOCITY)
 }
 
 fn call(call_ns: u64) -> i128 {
@@ -55,7 +55,7 @@ pub(super) fn approach(v: i128, wanted: i128, a: i128) -> i128 {
 #[inline]
 pub(super) fn approach_end(v: i128, wanted: i128, left: i128, a: i128) -> i128 {
     let next = approach(v, wanted, a);
-    if is_far(next, left, a) {
+    if is_clearly_long_enough(next, left, a) {
         return next;
     }
     let most = fastest(left, a);
@@ -64,13 +64,13 @@ pub(super) fn approach_end(v: i128, wanted: i128, left: i128, a: i128) -> i128 {
 
 /// Returns true if the distance is long enough for the ramp from a velocity.
 #[inline]
-pub(super) fn is_enough(v: i128, left: i128, a: i128) -> bool {
-    v <= 0 || is_far(v, left, a) || fastest(left, a) >= v
+pub(super) fn is_long_enough(v: i128, left: i128, a: i128) -> bool {
+    v <= 0 || is_clearly_long_enough(v, left, a) || fastest(left, a) >= v
 }
 
 /// Returns true if an estimate shows that the distance is long enough: v + (v - a) + .. never exceeds (v + a)^2 / 2a.
 #[inline]
-fn is_far(v: i128, left: i128, a: i128) -> bool {
+fn is_clearly_long_enough(v: i128, left: i128, a: i128) -> bool {
     let square = |x: i128| x.checked_mul(x);
     square(v + a).zip(left.checked_mul(2 * a)).is_some_and(|(needed, there)| needed <= there)
 }
@@ -88,7 +88,7 @@ fn fastest(left: i128, a: i128) -> i128 {
 pub(super) fn length(v: i128, a: i128) -> i128 {
     let k = v / a.max(1);
     let way = (k + 1).checked_mul(v).zip(a.checked_mul(k).and_then(|way| way.checked_mul(k + 1)));
-    way.map_or(FARTHEST, |(way, less)| way - less / 2).min(FARTHEST)
+    way.map_or(MAX_DISTANCE, |(way, less)| way - less / 2).min(MAX_DISTANCE)
 }
 
 /// Returns the smallest `a` whose ramp after a call at v ends within the distance to go, at most v itself. Only used if
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(change(1, 1, 1_000_000), INC / 1_000_000_000);
         assert_eq!(change(1, 1, 1), 1);
         let max = i64::from(i32::MAX);
-        assert_eq!([velocity(max, max, u64::MAX), change(100_000_000, max, u64::MAX)], [FASTEST; 2]);
+        assert_eq!([velocity(max, max, u64::MAX), change(100_000_000, max, u64::MAX)], [MAX_VELOCITY; 2]);
         assert_eq!(velocity(i32::MIN.into(), max, 1_000_000) / INC, 7_686_143_360);
     }
 
@@ -152,13 +152,13 @@ mod tests {
         fn the_fastest_ends_within_and_one_more_does_not(left in 0_i128..100_000, a in 1_i128..500) {
             let v = fastest(left, a);
             prop_assert!(way(v, a) <= left && way(v + 1, a) > left);
-            prop_assert!(is_enough(v, left, a) && !is_enough(v + 1, left, a));
+            prop_assert!(is_long_enough(v, left, a) && !is_long_enough(v + 1, left, a));
             prop_assert_eq!(length(v, a), way(v, a));
         }
 
         #[test]
         fn what_is_far_is_never_too_fast(v in 0_i128..5000, left in 0_i128..100_000, a in 1_i128..500) {
-            prop_assert!(!is_far(v, left, a) || way(v, a) <= left);
+            prop_assert!(!is_clearly_long_enough(v, left, a) || way(v, a) <= left);
         }
 
         #[test]
@@ -196,11 +196,11 @@ mod tests {
 
         /// Nothing wraps at the limits.
         #[test]
-        fn extremes_have_room(v in 0_i128..=FASTEST, left in 0_i128..=FARTHEST, a in 1_i128..=FASTEST, bits in 0_u32..88) {
+        fn extremes_have_room(v in 0_i128..=MAX_VELOCITY, left in 0_i128..=MAX_DISTANCE, a in 1_i128..=MAX_VELOCITY, bits in 0_u32..88) {
             let a = (a >> bits).max(1);
-            let next = approach_end(v, FASTEST, left, a);
-            prop_assert!((0..=FASTEST + a).contains(&next) && next <= left);
-            prop_assert!((0..=FARTHEST).contains(&length(v, a)));
+            let next = approach_end(v, MAX_VELOCITY, left, a);
+            prop_assert!((0..=MAX_VELOCITY + a).contains(&next) && next <= left);
+            prop_assert!((0..=MAX_DISTANCE).contains(&length(v, a)));
         }
     }
 }

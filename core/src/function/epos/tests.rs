@@ -1,6 +1,6 @@
 //! Test oracles of the positioning, its edges and phases, both overrides, its errors, and its laws for all sets.
 
-use super::super::program::{LINES, Occasion, Reading};
+use super::super::program::{LINES, Occasion, SourceValue};
 use super::super::trial::{at_rest, set, setting};
 use super::*;
 use crate::event::Number;
@@ -76,10 +76,10 @@ impl Bench {
         self.epos.check(Words(&set(FIELDS, &asked.values)), &self.setting())
     }
 
-    fn seen(&self, inputs: u8, mark: Option<i64>) -> Seen<'static> {
-        let source = Reading { value: self.travel, travel: self.travel, mark };
+    fn seen(&self, inputs: u8, mark: Option<i64>) -> CallInputs<'static> {
+        let source = SourceValue { value: self.travel, travel: self.travel, mark };
         let Self { call_ns, sink, words, .. } = *self;
-        Seen { call_ns, source, inputs, sink, words, ..at_rest() }
+        CallInputs { call_ns, source, inputs, sink, words, ..at_rest() }
     }
 
     fn start(&mut self, inputs: u8) -> (i64, u8) {
@@ -91,14 +91,14 @@ impl Bench {
     fn value_new(&mut self, more: &[(&'static str, i64)]) {
         self.checked(more).expect("a set that it takes");
         self.take(more);
-        self.epos.renew(Words(&set(FIELDS, &self.values)));
+        self.epos.apply_values(Words(&set(FIELDS, &self.values)));
         self.is_sound();
     }
 
     fn is_sound(&self) {
         let words = set(FIELDS, &self.values);
         let kept = Setting { runs: true, occasion: Occasion::Kept, ..self.setting() };
-        assert!(self.epos.is_sound() && self.epos.is_set(Words(&words), self.call_ns), "{:?}", self.epos);
+        assert!(self.epos.is_valid_state() && self.epos.runs_with(Words(&words), self.call_ns), "{:?}", self.epos);
         assert_eq!(self.epos.check(Words(&words), &kept), Ok(()));
     }
 
@@ -111,7 +111,7 @@ impl Bench {
     /// Returns sink and outputs of a call.
     fn step(&mut self, inputs: u8) -> (i64, u8) {
         let told = self.epos.step(&self.seen(inputs, None));
-        assert_eq!(told.anew, 0);
+        assert_eq!(told.coordinate_change, 0);
         self.tell(told)
     }
 
@@ -147,7 +147,7 @@ impl Bench {
     fn mark(&mut self, inputs: u8, behind: i64) -> (i64, u8) {
         let place = self.sink - behind;
         let told = self.epos.step(&self.seen(inputs, Some(place)));
-        assert_eq!(told.anew, -place);
+        assert_eq!(told.coordinate_change, -place);
         self.is_sound();
         self.tell(told)
     }
@@ -562,7 +562,7 @@ fn a_far_end_is_braked_onto_and_nothing_adds_to_it() {
     assert_eq!(bench.step(0).1, A1);
     let seen = bench.seen(E1, Some(19_990));
     let told = bench.epos.step(&seen);
-    assert_eq!((told.anew, told.sink, told.outputs), (0, 20_004, MOVES));
+    assert_eq!((told.coordinate_change, told.sink, told.outputs), (0, 20_004, MOVES));
 }
 
 /// A command that is already beyond the end: a step back without bit 2, a motion back with bit 2.
@@ -821,11 +821,11 @@ proptest! {
                 let from = was.velocity;
                 let stops = was.phase == Phase::Stopping || was.phase == Phase::Run && inputs & !was.before & E2 != 0;
                 let ramp = if stops { epos.ramps.1 } else { epos.ramps.0 };
-                let is_tight = !is_enough(from.abs() - ramp, was.left.abs(), ramp);
+                let is_tight = !is_long_enough(from.abs() - ramp, was.left.abs(), ramp);
                 prop_assert!((way - from).abs() <= ramp || way.abs() < from.abs() && is_tight, "{:?} {:?}", was, epos);
                 let ends = epos.phase == Phase::Idle && way != 0;
                 prop_assert!(!ends || way.abs() <= ramp || is_tight, "{:?} {:?}", was, epos);
-                let wanted = epos.wanted(0, bench.words[0]);
+                let wanted = epos.target_velocity(0, bench.words[0]);
                 prop_assert!(way.abs() <= from.abs().max(wanted));
                 if epos.phase == Phase::Idle {
                     prop_assert_eq!((sink, outputs), (end, A1));

@@ -35,7 +35,7 @@ impl Rate {
 
 /// Velocity step and ramps per call of a parameter set.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Pace {
+pub(super) struct VelocityStep {
     /// Parts per increment.
     unit: i128,
     /// Travel per call for an override of 1; if a source gives the velocity, per increment of the source.
@@ -44,7 +44,7 @@ pub(super) struct Pace {
     ramps: [i128; 2],
 }
 
-impl Pace {
+impl VelocityStep {
     /// Returns the pace of a rate, or of a source (`None`); accelerations (inc/s^2) are 0 or more.
     pub(super) fn new(rate: Option<Rate>, accelerations: [i64; 2], call_ns: u64) -> Self {
         // The call time is below 2^40, its square below 2^80. 10^18 is below 2^60, a cycle time in 1024 parts below
@@ -71,7 +71,7 @@ impl Pace {
     }
 }
 
-impl Default for Pace {
+impl Default for VelocityStep {
     fn default() -> Self {
         Self { unit: 1, step: 0, ramps: [0; 2] }
     }
@@ -80,21 +80,21 @@ impl Default for Pace {
 /// Motion of the generator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Motion {
-    pace: Pace,
+    pace: VelocityStep,
     /// Travel per call, in the parts of its pace.
     velocity: i128,
     /// Fraction of the travel, in 0..unit.
-    rest: i128,
+    fraction: i128,
 }
 
 impl Motion {
     /// Creates a motion at rest.
-    pub(super) fn new(pace: Pace) -> Self {
+    pub(super) fn new(pace: VelocityStep) -> Self {
         Self { pace, ..Self::default() }
     }
 
     /// Changes to another pace.
-    pub(super) fn renew(&mut self, pace: Pace) {
+    pub(super) fn set_pace(&mut self, pace: VelocityStep) {
         let (from, to) = (self.pace.unit, pace.unit);
         if from != to {
             let [less, more] = reduced(from, to);
@@ -105,7 +105,7 @@ impl Motion {
                 let rest = rest.saturating_mul(more).checked_div(less).unwrap_or(0);
                 whole.saturating_mul(to).saturating_add(rest)
             };
-            (self.velocity, self.rest) = (pass(self.velocity), pass(self.rest));
+            (self.velocity, self.fraction) = (pass(self.velocity), pass(self.fraction));
         }
         self.pace = pace;
     }
@@ -118,7 +118,7 @@ impl Motion {
     }
 
     /// Sets the velocity at once.
-    pub(super) fn jump(&mut self, target: i128) {
+    pub(super) fn set_velocity(&mut self, target: i128) {
         self.velocity = target;
     }
 
@@ -134,40 +134,40 @@ impl Motion {
     /// Returns the whole increments of a call.
     #[inline]
     pub(super) fn advance(&mut self) -> i64 {
-        let sum = self.rest.saturating_add(self.velocity);
+        let sum = self.fraction.saturating_add(self.velocity);
         let whole = floor_ratio(sum, self.pace.unit);
         // No valid velocity exceeds 2^44 inc: nothing wraps.
-        self.rest = sum.wrapping_sub(self.pace.unit.wrapping_mul(whole.into()));
+        self.fraction = sum.wrapping_sub(self.pace.unit.wrapping_mul(whole.into()));
         whole
     }
 
     /// Stops at once and drops the fraction of an increment.
     pub(super) fn stop(&mut self) {
-        (self.velocity, self.rest) = (0, 0);
+        (self.velocity, self.fraction) = (0, 0);
     }
 
     /// Returns the direction of motion: -1, 0 or 1.
-    pub(super) fn sense(&self) -> i128 {
+    pub(super) fn direction(&self) -> i128 {
         self.velocity.signum()
     }
 
     /// Returns true if the travel has a fraction of an increment.
     pub(super) fn has_rest(&self) -> bool {
-        self.rest != 0
+        self.fraction != 0
     }
 
-    pub(super) fn is_of(&self, pace: Pace) -> bool {
+    pub(super) fn is_of(&self, pace: VelocityStep) -> bool {
         self.pace == pace
     }
 
     /// Returns true if no result of these values can saturate.
     pub(super) fn is_sound(&self) -> bool {
-        let Pace { unit, step, ramps } = self.pace;
+        let VelocityStep { unit, step, ramps } = self.pace;
         let most = |parts: i128| (1_i128 << 44).saturating_mul(parts);
         (1..1 << 76).contains(&unit)
             && (0..=most(unit)).contains(&step)
             && ramps.into_iter().all(|ramp| ramp >= 0)
-            && (0..unit).contains(&self.rest)
+            && (0..unit).contains(&self.fraction)
             && self.velocity.saturating_abs() <= most(unit)
     }
 }

@@ -1,6 +1,6 @@
 //! Test oracles of the generator, its phases, zeroing and monitoring, and its errors.
 
-use super::super::program::{Occasion, Reading};
+use super::super::program::{Occasion, SourceValue};
 use super::super::trial::{at_rest, set, setting};
 use super::*;
 
@@ -71,10 +71,10 @@ impl Bench {
         self.fgen.check(Words(&asked.words()), &Setting { runs, ..setting(self.call_ns, [None; LINES]) })
     }
 
-    fn seen(&self, inputs: u8) -> Seen<'_> {
-        let source = Reading { value: self.travel, travel: self.travel, mark: None };
+    fn seen(&self, inputs: u8) -> CallInputs<'_> {
+        let source = SourceValue { value: self.travel, travel: self.travel, mark: None };
         let Self { call_ns, sink, .. } = *self;
-        Seen { call_ns, source, inputs, sink, words: [self.word, 0], drives: &self.drives, ..at_rest() }
+        CallInputs { call_ns, source, inputs, sink, words: [self.word, 0], drives: &self.drives, ..at_rest() }
     }
 
     /// Returns sink and outputs of START.
@@ -90,14 +90,14 @@ impl Bench {
     fn value_new(&mut self, more: &[(&'static str, i64)]) {
         self.checked(more, true).expect("a set that it takes");
         self.take(more);
-        self.fgen.renew(Words(&self.words()));
+        self.fgen.apply_values(Words(&self.words()));
         self.is_sound();
     }
 
     fn is_sound(&self) {
         let words = self.words();
         let kept = Setting { runs: true, occasion: Occasion::Kept, ..setting(self.call_ns, [None; LINES]) };
-        assert!(self.fgen.is_sound() && self.fgen.is_set(Words(&words), self.call_ns));
+        assert!(self.fgen.is_valid_state() && self.fgen.runs_with(Words(&words), self.call_ns));
         assert_eq!(self.fgen.check(Words(&words), &kept), Ok(()));
     }
 
@@ -420,7 +420,7 @@ fn limits_of_the_chosen_axes_are_outputs_in_their_order() {
     assert_eq!(at(0, -9999, 0), 0, "not latched");
     bench.limits[1] = 400;
     let words = bench.words();
-    bench.fgen.renew(Words(&words));
+    bench.fgen.apply_values(Words(&words));
     bench.drives[7].actual = 450;
     assert_eq!(bench.step(0).1 >> 1, 0b10);
     // A limit of 0 applies, and seven axes have seven outputs.
@@ -475,9 +475,9 @@ fn what_no_generator_has_is_refused_with_its_field() {
 fn one_that_was_never_started_is_sound_and_may_be_renewed() {
     for has_word in [false, true] {
         let mut fgen = Fgen::new(has_word);
-        assert!(fgen.is_sound());
-        fgen.renew(Words(&example(&[("ba", 2)]).words()));
-        assert!(fgen.is_sound());
+        assert!(fgen.is_valid_state());
+        fgen.apply_values(Words(&example(&[("ba", 2)]).words()));
+        assert!(fgen.is_valid_state());
         assert_eq!(fgen.motion.advance(), 0);
     }
 }

@@ -1,4 +1,4 @@
-use super::super::program::{LINES, Reading};
+use super::super::program::{LINES, SourceValue};
 use super::super::trial::{CALL_NS, at_rest, set, setting};
 use super::*;
 use proptest::prelude::*;
@@ -6,8 +6,8 @@ use proptest::prelude::*;
 /// The example of the manual: difference, invalid pulses are discarded, negative limitation.
 const MANUAL: [(&str, i64); 4] = [("ba", 8), ("spacing", 10_000), ("window", 2_000), ("blocked", 1_000)];
 
-fn call<'a>(sink: i64, mark: Option<i64>) -> Seen<'a> {
-    Seen { sink, source: Reading { mark, ..Reading::default() }, ..at_rest() }
+fn call<'a>(sink: i64, mark: Option<i64>) -> CallInputs<'a> {
+    CallInputs { sink, source: SourceValue { mark, ..SourceValue::default() }, ..at_rest() }
 }
 
 /// Returns a function after START without a pulse.
@@ -135,7 +135,7 @@ fn new_values_count_from_the_next_pulse_and_the_start_value_stays() {
     let mut imes = started(&MANUAL);
     imes.step(&call(7, Some(0)));
     let renewed = [("ba", 1), ("spacing", 1_000), ("window", 50), ("blocked", 20)];
-    imes.renew(Words(&set(FIELDS, &renewed)));
+    imes.apply_values(Words(&set(FIELDS, &renewed)));
     assert_eq!(imes.step(&call(7, None)).sink, 7);
     // 19 is in the blocked range; 970 after the first pulse is -30 with the new spacing: the mode stays as started.
     assert_eq!(imes.step(&call(7, Some(19))).outputs, 0);
@@ -170,9 +170,9 @@ fn both_limitations_at_once_are_refused() {
         assert_eq!(check(ba), Err(Fault { asked: Number::Count(ba), ..fault }));
     }
     let mut read = Imes::new();
-    assert!(read.is_sound());
+    assert!(read.is_valid_state());
     read.spacing = -1;
-    assert!(!read.is_sound());
+    assert!(!read.is_valid_state());
 }
 
 /// Returns the deviation of a distance from the nearest multiple of the spacing that the limitation allows.

@@ -10,10 +10,10 @@ use crate::table::{CurveError, Form, Table};
 /// Maximum duration of a table in parts of its unit, so that values of 2^30 times 2^31 do not overflow.
 const LONGEST: i64 = 1 << 32;
 /// Scaled values stay below this limit (AMK-FIPW-04).
-const LARGEST: i128 = (1 << 31) - 1;
+const MAX_SCALED_VALUE: i128 = (1 << 31) - 1;
 
 /// Returns the error of a value that the other fields do not allow.
-pub(super) fn beyond(field: u16, asked: i64, limit: i64) -> Fault {
+pub(super) fn out_of_range(field: u16, asked: i64, limit: i64) -> Fault {
     Fault::new(Code::AMK_BEYOND).of(field).with(asked, limit)
 }
 
@@ -25,8 +25,8 @@ pub(super) fn needs(field: u16, asked: i64, value: i64, mode: i64) -> Result<(),
 /// Returns an error for a value outside `least` to `most`.
 pub(super) fn within(field: u16, asked: i64, (least, most): (i64, i64)) -> Result<(), Fault> {
     match asked {
-        _ if asked < least => Err(beyond(field, asked, least)),
-        _ if asked > most => Err(beyond(field, asked, most)),
+        _ if asked < least => Err(out_of_range(field, asked, least)),
+        _ if asked > most => Err(out_of_range(field, asked, most)),
         _ => Ok(()),
     }
 }
@@ -50,8 +50,8 @@ pub(super) fn check_marks(marks: &Marks, fields: [u16; 8], length: i64) -> Resul
     within(start, marks.window.0, (0, length))?;
     within(wide, marks.window.1, (0, length - marks.window.0))?;
     match marks.weight {
-        33..=127 => Err(beyond(weight, marks.weight, 32)),
-        160.. => Err(beyond(weight, marks.weight, 159)),
+        33..=127 => Err(out_of_range(weight, marks.weight, 32)),
+        160.. => Err(out_of_range(weight, marks.weight, 159)),
         _ => Ok(()),
     }
 }
@@ -74,11 +74,11 @@ pub(super) fn longest(call_ns: u64) -> i64 {
 /// Returns an error for a time that is too long for the time base of the calls.
 pub(super) fn check_time(field: u16, half_ms: i64, call_ns: u64) -> Result<(), Fault> {
     let most = longest(call_ns);
-    if half_ms <= most { Ok(()) } else { Err(beyond(field, half_ms, most)) }
+    if half_ms <= most { Ok(()) } else { Err(out_of_range(field, half_ms, most)) }
 }
 
 /// Tables that a type accepts.
-pub(super) struct Takes {
+pub(super) struct AllowedTables {
     /// Maximum points of a table at equal distances.
     pub y: usize,
     /// Maximum points of a table with positions; 0 if the type has none.
@@ -88,8 +88,8 @@ pub(super) struct Takes {
 }
 
 /// Returns an error for tables that are missing or that are no curves of a type.
-pub(super) fn check_tables(setting: &Setting<'_>, count: usize, takes: &Takes, setup: &Setup) -> Result<(), Fault> {
-    let there = present(setting);
+pub(super) fn check_tables(setting: &Setting<'_>, count: usize, takes: &AllowedTables, setup: &Setup) -> Result<(), Fault> {
+    let there = count_tables(setting);
     if there < count {
         return Err(Fault::new(Code::AMK_TABLES_FEW).with(count as i64, there as i64));
     }
@@ -100,11 +100,11 @@ pub(super) fn check_tables(setting: &Setting<'_>, count: usize, takes: &Takes, s
 }
 
 /// Returns the number of tables before the first missing one.
-pub(super) fn present(setting: &Setting<'_>) -> usize {
+pub(super) fn count_tables(setting: &Setting<'_>) -> usize {
     setting.tables.iter().take(LINES).take_while(|table| table.is_some()).count()
 }
 
-fn check_table(table: &Table, takes: &Takes, setup: &Setup) -> Result<(), (Code, i64)> {
+fn check_table(table: &Table, takes: &AllowedTables, setup: &Setup) -> Result<(), (Code, i64)> {
     let most = if table.form() == Form::Xy { takes.xy } else { takes.y };
     if table.form() == Form::Words || most == 0 {
         return Err((Code::AMK_CURVE_FORM, takes.xy as i64));
@@ -123,8 +123,8 @@ fn check_table(table: &Table, takes: &Takes, setup: &Setup) -> Result<(), (Code,
     if let Some(last) = table.x().last().filter(|last| !(takes.length.0..=takes.length.1).contains(last)) {
         return Err((Code::AMK_CURVE_LENGTH, *last));
     }
-    let scaled = (i128::from(shape.extreme) * i128::from(setup.scale.mult.unsigned_abs())) >> setup.scale.div_exp;
-    if scaled >= LARGEST {
+    let scaled = (i128::from(shape.max_magnitude) * i128::from(setup.scale.mult.unsigned_abs())) >> setup.scale.div_exp;
+    if scaled >= MAX_SCALED_VALUE {
         return Err((Code::AMK_CURVE_SCALED, i64::try_from(scaled).unwrap_or(i64::MAX)));
     }
     Ok(())

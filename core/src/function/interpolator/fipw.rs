@@ -6,10 +6,10 @@
 //! Source   AMK-FIPW-01 to -55, AMK-SYNC-01 to -04; A-21 to -31
 
 use super::super::field::{Field, Words, number, place};
-use super::super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
 use super::super::time::{HALF_MS, check_cycle};
 use super::Interpolator;
-use super::check::{self, Takes, check_tables, needs, within};
+use super::check::{self, AllowedTables, check_tables, needs, within};
 use super::register::{BEFORE_SAK, MARKS, Marks};
 use super::setup::{Movement, Setup};
 use crate::cam::Scale;
@@ -87,7 +87,7 @@ pub(super) const MODES: [(i64, Movement, bool); 8] = [
     (100, Movement::Coupled, true),
 ];
 
-const TAKES: Takes = Takes { y: 127, xy: 0, length: (0, 0) };
+const TAKES: AllowedTables = AllowedTables { y: 127, xy: 0, length: (0, 0) };
 
 /// Fields of printing mark control: FL, D, V, W, SK, LK, k and n.
 const REGISTER: [&str; 8] =
@@ -142,7 +142,7 @@ fn marks(words: Words<'_>) -> Marks {
     Marks::of(get("function"), REGISTER.map(get))
 }
 
-impl Program for Fipw {
+impl FunctionProgram for Fipw {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let field = |name| number(FIELDS, name);
         let get = |name: usize| words.get(name);
@@ -200,12 +200,12 @@ impl Program for Fipw {
         check_tables(setting, tables as usize, &TAKES, &setup(words, setting.call_ns))
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         self.0.start(setup(words, seen.call_ns), seen)
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         self.0.step(seen)
     }
 
@@ -213,11 +213,11 @@ impl Program for Fipw {
         self.0.rests()
     }
 
-    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+    fn runs_with(&self, words: Words<'_>, call_ns: u64) -> bool {
         self.0.is_set(&setup(words, call_ns))
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         self.0.is_sound()
     }
 }

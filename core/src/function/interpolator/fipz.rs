@@ -8,10 +8,10 @@
 //! Source   AMK-FIPZ-01 to -20, A-36, A-37
 
 use super::super::field::{Field, Words, number, place};
-use super::super::program::{Fault, LINES, Outcome, Program, Seen, Setting};
+use super::super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
 use super::super::sak::Sak;
 use super::super::time::check_cycle;
-use super::check::{self, Takes, check_tables};
+use super::check::{self, AllowedTables, check_tables};
 use super::setup::Setup;
 use crate::cam::{Curve, Scale, Total};
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ pub(in super::super) const FIELDS: &[Field] = &[
         .list(LINES),
 ];
 
-const TAKES: Takes = Takes { y: 127, xy: 0, length: (0, 0) };
+const TAKES: AllowedTables = AllowedTables { y: 127, xy: 0, length: (0, 0) };
 
 const fn at(name: &'static str) -> usize {
     place(FIELDS, name)
@@ -99,7 +99,7 @@ impl Fipz {
     }
 }
 
-impl Program for Fipz {
+impl FunctionProgram for Fipz {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         check_cycle(words.get(at("sf_cycle")), number(FIELDS, "sf_cycle"), setting)?;
         for place in 0..LINES {
@@ -110,7 +110,7 @@ impl Program for Fipz {
         check_tables(setting, count, &TAKES, &Setup { scale, ..Setup::default() })
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         *self = Self {
             origin: seen.sink,
             before: seen.inputs,
@@ -120,7 +120,7 @@ impl Program for Fipz {
         self.told(seen.sink, 0)
     }
 
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let rising = seen.inputs & !std::mem::replace(&mut self.before, seen.inputs);
         let mut total = self.total.at_end();
         match self.run {
@@ -144,12 +144,12 @@ impl Program for Fipz {
         self.told(y.wrapping_add(share), share)
     }
 
-    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+    fn runs_with(&self, words: Words<'_>, call_ns: u64) -> bool {
         let set = |one: &Self| (one.is_coded, one.tables, one.times, one.scale, one.step);
         set(self) == set(&Self::of(words, call_ns))
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         self.total.is_sound() && self.scale.div_exp < 16
     }
 }

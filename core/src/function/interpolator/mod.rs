@@ -15,11 +15,11 @@ mod register;
 mod setup;
 pub(super) mod xfipw;
 
-use super::program::{LINES, Outcome, Seen};
+use super::program::{LINES, Outcome, CallInputs};
 use super::sak::Sak;
 use crate::cam::{Curve, Total};
 use movement::Sets;
-use register::{Marks, Register};
+use register::{Marks, MarkControl};
 use serde::{Deserialize, Serialize};
 use setup::{Movement, Setup};
 
@@ -33,7 +33,7 @@ pub(super) fn modes(switches_sets: bool) -> Vec<i64> {
 
 /// State of an interpolator.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-enum Stage {
+enum MovementState {
     /// Waiting for the zero pulse of its master.
     Sync,
     /// Clocked out: x continues, the sink rests.
@@ -47,7 +47,7 @@ enum Stage {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Interpolator {
     setup: Setup,
-    stage: Stage,
+    stage: MovementState,
     /// Position in the present table; below 0 before the first table of a movement.
     x: i64,
     /// Travel of the master at the last call.
@@ -60,44 +60,44 @@ pub(super) struct Interpolator {
     /// Passes of the working table in this movement.
     passes: i64,
     /// Index at which the last point was found.
-    near: u32,
+    last_point: u32,
     /// Inputs of the last call.
-    before: u8,
+    last_inputs: u8,
     /// Whether E1 has risen since START.
-    knows_edge: bool,
+    had_edge: bool,
     /// Whether a start waits for its position.
     is_armed: bool,
     /// Whether E1 rose in a movement, and takes effect at its end.
     is_stored: bool,
     sets: Sets,
-    register: Register,
+    register: MarkControl,
     sak: Sak,
 }
 
 impl Interpolator {
     /// Executes the first call: the sink keeps its value.
-    fn start(&mut self, setup: Setup, seen: &Seen<'_>) -> Outcome {
-        *self = Self { setup, travel: seen.source.travel, origin: seen.sink, before: seen.inputs, ..Self::default() };
-        self.sets.look(&self.setup, seen);
+    fn start(&mut self, setup: Setup, seen: &CallInputs<'_>) -> Outcome {
+        *self = Self { setup, travel: seen.source.travel, origin: seen.sink, last_inputs: seen.inputs, ..Self::default() };
+        self.sets.read_inputs(&self.setup, seen);
         if setup.movement == Movement::Cyclic {
             // The set that is selected at START is active at once.
             self.sets.switch();
         }
         if setup.waits_for_zero {
-            self.stage = Stage::Sync;
+            self.stage = MovementState::Sync;
         } else {
-            self.set_on(seen);
+            self.set_start_position(seen);
         }
         let sink = seen.sink;
         self.sak = Sak::new(setup.sak, sink);
-        Outcome { sink, ..self.told() }
+        Outcome { sink, ..self.outputs_of() }
     }
 
     /// Sets x to the value of the parameter set. A cycle that begins here does so without a step of the sink.
-    fn set_on(&mut self, seen: &Seen<'_>) {
+    fn set_start_position(&mut self, seen: &CallInputs<'_>) {
         let (stands, length) = (self.position(seen), self.curve(seen).length());
         self.x = self.setup.offset.rem_euclid(length);
-        self.stage = Stage::Out;
+        self.stage = MovementState::Out;
         let starts = self.setup.movement == Movement::Cyclic;
         if starts && (self.setup.sets_on || self.x <= self.setup.start_angle) {
             self.begin();
@@ -109,31 +109,31 @@ impl Interpolator {
 
     /// Executes each further call.
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         let way = match self.setup.step {
             Some(step) => step,
             None => seen.source.travel.wrapping_sub(self.travel),
         };
         self.travel = seen.source.travel;
-        self.sets.look(&self.setup, seen);
+        self.sets.read_inputs(&self.setup, seen);
         let e1 = self.setup.is_started_by_e1() && seen.inputs & 1 == 1;
-        let rises = e1 && self.before & 1 == 0;
-        self.before = seen.inputs;
-        self.knows_edge |= rises;
+        let rises = e1 && self.last_inputs & 1 == 0;
+        self.last_inputs = seen.inputs;
+        self.had_edge |= rises;
         match self.stage {
-            Stage::Sync => self.look_for_zero((e1, rises), seen),
-            Stage::Out => {
-                self.run_out(way, (e1, rises), seen);
-                self.find_mark_behind(seen);
+            MovementState::Sync => self.look_for_zero((e1, rises), seen),
+            MovementState::Out => {
+                self.advance_at_rest(way, (e1, rises), seen);
+                self.find_mark_of_new_pass(seen);
             }
-            Stage::Run => {
+            MovementState::Run => {
                 self.is_stored |= rises && self.setup.retriggers;
                 self.x = self.x.saturating_add(way);
                 let is_done = self.find_mark(seen);
                 self.pass_ends(e1, seen);
-                self.pass_back(seen);
+                self.return_to_previous(seen);
                 if !is_done {
-                    self.find_mark_behind(seen);
+                    self.find_mark_of_new_pass(seen);
                 }
                 self.clock_out(way, e1, seen);
             }
@@ -142,13 +142,13 @@ impl Interpolator {
         let before = if self.setup.marks.before_sak { correction } else { 0 };
         let share = self.sak.share(y.wrapping_add(before));
         let sink = y.wrapping_add(share).wrapping_add(correction);
-        Outcome { sink, sak_share: share, correction, deviation: self.register.deviation(), ..self.told() }
+        Outcome { sink, sak_share: share, correction, deviation: self.register.deviation(), ..self.outputs_of() }
     }
 
     /// Looks for a mark in the pass of the working table that ran up to this call, or in the previous one. Returns true
     /// if the new pass need not be searched.
     #[inline]
-    fn find_mark(&mut self, seen: &Seen<'_>) -> bool {
+    fn find_mark(&mut self, seen: &CallInputs<'_>) -> bool {
         let (true, Some(mark)) = (self.setup.marks.is_on(), seen.source.mark) else { return true };
         if self.table != self.setup.working {
             return false;
@@ -162,10 +162,10 @@ impl Interpolator {
 
     /// Looks for a mark in the pass that began in this call.
     #[inline]
-    fn find_mark_behind(&mut self, seen: &Seen<'_>) {
+    fn find_mark_of_new_pass(&mut self, seen: &CallInputs<'_>) {
         if self.setup.marks.is_on()
             && let Some(mark) = seen.source.mark
-            && self.works()
+            && self.runs_working_table()
         {
             let x = self.x.saturating_sub(self.travel.wrapping_sub(mark));
             if x >= 0 {
@@ -176,9 +176,9 @@ impl Interpolator {
 
     /// Returns the correction of printing mark control.
     #[inline]
-    fn correction(&mut self, seen: &Seen<'_>) -> i64 {
-        if !self.setup.marks.is_on() || !self.works() {
-            return self.register.done();
+    fn correction(&mut self, seen: &CallInputs<'_>) -> i64 {
+        if !self.setup.marks.is_on() || !self.runs_working_table() {
+            return self.register.applied();
         }
         let length = self.curve(seen).length();
         self.register.at(&self.setup.marks, self.x, length)
@@ -186,8 +186,8 @@ impl Interpolator {
 
     /// Returns true if the working table runs.
     #[inline]
-    fn works(&self) -> bool {
-        self.stage == Stage::Run && self.table == self.setup.working && self.x >= 0
+    fn runs_working_table(&self) -> bool {
+        self.stage == MovementState::Run && self.table == self.setup.working && self.x >= 0
     }
 
     /// Changes the settings of printing mark control while it runs.
@@ -196,40 +196,40 @@ impl Interpolator {
     }
 
     /// Sets x at the position of the zero pulse of the master; a movement that may begin there does so.
-    fn look_for_zero(&mut self, (e1, rises): (bool, bool), seen: &Seen<'_>) {
+    fn look_for_zero(&mut self, (e1, rises): (bool, bool), seen: &CallInputs<'_>) {
         let Some(mark) = seen.source.mark else { return };
-        self.set_on(seen);
+        self.set_start_position(seen);
         let since = self.travel.wrapping_sub(mark);
         if matches!(self.setup.movement, Movement::Sequence | Movement::Coupled) {
             self.clock_in((e1, rises), self.x <= self.setup.start_angle);
         }
-        if self.stage == Stage::Run {
+        if self.stage == MovementState::Run {
             self.x = self.x.saturating_add(since);
             self.pass_ends(e1, seen);
-            self.pass_back(seen);
+            self.return_to_previous(seen);
         } else {
-            self.run_out(since, (e1, rises), seen);
+            self.advance_at_rest(since, (e1, rises), seen);
         }
     }
 
     /// Returns true if x is at most `angle` after its zero and the master does not move back.
-    fn is_in(&self, way: i64, angle: i64) -> bool {
+    fn is_in_window(&self, way: i64, angle: i64) -> bool {
         way >= 0 && (0..=angle).contains(&self.x)
     }
 
     /// Returns the table that runs, or the next one.
     #[inline]
-    fn curve<'a>(&self, seen: &Seen<'a>) -> Curve<'a> {
+    fn curve<'a>(&self, seen: &CallInputs<'a>) -> Curve<'a> {
         let place = self.sets.first(&self.setup) + usize::from(self.table);
         Curve::new(seen.tables.get(place), self.setup.length, self.setup.parts)
     }
 
     /// Returns the position of the sink, without compensation.
     #[inline]
-    fn position(&mut self, seen: &Seen<'_>) -> i64 {
-        let total = if self.stage == Stage::Run && self.x >= 0 {
+    fn position(&mut self, seen: &CallInputs<'_>) -> i64 {
+        let total = if self.stage == MovementState::Run && self.x >= 0 {
             let curve = self.curve(seen);
-            self.total.at(curve.at(self.x, &mut self.near), self.setup.scale)
+            self.total.at(curve.at(self.x, &mut self.last_point), self.setup.scale)
         } else {
             self.total.at_end()
         };
@@ -237,13 +237,13 @@ impl Interpolator {
     }
 
     /// Returns the outputs.
-    fn told(&self) -> Outcome {
+    fn outputs_of(&self) -> Outcome {
         let rests = self.setup.is_started_by_e1();
-        let (at_rest, selected) = (u8::from(self.stage != Stage::Run), u8::from(self.sets.is_taken()));
+        let (at_rest, selected) = (u8::from(self.stage != MovementState::Run), u8::from(self.sets.is_taken()));
         let marked = u8::from(self.register.was_marked());
         let second = match self.setup {
             Setup { switches_sets: true, .. } => Some(selected),
-            Setup { tells_marks: true, .. } => Some(marked),
+            Setup { shows_marks: true, .. } => Some(marked),
             _ => None,
         };
         let (outputs, writes) = match (rests, second) {

@@ -5,15 +5,15 @@
 //!          may pass any number of tables
 //! Source   AMK-FIPW-42 to -55 with A-23 to -29, AMK-XFIPW-40 to -60 with to -22
 
-use super::super::program::{LINES, Seen};
+use super::super::program::{LINES, CallInputs};
 use super::setup::{Movement, Setup};
-use super::{Interpolator, Stage};
+use super::{Interpolator, MovementState};
 use serde::{Deserialize, Serialize};
 
 impl Interpolator {
     /// Begins a movement with its first table, at the present x.
     pub(super) fn begin(&mut self) {
-        (self.stage, self.table, self.passes, self.near) = (Stage::Run, 0, 0, 0);
+        (self.stage, self.table, self.passes, self.last_point) = (MovementState::Run, 0, 0, 0);
         (self.is_armed, self.is_stored) = (false, false);
         if self.setup.movement != Movement::Cyclic {
             self.sets.switch();
@@ -22,13 +22,13 @@ impl Interpolator {
 
     /// Advances x while the sink rests, and begins a movement if E1 and the position allow it: at the first zero of
     /// this call, or in the window.
-    pub(super) fn run_out(&mut self, way: i64, (e1, rises): (bool, bool), seen: &Seen<'_>) {
+    pub(super) fn advance_at_rest(&mut self, way: i64, (e1, rises): (bool, bool), seen: &CallInputs<'_>) {
         let length = self.curve(seen).length();
         let next = self.x.saturating_add(way);
         self.x = next.rem_euclid(length);
         let passed = next >= length;
-        self.clock_in((e1, rises), passed || self.is_in(way, self.setup.start_angle));
-        if self.stage == Stage::Run && self.setup.movement != Movement::Immediate {
+        self.clock_in((e1, rises), passed || self.is_in_window(way, self.setup.start_angle));
+        if self.stage == MovementState::Run && self.setup.movement != Movement::Immediate {
             if passed {
                 self.x = next - length;
             }
@@ -48,7 +48,7 @@ impl Interpolator {
             Movement::Immediate => return,
             Movement::Cyclic => self.is_armed = true,
             Movement::Sequence => self.is_armed |= rises,
-            Movement::Coupled if self.setup.by_level => self.is_armed = e1 && self.knows_edge,
+            Movement::Coupled if self.setup.by_level => self.is_armed = e1 && self.had_edge,
             Movement::Coupled => self.is_armed = e1 && (self.is_armed || rises),
         }
         if self.is_armed && is_there {
@@ -57,21 +57,21 @@ impl Interpolator {
     }
 
     /// Leaves the working table for the stop tables within its window; without stop tables the pass runs to its end.
-    pub(super) fn clock_out(&mut self, way: i64, e1: bool, seen: &Seen<'_>) {
+    pub(super) fn clock_out(&mut self, way: i64, e1: bool, seen: &CallInputs<'_>) {
         let Setup { movement, tables, working, stop_angle, .. } = self.setup;
-        let may = self.stage == Stage::Run && movement == Movement::Coupled && !e1;
-        if may && self.table == working && working.saturating_add(1) < tables && self.is_in(way, stop_angle) {
+        let may = self.stage == MovementState::Run && movement == Movement::Coupled && !e1;
+        if may && self.table == working && working.saturating_add(1) < tables && self.is_in_window(way, stop_angle) {
             let length = self.curve(seen).length();
-            self.register.leave(&self.setup.marks, self.x, length);
-            (self.table, self.near) = (working.saturating_add(1), 0);
+            self.register.end_working_table(&self.setup.marks, self.x, length);
+            (self.table, self.last_point) = (working.saturating_add(1), 0);
             // Tables of the set may have different lengths.
             self.x = self.x.rem_euclid(self.curve(seen).length());
         }
     }
 
     /// Handles the ends of tables that x has passed: each table once, the working table any number of times.
-    pub(super) fn pass_ends(&mut self, e1: bool, seen: &Seen<'_>) {
-        while self.stage == Stage::Run {
+    pub(super) fn pass_ends(&mut self, e1: bool, seen: &CallInputs<'_>) {
+        while self.stage == MovementState::Run {
             let curve = self.curve(seen);
             let length = curve.length();
             if self.x < length {
@@ -80,13 +80,13 @@ impl Interpolator {
             let times = self.repeats(self.x / length, e1);
             self.total.pass(curve.end(), times, self.setup.scale);
             self.x -= length.saturating_mul(times);
-            self.near = 0;
+            self.last_point = 0;
             if self.table == self.setup.working {
                 self.passes = self.passes.saturating_add(times);
                 // The register sees at most two passes: further ones change nothing after the second.
                 (0..times.min(2)).for_each(|_| self.register.pass());
             }
-            self.go_on(e1, seen);
+            self.change_table(e1, seen);
         }
     }
 
@@ -111,7 +111,7 @@ impl Interpolator {
     }
 
     /// Changes to the table that follows the end of the present one.
-    fn go_on(&mut self, e1: bool, seen: &Seen<'_>) {
+    fn change_table(&mut self, e1: bool, seen: &CallInputs<'_>) {
         let Setup { movement, tables, working, passes, .. } = self.setup;
         let repeats = self.table == working
             && match movement {
@@ -127,7 +127,7 @@ impl Interpolator {
                     next = working.saturating_add(1);
                 }
             }
-            self.register.leave(&self.setup.marks, 0, 1);
+            self.register.end_working_table(&self.setup.marks, 0, 1);
             if next >= tables {
                 self.end(e1, seen);
                 return;
@@ -140,13 +140,13 @@ impl Interpolator {
     }
 
     /// Ends a movement, or begins the next one immediately.
-    fn end(&mut self, e1: bool, seen: &Seen<'_>) {
+    fn end(&mut self, e1: bool, seen: &CallInputs<'_>) {
         let again = e1 && (self.is_stored || self.setup.by_level && self.setup.movement == Movement::Coupled);
         if again {
             self.begin();
             return;
         }
-        (self.stage, self.table, self.is_armed, self.is_stored) = (Stage::Out, 0, false, false);
+        (self.stage, self.table, self.is_armed, self.is_stored) = (MovementState::Out, 0, false, false);
         self.x = match self.setup.movement {
             Movement::Immediate => 0,
             _ => self.x.rem_euclid(self.curve(seen).length()),
@@ -154,8 +154,8 @@ impl Interpolator {
     }
 
     /// Returns to the previous tables while the master moves back.
-    pub(super) fn pass_back(&mut self, seen: &Seen<'_>) {
-        while self.stage == Stage::Run && self.x < 0 {
+    pub(super) fn return_to_previous(&mut self, seen: &CallInputs<'_>) {
+        while self.stage == MovementState::Run && self.x < 0 {
             let is_cyclic = self.setup.movement == Movement::Cyclic;
             let working = self.setup.working;
             let before = match self.table {
@@ -167,9 +167,9 @@ impl Interpolator {
                 _ => return,
             };
             if before == working || self.table == working {
-                self.register.go_back();
+                self.register.return_to_previous_pass();
             }
-            (self.table, self.near) = (before, 0);
+            (self.table, self.last_point) = (before, 0);
             let curve = self.curve(seen);
             let all = self.x.saturating_neg().saturating_add(curve.length() - 1) / curve.length();
             let times = match before {
@@ -193,9 +193,9 @@ pub(super) struct Sets {
     count: u8,
     active: u8,
     /// Set that is selected now.
-    wanted: Option<u8>,
+    selected: Option<u8>,
     /// Selection that was carried out.
-    taken: Option<u8>,
+    executed: Option<u8>,
 }
 
 impl Sets {
@@ -207,7 +207,7 @@ impl Sets {
 
     /// Reads the selection from the inputs.
     #[inline]
-    pub(super) fn look(&mut self, setup: &Setup, seen: &Seen<'_>) {
+    pub(super) fn read_inputs(&mut self, setup: &Setup, seen: &CallInputs<'_>) {
         if !setup.switches_sets {
             return;
         }
@@ -221,28 +221,28 @@ impl Sets {
             3 | 4 => 0b011,
             _ => 0b111,
         };
-        self.wanted = (inputs & 1 == 1).then_some(inputs >> 1 & mask);
-        if self.taken != self.wanted {
-            self.taken = None;
+        self.selected = (inputs & 1 == 1).then_some(inputs >> 1 & mask);
+        if self.executed != self.selected {
+            self.executed = None;
         }
     }
 
     /// Returns true if the set changes at the next opportunity.
     #[inline]
     pub(super) fn is_due(&self) -> bool {
-        self.wanted.is_some_and(|set| set < self.count && set != self.active)
+        self.selected.is_some_and(|set| set < self.count && set != self.active)
     }
 
     /// Activates the selected set.
     pub(super) fn switch(&mut self) {
-        if let Some(set) = self.wanted.filter(|set| *set < self.count) {
-            (self.active, self.taken) = (set, Some(set));
+        if let Some(set) = self.selected.filter(|set| *set < self.count) {
+            (self.active, self.executed) = (set, Some(set));
         }
     }
 
     /// Returns true if the selected set is active.
     pub(super) fn is_taken(&self) -> bool {
-        self.taken.is_some()
+        self.executed.is_some()
     }
 
     pub(super) fn is_sound(&self) -> bool {

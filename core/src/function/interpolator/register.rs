@@ -92,7 +92,7 @@ impl Marks {
 
 /// State of the control of a working table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Register {
+pub(super) struct MarkControl {
     /// dXM of the last mark; 0 if the last pass had none.
     deviation: i64,
     /// Whether this pass has had a valid mark.
@@ -104,14 +104,14 @@ pub(super) struct Register {
     /// C that waits for SK.
     waiting: Option<i64>,
     /// C that is applied in this pass, and its window.
-    runs: Option<(i64, (i64, i64))>,
+    active_correction: Option<(i64, (i64, i64))>,
     /// Whether SK was passed in this pass.
     is_open: bool,
     /// Sum of C applied before this pass.
     done: i64,
 }
 
-impl Register {
+impl MarkControl {
     /// Evaluates a mark at x of the present pass; a negative x is in the previous pass, which had that length.
     pub(super) fn mark(&mut self, marks: &Marks, curve: &Curve<'_>, x: i64, scale: Scale) {
         if x >= 0 {
@@ -139,7 +139,7 @@ impl Register {
     /// Returns the correction at x.
     pub(super) fn at(&mut self, marks: &Marks, x: i64, length: i64) -> i64 {
         self.open(marks, x, length);
-        let Some((all, (start, wide))) = self.runs else { return self.done };
+        let Some((all, (start, wide))) = self.active_correction else { return self.done };
         // C has 32 bits, positions have 15.
         let part = if x >= start.saturating_add(wide) {
             all
@@ -153,13 +153,13 @@ impl Register {
     fn open(&mut self, marks: &Marks, x: i64, length: i64) {
         if !self.is_open && x >= marks.window(length).0 {
             self.is_open = true;
-            self.runs = self.waiting.take().map(|all| (all, marks.window(length)));
+            self.active_correction = self.waiting.take().map(|all| (all, marks.window(length)));
         }
     }
 
     /// Ends a pass: its correction has been applied completely.
     pub(super) fn pass(&mut self) {
-        let all = if self.is_open { self.runs.take().map(|(all, _)| all) } else { self.waiting.take() };
+        let all = if self.is_open { self.active_correction.take().map(|(all, _)| all) } else { self.waiting.take() };
         self.done = self.done.wrapping_add(all.unwrap_or(0));
         self.was_marked = std::mem::take(&mut self.is_marked);
         if !self.was_marked {
@@ -169,23 +169,23 @@ impl Register {
     }
 
     /// Leaves the working table at x: the applied correction stays, and a waiting one is dropped.
-    pub(super) fn leave(&mut self, marks: &Marks, x: i64, length: i64) {
-        if self.runs.is_some() {
+    pub(super) fn end_working_table(&mut self, marks: &Marks, x: i64, length: i64) {
+        if self.active_correction.is_some() {
             self.done = self.at(marks, x, length);
         }
-        (self.runs, self.waiting, self.is_open, self.is_marked) = (None, None, false, false);
+        (self.active_correction, self.waiting, self.is_open, self.is_marked) = (None, None, false, false);
     }
 
     /// Returns to the previous pass: the correction of this pass waits for the next one, and the mark belongs to the
     /// previous one.
-    pub(super) fn go_back(&mut self) {
-        let taken = self.runs.take().map(|(all, _)| all);
+    pub(super) fn return_to_previous_pass(&mut self) {
+        let taken = self.active_correction.take().map(|(all, _)| all);
         self.waiting = self.waiting.or(taken);
         (self.is_open, self.is_marked) = (true, self.was_marked);
     }
 
     /// Returns the sum of the corrections so far, while no pass of the working table runs.
-    pub(super) fn done(&self) -> i64 {
+    pub(super) fn applied(&self) -> i64 {
         self.done
     }
 

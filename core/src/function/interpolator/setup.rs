@@ -53,7 +53,7 @@ pub(super) struct Setup {
     /// Whether the set may change at each end of a table, not only where the working table is repeated.
     pub switches_everywhere: bool,
     /// Whether an output shows that the last pass had a mark.
-    pub tells_marks: bool,
+    pub shows_marks: bool,
     pub marks: Marks,
 }
 

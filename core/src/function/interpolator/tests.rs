@@ -1,13 +1,13 @@
 //! Tests of interpolators: oracles, and comparison with single increments.
 
-use super::super::program::{LINES, Outcome, Program, Seen};
-use super::super::trial::{at_rest, set, setting, tabs};
+use super::super::program::{LINES, Outcome, FunctionProgram, CallInputs};
+use super::super::trial::{at_rest, set, setting, as_tables};
 use super::fipw::{self, Fipw};
 use super::fipz::{self, Fipz};
 use super::xfipw::{self, Xfipw};
 use crate::code::Code;
 use crate::function::field::{Field, Words};
-use crate::function::program::{Fault, Reading, Setting};
+use crate::function::program::{Fault, SourceValue, Setting};
 use crate::table::{Form, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ struct Bench<'a, P> {
     sink: i64,
 }
 
-impl<'a, P: Program> Bench<'a, P> {
+impl<'a, P: FunctionProgram> Bench<'a, P> {
     fn of(function: P, fields: &'static [Field], tables: &'a [Arc<Table>]) -> Self {
         Self { function, fields, tables, call_ns: 2 * HALF, travel: 0, sink: 0 }
     }
@@ -57,9 +57,9 @@ impl<'a, P: Program> Bench<'a, P> {
         self.function.check(Words(&words), &setting(self.call_ns, self.found())).err()
     }
 
-    fn seen(&self, inputs: u8, mark: Option<i64>) -> Seen<'a> {
-        let source = Reading { value: self.travel, travel: self.travel, mark };
-        Seen { call_ns: self.call_ns, source, inputs, sink: self.sink, tables: tabs(self.tables), ..at_rest() }
+    fn seen(&self, inputs: u8, mark: Option<i64>) -> CallInputs<'a> {
+        let source = SourceValue { value: self.travel, travel: self.travel, mark };
+        CallInputs { call_ns: self.call_ns, source, inputs, sink: self.sink, tables: as_tables(self.tables), ..at_rest() }
     }
 
     fn start(&mut self, values: &[(&str, i64)], inputs: u8) -> Outcome {
@@ -116,7 +116,7 @@ fn extended<'a>(ba: i64, more: &[(&'a str, i64)]) -> Vec<(&'a str, i64)> {
 }
 
 /// Executes a call with a mark that is `back` increments behind.
-fn marked<P: Program>(bench: &mut Bench<'_, P>, way: i64, back: i64) -> Outcome {
+fn marked<P: FunctionProgram>(bench: &mut Bench<'_, P>, way: i64, back: i64) -> Outcome {
     bench.travel += way;
     let outcome = bench.function.step(&bench.seen(0, Some(bench.travel - back)));
     bench.sink = outcome.sink;

@@ -10,9 +10,9 @@
 //! Source   AMK-XFIPW-01 to -68, -86 to -126; A-04 to -22, A-29, A-31
 
 use super::super::field::{Field, Words, number, place};
-use super::super::program::{Fault, Outcome, Program, Seen, Setting};
+use super::super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
 use super::super::time::check_cycle;
-use super::check::{self, Takes, check_tables, needs, present, within};
+use super::check::{self, AllowedTables, check_tables, needs, count_tables, within};
 use super::register::{BEFORE_SAK, MARKS, Marks};
 use super::setup::{Movement, Setup};
 use super::{Interpolator, fipw, value_at};
@@ -105,7 +105,7 @@ const fn live(name: &'static str, max: i64, unit: &'static str, help: &'static s
     Field::new(name, 0, max, unit, help, source).live()
 }
 
-const TAKES: Takes = Takes { y: 2000, xy: 1000, length: (50, 32_767) };
+const TAKES: AllowedTables = AllowedTables { y: 2000, xy: 1000, length: (50, 32_767) };
 
 /// Fields of printing mark control: FL, D, V, W, SK, LK, k and n.
 const REGISTER: [&str; 8] = [
@@ -170,7 +170,7 @@ fn setup(words: Words<'_>, call_ns: u64) -> Setup {
         retriggers: has(RETRIGGER),
         switches_sets,
         switches_everywhere: has(EVERYWHERE),
-        tells_marks: has(MARKS),
+        shows_marks: has(MARKS),
         marks: marks(words),
     }
 }
@@ -183,7 +183,7 @@ fn marks(words: Words<'_>) -> Marks {
 
 /// Returns the number of tables that a set needs: those of one movement, or all tables of the slot.
 fn tables_of(setting: &Setting<'_>, total: i64, switches_sets: bool) -> Result<usize, Fault> {
-    let (there, total) = (present(setting), total as usize);
+    let (there, total) = (count_tables(setting), total as usize);
     if !switches_sets || there < total {
         return Ok(total);
     }
@@ -253,7 +253,7 @@ impl Xfipw {
             check::check_zero_pulse(setting, function, field("function"))?;
         }
         let length = if by_time { (1, check::longest(setting.call_ns).min(32_767)) } else { TAKES.length };
-        check_tables(setting, count, &Takes { length, ..TAKES }, &setup(words, setting.call_ns))
+        check_tables(setting, count, &AllowedTables { length, ..TAKES }, &setup(words, setting.call_ns))
     }
 
     /// Checks the offset and the windows, which depend on the mode.
@@ -269,7 +269,7 @@ impl Xfipw {
         let at_once = movement == Movement::Immediate || by_time && movement == Movement::Cyclic;
         let least = if by_time { 0 } else { -last(0) };
         let marks = setup.marks;
-        if setup.tells_marks {
+        if setup.shows_marks {
             let fields = REGISTER.map(|name| number(FIELDS, name));
             check::check_marks(&marks, fields, last(usize::from(setup.working)) + 1)?;
         }
@@ -285,22 +285,22 @@ impl Xfipw {
     }
 }
 
-impl Program for Xfipw {
+impl FunctionProgram for Xfipw {
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         Self::check_set(words, setting)?;
         Self::check_places(words, setting)
     }
 
-    fn start(&mut self, words: Words<'_>, seen: &Seen<'_>) -> Outcome {
+    fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         self.0.start(setup(words, seen.call_ns), seen)
     }
 
-    fn renew(&mut self, words: Words<'_>) {
+    fn apply_values(&mut self, words: Words<'_>) {
         self.0.renew(marks(words));
     }
 
     #[inline]
-    fn step(&mut self, seen: &Seen<'_>) -> Outcome {
+    fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
         self.0.step(seen)
     }
 
@@ -312,7 +312,7 @@ impl Program for Xfipw {
         let value = value_at(&Curve::new(table, setup.length, setup.parts), setup.offset, &setup);
         if i32::try_from(value).is_err() {
             let bound = if value < 0 { i32::MIN } else { i32::MAX };
-            return Err(check::beyond(number(FIELDS, "output_value"), value, bound.into()));
+            return Err(check::out_of_range(number(FIELDS, "output_value"), value, bound.into()));
         }
         Ok(Some((at("output_value") as u16, value)))
     }
@@ -321,11 +321,11 @@ impl Program for Xfipw {
         self.0.rests()
     }
 
-    fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
+    fn runs_with(&self, words: Words<'_>, call_ns: u64) -> bool {
         self.0.is_set(&setup(words, call_ns))
     }
 
-    fn is_sound(&self) -> bool {
+    fn is_valid_state(&self) -> bool {
         self.0.is_sound()
     }
 }

@@ -1,6 +1,6 @@
 //! Test oracles of the controller, its switches, limits, filters and synchronization.
 
-use super::super::program::{LINES, Reading};
+use super::super::program::{LINES, SourceValue};
 use super::super::trial::{at_rest, set, setting};
 use super::*;
 
@@ -14,7 +14,7 @@ const DIRECT: i64 = 2;
 /// A controller with its inputs.
 #[derive(Clone)]
 struct Bench {
-    regl: Regl,
+    regl: PidFunction,
     values: Vec<(&'static str, i64)>,
     words: [i64; WORDS],
 }
@@ -33,7 +33,7 @@ const EXAMPLE: [(&str, i64); 9] = [
 ];
 
 fn example(more: &[(&'static str, i64)]) -> Bench {
-    let mut bench = Bench { regl: Regl::new([false; WORDS]), values: EXAMPLE.into(), words: [0; WORDS] };
+    let mut bench = Bench { regl: PidFunction::new([false; WORDS]), values: EXAMPLE.into(), words: [0; WORDS] };
     bench.take(more);
     bench
 }
@@ -62,9 +62,9 @@ impl Bench {
         self.regl.check(Words(&words), &Setting { runs, ..setting(1_000_000, [None; LINES]) })
     }
 
-    fn seen(&self, value: i64, inputs: u8) -> Seen<'_> {
-        let source = Reading { value, travel: value, mark: None };
-        Seen { source, inputs, words: self.words, ..at_rest() }
+    fn seen(&self, value: i64, inputs: u8) -> CallInputs<'_> {
+        let source = SourceValue { value, travel: value, mark: None };
+        CallInputs { source, inputs, words: self.words, ..at_rest() }
     }
 
     /// Returns sink and outputs of START.
@@ -74,14 +74,14 @@ impl Bench {
         let mut regl = self.regl.clone();
         let told = regl.start(Words(&words), &self.seen(value, inputs));
         self.regl = regl;
-        assert!(self.regl.is_sound() && self.regl.is_set(Words(&words), 1));
+        assert!(self.regl.is_valid_state() && self.regl.runs_with(Words(&words), 1));
         (told.sink, told.outputs)
     }
 
     fn value_new(&mut self, more: &[(&'static str, i64)]) {
         assert_eq!(self.checked(more, true), Ok(()));
         self.take(more);
-        self.regl.renew(Words(&set(FIELDS, &self.values)));
+        self.regl.apply_values(Words(&set(FIELDS, &self.values)));
     }
 
     /// Returns sink and outputs of a call.
@@ -89,7 +89,7 @@ impl Bench {
         let mut regl = self.regl.clone();
         let told = regl.step(&self.seen(value, inputs));
         self.regl = regl;
-        assert!(self.regl.is_sound() && told.writes == A1 | A2);
+        assert!(self.regl.is_valid_state() && told.writes == A1 | A2);
         (told.sink, told.outputs)
     }
 
@@ -263,7 +263,7 @@ fn inputs_are_the_switches_where_ba_says_so() {
 fn an_edge_makes_a_control_cycle_and_w2_is_of_each_call() {
     for (ba, edge, more) in [(2, E1, 0), (3, E4, E1 | E2 | E3)] {
         let mut bench = plain(&[("ba", ba), ("kp", 256), ("ki", 256), ("switch_mask", 7), ("i_max", 100_000)]);
-        bench.regl = Regl::new([false, true]);
+        bench.regl = PidFunction::new([false, true]);
         bench.words[1] = 1000;
         // An input that is 1 at START is no edge.
         assert_eq!(bench.start(-5, edge | more).0, 1000, "ba {ba}");
@@ -301,16 +301,16 @@ fn commands_come_from_words_of_16_and_32_bits() {
     let mut bench = plain(&[("cmd1", 11), ("cmd2", 22), ("switch_mask", 7)]);
     bench.words = [300, 5000];
     assert_eq!(bench.start(0, 0).0, 33, "no words");
-    bench.regl = Regl::new([true, false]);
+    bench.regl = PidFunction::new([true, false]);
     assert_eq!(bench.start(0, 0).0, 322);
-    bench.regl = Regl::new([false, true]);
+    bench.regl = PidFunction::new([false, true]);
     assert_eq!(bench.start(0, 0).0, 5011);
-    bench.regl = Regl::new([true, true]);
+    bench.regl = PidFunction::new([true, true]);
     bench.words = [-40_000, 1 << 40];
     assert_eq!(bench.start(0, 0).0, i64::from(i32::MAX) - 32_768);
     bench.words = [40_000, 0];
     assert_eq!(bench.step(0, 0).0, 32_767);
-    assert!(!bench.regl.is_set_up_as(&Regl::new([true, false])));
+    assert!(!bench.regl.is_set_up_as(&PidFunction::new([true, false])));
 }
 
 /// Proves: AMK-REGL-07, AMK-REGL-25

@@ -15,8 +15,8 @@ fn tables(table: &Table) -> [Option<&Table>; LINES] {
 }
 
 /// A call in which the first drives have these errors and compensations.
-fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Arc<Table>>) -> Seen<'a> {
-    let mut seen = Seen { sink: 7, tables: table.map_or(NO_TABLES, tab0), ..at_rest() };
+fn call<'a>(drives: &[(i64, i64)], table: Option<&'a Arc<Table>>) -> CallInputs<'a> {
+    let mut seen = CallInputs { sink: 7, tables: table.map_or(NO_TABLES, tab0), ..at_rest() };
     let mut told = *NO_DRIVES;
     for (drive, (error, sak_share)) in told.iter_mut().zip(drives) {
         *drive = Drive { error: *error, sak_share: *sak_share, actual: 0 };
@@ -152,18 +152,18 @@ fn new_values_keep_bits_and_means_and_read_the_table_again() {
     // A replaced table has no effect before VALUE_NEW.
     assert_eq!(sidiff.step(&call(&high, Some(&new))), outcome(60, 3, 3));
     // The mean of drive 1 continues: (60 + 60 + 0) / 3 = 40, not above 40; drive 2: 200, not above 300.
-    sidiff.renew(Words(&values(3, 1, 4)));
+    sidiff.apply_values(Words(&values(3, 1, 4)));
     assert_eq!(sidiff.step(&call(&[(0, 0), (200, 0)], Some(&new))), outcome(40, 0, 3));
     // Another length restarts the mean.
-    sidiff.renew(Words(&values(3, 1, 5)));
+    sidiff.apply_values(Words(&values(3, 1, 5)));
     assert_eq!(sidiff.step(&call(&[(90, 0), (400, 0)], Some(&new))), outcome(90, 3, 3));
     // Drive 2 is no longer monitored: its bit is written once as 0, then not at all. Drive 3 is only displayed.
-    sidiff.renew(Words(&values(1, 3, 5)));
+    sidiff.apply_values(Words(&values(1, 3, 5)));
     let third = [(90, 0), (400, 0), (5000, 0)];
     assert_eq!(sidiff.step(&call(&third, Some(&new))), outcome(5000, 1, 3));
     assert_eq!(sidiff.step(&call(&third, Some(&new))), outcome(5000, 1, 1));
     // Monitored again, it starts without its old state.
-    sidiff.renew(Words(&values(3, 2, 5)));
+    sidiff.apply_values(Words(&values(3, 2, 5)));
     assert_eq!(sidiff.step(&call(&[(90, 0), (0, 0)], Some(&new))), outcome(0, 1, 3));
 }
 
@@ -204,7 +204,7 @@ fn a_table_that_does_not_fit_the_drives_is_refused_with_its_number() {
 
 #[test]
 fn a_state_that_cannot_be_is_told() {
-    assert!(Sidiff::new().is_sound());
+    assert!(Sidiff::new().is_valid_state());
     let unsound: [fn(&mut Sidiff); 5] = [
         |sidiff| sidiff.watches[7].limit.divider = 0,
         |sidiff| sidiff.watches[0].limit.threshold = -1,
@@ -215,7 +215,7 @@ fn a_state_that_cannot_be_is_told() {
     for change in unsound {
         let mut sidiff = Sidiff::new();
         change(&mut sidiff);
-        assert!(!sidiff.is_sound());
+        assert!(!sidiff.is_valid_state());
         // The step does not panic.
         sidiff.step(&call(&[(i64::MAX, i64::MIN); 8], None));
     }
@@ -265,7 +265,7 @@ proptest! {
             let seen = call(drives, Some(&table));
             let given = if k == 0 { sidiff.start(Words(&words), &seen) } else { sidiff.step(&seen) };
             prop_assert_eq!(given, outcome(mean(0, k), bit(0, k) | bit(1, k), 3));
-            prop_assert!(sidiff.is_sound());
+            prop_assert!(sidiff.is_valid_state());
         }
     }
 }

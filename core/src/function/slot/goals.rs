@@ -39,7 +39,7 @@ impl Slot {
     }
 
     /// Ends its goal for another reason than its order, which is dropped.
-    pub(crate) fn fail_goal(&mut self, code: Code) {
+    pub(crate) fn abort_goal(&mut self, code: Code) {
         if self.goal.is_some() {
             self.end_goal(code);
             self.function.drop_order();
@@ -66,9 +66,9 @@ impl Slot {
 
     /// Advances the goal by the result of the call.
     #[cold]
-    pub(super) fn follow_goal(&mut self) {
+    pub(super) fn advance_goal(&mut self) {
         let Some(goal) = &mut self.goal else { return };
-        if let Some(code) = goal.take(self.function.progress()) {
+        if let Some(code) = goal.advance(self.function.progress()) {
             self.end_goal(code);
             if code == Code::CANCELLED {
                 self.function.drop_order();

@@ -3,7 +3,7 @@
 use super::{Cycle, Phase, Slot, Written};
 use crate::code::Code;
 use crate::function::apsf::Host;
-use crate::function::program::{Outcome, Seen};
+use crate::function::program::{Outcome, CallInputs};
 use crate::function::wires::Wires;
 use crate::signal::Board;
 use lineshaft_program::Module;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 impl Slot {
     /// Returns the inputs of a call together with the environment of a program.
-    pub(super) fn hosted<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &'a Board, sink: i64) -> Seen<'a> {
+    pub(super) fn inputs_of_program<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &'a Board, sink: i64) -> CallInputs<'a> {
         let host = module(wires, cx.programs).map(|module| Host {
             module,
             fuel: wires.fuel,
@@ -20,19 +20,19 @@ impl Slot {
             writes: &wires.writes,
             first_output: first_output(wires),
         });
-        Seen { host, ..self.seen(wires, cx, board, sink) }
+        CallInputs { host, ..self.seen(wires, cx, board, sink) }
     }
 
     /// Calls a program; separate, so that other types take no time for it.
     #[inline(never)]
     pub(super) fn call_program(&mut self, wires: &Wires, cx: &Cycle<'_>, board: &mut Board) -> Written {
-        let seen = self.hosted(wires, cx, board, self.sink);
+        let seen = self.inputs_of_program(wires, cx, board, self.sink);
         let outcome = self.function.step(&seen);
-        self.take_program(wires, cx, outcome, board)
+        self.apply_result(wires, cx, outcome, board)
     }
 
     /// Applies the result of a program, or ends it.
-    pub(super) fn take_program(
+    pub(super) fn apply_result(
         &mut self,
         wires: &Wires,
         cx: &Cycle<'_>,
@@ -42,7 +42,7 @@ impl Slot {
         if let Some(code) = outcome.failed {
             return self.fail(wires, code, board);
         }
-        self.move_sink(wires, outcome.sink);
+        self.advance_sink(wires, outcome.sink);
         self.lead.velocity = self.lead.change.to_f64() / cx.cycle_s;
         let written = self.write(wires, outcome, board);
         self.write_cells(wires, cx, board);

@@ -1,4 +1,4 @@
-use super::super::program::Reading;
+use super::super::program::SourceValue;
 use super::super::trial::{CALL_NS, at_rest, set, setting};
 use super::*;
 use crate::event::Number;
@@ -20,11 +20,11 @@ fn words(mode: i64, others: &[(&str, i64)]) -> Vec<i64> {
     set(FIELDS, &[&[("mode", mode)], others].concat())
 }
 
-fn at<'a>(travel: i64, inputs: u8) -> Seen<'a> {
-    Seen { source: Reading { travel, ..Reading::default() }, inputs, ..at_rest() }
+fn at<'a>(travel: i64, inputs: u8) -> CallInputs<'a> {
+    CallInputs { source: SourceValue { travel, ..SourceValue::default() }, inputs, ..at_rest() }
 }
 
-fn started(words: &[i64], seen: &Seen<'_>) -> Varsync {
+fn started(words: &[i64], seen: &CallInputs<'_>) -> Varsync {
     let mut varsync = Varsync::new(true);
     let first = varsync.start(Words(words), seen);
     assert_eq!((first.sink, first.sak_share), (seen.sink, 0));
@@ -97,8 +97,8 @@ fn two_levels_choose_of_three_ratios_and_both_keep_it() {
 #[test]
 fn a_word_is_the_ratio_of_each_call() {
     let words = words(3, &RATIOS);
-    let mut varsync = started(&words, &Seen { words: [7, 0], ..at(0, 0) });
-    let mut slave = |travel, word| varsync.step(&Seen { words: [word, 0], ..at(travel, 1) }).sink;
+    let mut varsync = started(&words, &CallInputs { words: [7, 0], ..at(0, 0) });
+    let mut slave = |travel, word| varsync.step(&CallInputs { words: [word, 0], ..at(travel, 1) }).sink;
     assert_eq!([slave(100, 10_000), slave(200, -10_000), slave(300, 0), slave(400, 65_535 - 9_999)], [100, 0, 0, -100]);
     // 227.67, then -100.01: both are rounded down.
     assert_eq!([slave(500, 32_767), slave(600, 32_768)], [227, -101]);
@@ -108,7 +108,7 @@ fn a_word_is_the_ratio_of_each_call() {
 #[test]
 fn a_remainder_passes_on_from_ratio_to_ratio() {
     // 0.3333 and 0.0001: a third of an increment is kept while the other ratio is active.
-    let mut varsync = started(&words(0, &[("m1", 3_333), ("m2", 1)]), &Seen { sink: -5, ..at(1 << 40, 0) });
+    let mut varsync = started(&words(0, &[("m1", 3_333), ("m2", 1)]), &CallInputs { sink: -5, ..at(1 << 40, 0) });
     let mut slave = |travel, inputs| varsync.step(&at((1_i64 << 40) + travel, inputs)).sink;
     // 3333, 6666, 6667, 10000 of 10000; and back by 1 of m2: 9999.
     assert_eq!([slave(1, 0), slave(2, 0), slave(3, 1), slave(4, 0), slave(3, 1)], [-5, -5, -5, -4, -5]);
@@ -118,18 +118,18 @@ fn a_remainder_passes_on_from_ratio_to_ratio() {
 fn the_largest_ways_wrap_instead_of_overflowing() {
     for ratio in [i16::MIN, -1, 1, i16::MAX] {
         let words = words(0, &[("m1", ratio.into()), ("sak", 32_767)]);
-        let mut varsync = started(&words, &Seen { sink: i64::MAX, ..at(i64::MIN, 0) });
+        let mut varsync = started(&words, &CallInputs { sink: i64::MAX, ..at(i64::MIN, 0) });
         let mut exact = i128::from(i64::MAX) * i128::from(ONE);
         for (travel, change) in [(-1, i64::MAX), (i64::MAX, i64::MIN), (i64::MIN, 1), (0, i64::MIN)] {
             varsync.step(&at(travel, 0));
             exact += i128::from(ratio) * i128::from(change);
             assert_eq!(varsync.slave, exact.div_euclid(ONE.into()) as i64);
-            assert!(varsync.is_sound());
+            assert!(varsync.is_valid_state());
         }
     }
     let mut read = Varsync::new(true);
     read.remainder = ONE;
-    assert!(!read.is_sound());
+    assert!(!read.is_valid_state());
 }
 
 /// Proves: AMK-VARSYNC-01, AMK-VARSYNC-03
@@ -198,14 +198,14 @@ proptest! {
         let fields: Vec<_> = RATIOS.iter().map(|(name, _)| *name).zip(ratios.map(i64::from)).collect();
         let (mut travel, sink) = (i64::from(begin.0), i64::from(begin.1));
         let inputs: Vec<_> = calls.iter().map(|(_, inputs)| *inputs).collect();
-        let mut varsync = started(&words(mode, &fields), &Seen { sink, ..at(travel, inputs[0]) });
+        let mut varsync = started(&words(mode, &fields), &CallInputs { sink, ..at(travel, inputs[0]) });
         let mut exact = i128::from(sink) * 10_000;
         for (k, (change, inputs_now)) in calls.iter().enumerate().skip(1) {
             travel += change;
             exact += i128::from(ratios[chosen(mode, &inputs, k)]) * i128::from(*change);
             let slave = varsync.step(&at(travel, *inputs_now)).sink;
             prop_assert_eq!(i128::from(slave), exact.div_euclid(10_000));
-            prop_assert!(varsync.is_sound());
+            prop_assert!(varsync.is_valid_state());
         }
     }
 }

@@ -42,7 +42,7 @@ fn wf(axis: u16) -> Action {
 }
 
 /// Returns every command that could switch an axis on or move it.
-fn doors(axis: u16) -> Vec<Action> {
+fn moving_commands(axis: u16) -> Vec<Action> {
     use saia::Command::{Initialise, LoadDestination, Start};
     vec![
         Action::Enable(all()),
@@ -87,13 +87,13 @@ fn nothing_is_switched_on_and_nothing_moves_while_it_is_inactive() {
         rig.run(5);
         let before = ["line.command.position", "x.actual.position", "y.actual.position"].map(|name| rig.int(name));
         for axis in [LINE, X, Y] {
-            for door in doors(axis) {
+            for door in moving_commands(axis) {
                 let sequence = rig.give(door.clone());
                 assert_eq!(rig.refusal(sequence), REFUSED, "{door:?}");
                 rig.run(20);
             }
             // Orders of a vocabulary, and the reference selector, which moves the axis by parameters.
-            let limits = parameters().usual_limits();
+            let limits = parameters().default_goal_limits();
             for order in [Order::SwitchOn, Order::Velocity { velocity: 100.0, limits }] {
                 if axis != LINE || order != Order::SwitchOn {
                     assert!(rig.order(axis, order).is_err(), "{order:?}");
@@ -289,7 +289,7 @@ proptest! {
         rig.run(77);
         let deactivation = rig.give(Action::Deactivate);
         for (door, axis, cycles) in given {
-            let sequence = rig.give(doors(axis)[door].clone());
+            let sequence = rig.give(moving_commands(axis)[door].clone());
             prop_assert_eq!(rig.refusal(sequence), REFUSED);
             for _ in 0..cycles {
                 rig.run(1);

@@ -11,7 +11,7 @@ use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
 use crate::table::{Form, Table};
-use crate::text::sentence;
+use crate::text::message;
 use crate::vocabulary::amc::Wiring;
 use std::sync::Arc;
 
@@ -65,7 +65,7 @@ fn latch(object: Object, age_ns: u32, position: Option<i64>) -> Latch {
 
 fn warnings(rig: &Rig) -> Vec<String> {
     let told = rig.events.iter().filter(|event| event.kind == Kind::Warning);
-    told.map(|event| sentence(event, rig.machine.config())).collect()
+    told.map(|event| message(event, rig.machine.config())).collect()
 }
 
 /// A master runs the whole cycle before its follower, at any place in the file, and through a chain.

@@ -7,7 +7,7 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    AbortTrigger, Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level, Move, MoveMode,
+    AbortTrigger, Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, DisengageAt, Level, Move, MoveMode,
     OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory, SetPosition, ShiftPosition, Synchronize,
     TouchProbe,
 };
@@ -25,7 +25,7 @@ use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::trajectory::{Tolerance, Track, Trajectory};
 use crate::vocabulary::{self, Order, saia, wf};
 use cell::{TABLES, fixtures, interface, law, model, output, posdrct, screw, table, tables, terminals};
-use limits::{limits_are_kept, places};
+use limits::{check_limits, places};
 use locks::Locks;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ use std::sync::Arc;
 const AXES: [&str; 3] = ["line", "x", "y"];
 
 #[derive(Clone, Debug)]
-enum Happening {
+enum RandomEvent {
     Command(Action),
     Cancel(usize),
     Cycles(u64),
@@ -267,9 +267,9 @@ fn phasing() -> impl Strategy<Value = Action> {
 fn leaving() -> impl Strategy<Value = Action> {
     let place = -30_000_i64..30_000;
     let at = prop_oneof![
-        1 => Just(LeaveAt::Now),
-        3 => place.clone().prop_map(LeaveAt::Leader),
-        2 => place.prop_map(LeaveAt::Axis),
+        1 => Just(DisengageAt::Now),
+        3 => place.clone().prop_map(DisengageAt::Leader),
+        2 => place.prop_map(DisengageAt::Axis),
     ];
     let disengage = prop::option::of(prop::sample::select(vec![Disengage::Stop, Disengage::KeepVelocity]));
     (axis(), at, disengage).prop_map(|(axis, at, disengage)| Action::GearOut(GearOut { axis, at, disengage }))
@@ -369,29 +369,29 @@ fn homing() -> impl Strategy<Value = Action> {
     prop_oneof![6 => home, 2 => set, 1 => shift, 1 => query]
 }
 
-fn telling() -> impl Strategy<Value = Action> {
+fn random_note() -> impl Strategy<Value = Action> {
     let note = (prop::sample::select(&Code::NOTES[..]), any::<i64>());
     let refuse = Just(Action::Refuse("no axis is called `q`".into()));
     prop_oneof![note.prop_map(|(code, number)| Action::Note { code, number }), refuse]
 }
 
-fn ordering() -> impl Strategy<Value = Happening> {
+fn ordering() -> impl Strategy<Value = RandomEvent> {
     let speeds = prop_oneof![1 => Just(0.0), 3 => -110_000.0..110_000.0_f64, 1 => Just(f64::NAN)];
-    let limits = super::rig::parameters().usual_limits();
+    let limits = super::rig::parameters().default_goal_limits();
     let others = prop::sample::select(vec![
         Order::SwitchOn,
         Order::SwitchOff,
-        Order::StandOnActual,
+        Order::HoldActualPosition,
         Order::Stop { limits },
         Order::Velocity { velocity: 10.0, limits },
     ]);
     let order = prop_oneof![4 => speeds.prop_map(|velocity| Order::Speed { velocity }), 1 => others];
-    (1_u16..3, order).prop_map(|(axis, order)| Happening::Order(axis, order))
+    (1_u16..3, order).prop_map(|(axis, order)| RandomEvent::Order(axis, order))
 }
 
 /// Checks the velocity commands of drives with velocity interface: never above the maximum of the axis, and 0 for an
 /// axis that must not move.
-fn velocities_are_kept(rig: &Rig, interfaces: [Interface; 2]) -> Result<(), TestCaseError> {
+fn check_velocity_commands(rig: &Rig, interfaces: [Interface; 2]) -> Result<(), TestCaseError> {
     for (name, interface) in ["x", "y"].into_iter().zip(interfaces) {
         let asked = rig.real(&format!("{name}.output.velocity"));
         let is_position = interface == Interface::Position;
@@ -413,8 +413,8 @@ fn velocities_are_kept(rig: &Rig, interfaces: [Interface; 2]) -> Result<(), Test
     Ok(())
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
-    let command = |strategy: BoxedStrategy<Action>| strategy.prop_map(Happening::Command);
+fn random_event() -> impl Strategy<Value = RandomEvent> {
+    let command = |strategy: BoxedStrategy<Action>| strategy.prop_map(RandomEvent::Command);
     prop_oneof![
         4 => command(positioning().boxed()),
         3 => command(running().boxed()),
@@ -423,7 +423,7 @@ fn happening() -> impl Strategy<Value = Happening> {
         2 => command(vocabulary().boxed()),
         2 => command(storing().boxed()),
         1 => (axis(), prop_oneof![Just(0.0), -110_000.0..110_000.0_f64, Just(f64::NAN)])
-            .prop_map(|(axis, velocity)| Happening::Stream(axis, velocity)),
+            .prop_map(|(axis, velocity)| RandomEvent::Stream(axis, velocity)),
         3 => command(coupling().boxed()),
         2 => command(phasing().boxed()),
         2 => command(leaving().boxed()),
@@ -434,24 +434,24 @@ fn happening() -> impl Strategy<Value = Happening> {
         2 => command(touch_probing().boxed()),
         2 => command(homing().boxed()),
         2 => (1_u16..3, any::<bool>(), 0_u32..1_000_000)
-            .prop_map(|(source, rising, age)| Happening::Latch(source, rising, age)),
+            .prop_map(|(source, rising, age)| RandomEvent::Latch(source, rising, age)),
         2 => command(axes().prop_map(Action::Enable).boxed()),
         1 => command(axes().prop_map(Action::Disable).boxed()),
         2 => command(axes().prop_map(Action::Halt).boxed()),
         1 => command(axes().prop_map(Action::QuickStop).boxed()),
         3 => command(axes().prop_map(Action::ResetErrors).boxed()),
         1 => command(prop::sample::select(vec![Action::Deactivate, Action::Activate, Action::Activate, Action::Abort]).boxed()),
-        1 => command(telling().boxed()),
+        1 => command(random_note().boxed()),
         1 => command(output().boxed()),
-        2 => (0_usize..3, prop::bool::weighted(0.7)).prop_map(|(input, on)| Happening::Input(input, on)),
+        2 => (0_usize..3, prop::bool::weighted(0.7)).prop_map(|(input, on)| RandomEvent::Input(input, on)),
         2 => (0_usize..2, prop::sample::select(vec![1_u32, 2, 4]), any::<bool>())
-            .prop_map(|(drive, mask, on)| Happening::Switch(drive, mask, on)),
-        2 => (0_usize..4).prop_map(Happening::Cancel),
+            .prop_map(|(drive, mask, on)| RandomEvent::Switch(drive, mask, on)),
+        2 => (0_usize..4).prop_map(RandomEvent::Cancel),
         3 => ordering(),
-        8 => (0_u64..80).prop_map(Happening::Cycles),
-        1 => (0_usize..2).prop_map(Happening::Fault),
-        1 => Just(Happening::Mirror),
-        1 => (0_usize..2, -3000_i64..3000).prop_map(|(drive, by)| Happening::Slip(drive, by)),
+        8 => (0_u64..80).prop_map(RandomEvent::Cycles),
+        1 => (0_usize..2).prop_map(RandomEvent::Fault),
+        1 => Just(RandomEvent::Mirror),
+        1 => (0_usize..2, -3000_i64..3000).prop_map(|(drive, by)| RandomEvent::Slip(drive, by)),
     ]
 }
 
@@ -511,7 +511,7 @@ proptest! {
         is_braked in any::<bool>(),
         start in prop_oneof![Just(0), Just(7), Just(1_005), Just(2_000)],
         has_two in any::<bool>(),
-        happenings in prop::collection::vec((happening(), any::<bool>()), 1..40),
+        happenings in prop::collection::vec((random_event(), any::<bool>()), 1..40),
     ) {
         let mut config = config(delay);
         terminals(&mut config, is_braked);
@@ -547,7 +547,7 @@ proptest! {
         }
         let drives = config.count_drives();
         let mut rig = Rig::with(config, models.into_iter().chain([models[0]]).take(drives));
-        (0..drives).for_each(|drive| rig.plant.drive(drive).unwrap().fit(fixtures()));
+        (0..drives).for_each(|drive| rig.plant.drive(drive).unwrap().install_fixtures(fixtures()));
         (0..2).for_each(|contact| rig.plant.set_digital(contact, true));
         rig.run(1);
         rig.give(Action::Enable(AxisSet::first(3)));
@@ -556,27 +556,27 @@ proptest! {
         let (mut before, mut stood, mut locks) = (motions(&rig), places(&rig), Locks::default());
         for (happening, together) in happenings {
             match happening {
-                Happening::Command(action) => waiting.push(action),
-                Happening::Cancel(back) => {
+                RandomEvent::Command(action) => waiting.push(action),
+                RandomEvent::Cancel(back) => {
                     waiting.extend(goals.iter().rev().nth(back).map(|&goal| Action::Cancel { goal }));
                 }
-                Happening::Fault(drive) => rig.plant.drive(drive).unwrap().inject_fault(0x8611),
-                Happening::Mirror => rig.mirror(),
-                Happening::Latch(source, rising, age) => {
+                RandomEvent::Fault(drive) => rig.plant.drive(drive).unwrap().inject_fault(0x8611),
+                RandomEvent::Mirror => rig.mirror(),
+                RandomEvent::Latch(source, rising, age) => {
                     let edge = if rising { Edge::Rising } else { Edge::Falling };
                     let object = Object::Axis(source);
                     rig.plant.add_latch(Latch { object, edge, age_ns: Some(age), position: None });
                 }
-                Happening::Stream(axis, velocity) => {
+                RandomEvent::Stream(axis, velocity) => {
                     rig.stream(axis, velocity);
-                    locks.are_kept(&rig)?;
-                    limits_are_kept(&rig, stood)?;
+                    locks.check(&rig)?;
+                    check_limits(&rig, stood)?;
                     (before, stood) = (motions(&rig), places(&rig));
                 }
-                Happening::Input(input, on) => rig.plant.set_digital(input, on),
-                Happening::Switch(drive, mask, on) => rig.plant.drive(drive).unwrap().stick(mask, if on { mask } else { 0 }),
-                Happening::Slip(drive, by) => rig.plant.drive(drive).unwrap().jump(by),
-                Happening::Order(axis, order) => {
+                RandomEvent::Input(input, on) => rig.plant.set_digital(input, on),
+                RandomEvent::Switch(drive, mask, on) => rig.plant.drive(drive).unwrap().set_stuck_inputs(mask, if on { mask } else { 0 }),
+                RandomEvent::Slip(drive, by) => rig.plant.drive(drive).unwrap().jump(by),
+                RandomEvent::Order(axis, order) => {
                     let open = interfaces[usize::from(axis) - 1] == Interface::OpenLoop;
                     // Axes with a closed loop must refuse the order.
                     if open || matches!(order, Order::Speed { .. }) {
@@ -584,17 +584,17 @@ proptest! {
                         prop_assert!(open || answer.is_err());
                     }
                 }
-                Happening::Cycles(count) => {
+                RandomEvent::Cycles(count) => {
                     for _ in 0..count {
                         let told = rig.events.len();
                         rig.run(1);
-                        locks.are_kept(&rig)?;
-                        velocities_are_kept(&rig, interfaces)?;
+                        locks.check(&rig)?;
+                        check_velocity_commands(&rig, interfaces)?;
                         let now = motions(&rig);
                         // A new zero is not a motion.
                         let is_homed = rig.events[told..].iter().any(|event| event.kind == Kind::Homed);
                         if !is_homed {
-                            limits_are_kept(&rig, stood)?;
+                            check_limits(&rig, stood)?;
                         }
                         stood = places(&rig);
                         for (name, (now, before)) in AXES.iter().zip(now.iter().zip(&before)) {
@@ -632,13 +632,13 @@ proptest! {
                 locks = Locks::after(&rig);
             }
             rig.give_all(std::mem::take(&mut waiting));
-            locks.are_kept(&rig)?;
+            locks.check(&rig)?;
             (before, stood) = (motions(&rig), places(&rig));
         }
         rig.run(3_000);
         rig.give(Action::Halt(AxisSet::first(3)));
         rig.run(6_000);
-        locks.are_kept(&rig)?;
+        locks.check(&rig)?;
         for axis in 0..3 {
             rig.give(Action::AbortTrigger(AbortTrigger { axis, source: None }));
         }

@@ -35,7 +35,7 @@ fn two_buses() -> Rig {
     rig
 }
 
-fn told(rig: &Rig, code: Code) -> Vec<&Event> {
+fn reported_events(rig: &Rig, code: Code) -> Vec<&Event> {
     rig.events.iter().filter(|event| event.code == code).collect()
 }
 
@@ -67,8 +67,8 @@ fn a_bus_that_goes_off_is_an_error_of_its_axes_alone() {
     rig.enable();
     let moves = [X, Y].map(|axis| rig.give(Action::Move(to(axis, 50_000))));
     rig.run(100);
-    assert!(rig.plant.lose_bus(0));
-    assert!(!rig.plant.lose_bus(2));
+    assert!(rig.plant.switch_off_bus(0));
+    assert!(!rig.plant.switch_off_bus(2));
     rig.run(1);
     assert_eq!((rig.state("x"), rig.int("x.error"), rig.int("x.output.control")), ("ERROR_STOP", 89, 0));
     assert_eq!(rig.done(moves[0])[0].code, Code::BUS_ERROR);
@@ -87,7 +87,7 @@ fn a_bus_that_goes_off_is_an_error_of_its_axes_alone() {
     let reset = rig.give(Action::ResetErrors(AxisSet::one(X)));
     rig.run(5_100);
     assert_eq!((rig.done(reset)[0].code, rig.int("x.error")), (Code::RESET_FAILED, 89));
-    assert_eq!(told(&rig, Code::BUS_ERROR).iter().filter(|event| event.kind == Kind::Error).count(), 1);
+    assert_eq!(reported_events(&rig, Code::BUS_ERROR).iter().filter(|event| event.kind == Kind::Error).count(), 1);
 }
 
 /// The output that opens the brake of y is on the bus that is switched off: without voltage the brake closes.
@@ -95,7 +95,7 @@ fn a_bus_that_goes_off_is_an_error_of_its_axes_alone() {
 fn outputs_of_a_bus_that_is_off_have_no_voltage() {
     let mut rig = two_buses();
     let brake = SimBrake { output: 0, closes_with_one: false, opens_ns: 0, closes_ns: 0 };
-    rig.plant.install(1, &Mechanics { brake: Some(brake), ..Mechanics::default() });
+    rig.plant.attach_mechanics(1, &Mechanics { brake: Some(brake), ..Mechanics::default() });
     rig.give(Action::set_output(2, 1.0));
     rig.enable();
     rig.give(Action::Move(to(Y, 50_000)));
@@ -103,7 +103,7 @@ fn outputs_of_a_bus_that_is_off_have_no_voltage() {
     let before = rig.int("y.actual.position");
     rig.run(1);
     assert_ne!(rig.int("y.actual.position"), before);
-    rig.plant.lose_bus(0);
+    rig.plant.switch_off_bus(0);
     rig.run(2);
     let place = rig.int("y.actual.position");
     rig.run(5);
@@ -116,7 +116,7 @@ fn a_bus_with_many_errors_stops_nothing() {
     let mut rig = Rig::enabled();
     let sequence = rig.give(Action::Move(to(X, 10_000)));
     rig.run(50);
-    rig.tamper = |inputs| inputs.drive[0].bus = BusState::Passive;
+    rig.modify_inputs = |inputs| inputs.drive[0].bus = BusState::Passive;
     rig.run(1_000);
     assert_eq!((rig.done(sequence)[0].code, rig.int("x.error")), (Code::NONE, 0));
 }
@@ -126,15 +126,15 @@ fn a_bus_with_many_errors_stops_nothing() {
 #[test]
 fn power_is_on_once_the_drive_shows_the_mode_that_was_asked_for() {
     let mut rig = Rig::new();
-    rig.tamper = |inputs| inputs.drive[0].mode = 3;
+    rig.modify_inputs = |inputs| inputs.drive[0].mode = 3;
     let sequence = rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(1_000);
     assert_eq!((rig.int("x.enabled"), rig.done(sequence).len(), rig.state("x")), (0, 0, "DISABLED"));
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     rig.run(2);
     assert_eq!((rig.int("x.enabled"), rig.done(sequence)[0].code, rig.state("x")), (1, Code::NONE, "STANDSTILL"));
     let mut rig = Rig::new();
-    rig.tamper = |inputs| inputs.drive[0].mode = 3;
+    rig.modify_inputs = |inputs| inputs.drive[0].mode = 3;
     let sequence = rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(5_010);
     assert_eq!((rig.done(sequence)[0].code, rig.int("x.enabled")), (Code::ENABLE_TIMEOUT, 0));
@@ -149,7 +149,7 @@ fn power_is_on_once_the_drive_shows_the_mode_that_was_asked_for() {
 fn not_enabled(rig: &Rig) -> String {
     let is_error = |event: &&Event| event.kind == Kind::Error && event.code == Code::ENABLE_TIMEOUT;
     let error = rig.events.iter().find(is_error).expect("it is an error");
-    crate::text::sentence(error, rig.machine.config())
+    crate::text::message(error, rig.machine.config())
 }
 
 /// A drive without supply stays in switch on disabled. Its mode is also reported if it differs.
@@ -158,7 +158,7 @@ fn a_drive_that_is_not_enabled_in_time_is_told_with_state_and_mode() {
     let late = "the drive is not in operation enabled after 5000 ms: 6041h shows switch on disabled";
     let said = |tamper: fn(&mut Inputs)| {
         let mut rig = Rig::new();
-        rig.tamper = tamper;
+        rig.modify_inputs = tamper;
         rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(5_010);
         not_enabled(&rig)
@@ -176,7 +176,7 @@ fn a_mode_is_told_by_the_numbers_of_the_drive() {
     let mut config = config(0);
     config.axes[usize::from(X)].drive_mode = Some(1);
     let mut rig = Rig::of(config);
-    rig.tamper = |inputs| inputs.drive[0].mode = 1;
+    rig.modify_inputs = |inputs| inputs.drive[0].mode = 1;
     rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(5_010);
     assert!(not_enabled(&rig).ends_with(" after 5000 ms: 6061h shows mode 8, mode 1 is needed"));
@@ -191,13 +191,13 @@ fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
             rig.give(Action::Move(to(X, 50_000)));
         }
         rig.run(20);
-        rig.tamper = |inputs| inputs.drive[0].unacknowledged = true;
+        rig.modify_inputs = |inputs| inputs.drive[0].unacknowledged = true;
         rig.run(1);
-        let errors = told(&rig, Code::SETPOINT_NOT_ACKNOWLEDGED);
+        let errors = reported_events(&rig, Code::SETPOINT_NOT_ACKNOWLEDGED);
         assert!(errors.iter().any(|event| event.kind == Kind::Error), "{moves}");
         assert_eq!((rig.state("x"), rig.outputs().drive[0].control), ("ERROR_STOP", control::DISABLE_VOLTAGE));
         // Without power no setpoint is handed over.
-        rig.tamper = |_| {};
+        rig.modify_inputs = |_| {};
         rig.run(300);
         let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(10);
@@ -212,7 +212,7 @@ fn a_drive_has_the_time_of_its_cell_to_be_enabled() {
         let mut config = config(0);
         config.axes[usize::from(X)].enable_timeout_ns = timeout_ns;
         let mut rig = Rig::of(config);
-        rig.tamper = |inputs| inputs.drive[0].mode = 0;
+        rig.modify_inputs = |inputs| inputs.drive[0].mode = 0;
         let sequence = rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(cycles);
         assert_eq!(rig.done(sequence).len(), 0, "{timeout_ns}");
@@ -225,23 +225,23 @@ fn a_drive_has_the_time_of_its_cell_to_be_enabled() {
 #[test]
 fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
     let mut rig = Rig::enabled();
-    rig.tamper = |inputs| {
+    rig.modify_inputs = |inputs| {
         inputs.drive[0].emergency = Some(Emergency { code: 0x8130, register: 0x11, data: [0xDE, 0xAD, 0, 0xBE, 0xEF] });
     };
     let sequence = rig.give(Action::Move(to(X, 50_000)));
     rig.run(2_500);
     assert_eq!((rig.done(sequence)[0].code, rig.int("x.error")), (Code::NONE, 0));
-    let events = told(&rig, Code::EMERGENCY);
+    let events = reported_events(&rig, Code::EMERGENCY);
     assert_eq!(events.len(), 3);
     assert!(events.iter().all(|event| (event.severity, event.kind) == (Severity::Warn, Kind::Warning)));
-    let sentence = crate::text::sentence(events[0], rig.machine.config());
+    let sentence = crate::text::message(events[0], rig.machine.config());
     assert_eq!(
         sentence,
         "x: the drive sends emergency 8130h (life guard or heartbeat), register 11h (generic, communication), data DE AD 00 BE EF"
     );
-    rig.tamper = |inputs| inputs.drive[0].emergency = Some(Emergency { code: 0, register: 0, data: [0; 5] });
+    rig.modify_inputs = |inputs| inputs.drive[0].emergency = Some(Emergency { code: 0, register: 0, data: [0; 5] });
     rig.run(1);
-    let events = told(&rig, Code::EMERGENCY);
+    let events = reported_events(&rig, Code::EMERGENCY);
     assert_eq!((events.len(), events[3].severity), (4, Severity::Info), "an error that is over");
 }
 
@@ -249,15 +249,15 @@ fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
 #[test]
 fn the_end_of_an_emergency_is_told_beyond_the_limit_and_once() {
     let mut rig = Rig::enabled();
-    rig.tamper = |inputs| {
+    rig.modify_inputs = |inputs| {
         let code = 0x8100 + (inputs.cycle % 9) as u16;
         inputs.drive[0].emergency = Some(Emergency { code, register: 1, data: [0; 5] });
     };
     rig.run(20);
-    assert_eq!(told(&rig, Code::EMERGENCY).len(), 8);
-    rig.tamper = |inputs| inputs.drive[0].emergency = Some(Emergency { code: 0, register: 0, data: [0; 5] });
+    assert_eq!(reported_events(&rig, Code::EMERGENCY).len(), 8);
+    rig.modify_inputs = |inputs| inputs.drive[0].emergency = Some(Emergency { code: 0, register: 0, data: [0; 5] });
     rig.run(20);
-    let events = told(&rig, Code::EMERGENCY);
+    let events = reported_events(&rig, Code::EMERGENCY);
     assert_eq!((events.len(), events[8].severity), (9, Severity::Info));
 }
 
@@ -266,10 +266,10 @@ fn the_end_of_an_emergency_is_told_beyond_the_limit_and_once() {
 #[test]
 fn emergency_messages_of_many_kinds_flood_nothing() {
     let mut rig = Rig::enabled();
-    rig.tamper = |inputs| {
+    rig.modify_inputs = |inputs| {
         let code = 0x8100 + (inputs.cycle % 3) as u16;
         inputs.drive[0].emergency = Some(Emergency { code, register: 1, data: [0; 5] });
     };
     rig.run(2_900);
-    assert_eq!(told(&rig, Code::EMERGENCY).len(), 24);
+    assert_eq!(reported_events(&rig, Code::EMERGENCY).len(), 24);
 }

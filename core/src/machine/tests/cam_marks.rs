@@ -3,7 +3,7 @@
 //! The cam feeds 2000 inc in 1000 inc of the belt: 900 in the first half, 1100 in the second one.
 
 use super::direction::set;
-use super::marks::World;
+use super::marks::BeltAndRoll;
 use super::rig::{X, cam, couple};
 use crate::code::Code;
 use crate::command::{Action, CamIn, Synchronize};
@@ -31,18 +31,18 @@ fn tables() -> Vec<TableConfig> {
 }
 
 /// Products every 1000 inc from 500 on.
-fn world(changes: &[(&str, i64)]) -> World {
-    World::with_tables(tables(), 500.0, changes)
+fn world(changes: &[(&str, i64)]) -> BeltAndRoll {
+    BeltAndRoll::with_tables(tables(), 500.0, changes)
 }
 
 fn request(mode: SyncMode, cam: CamIn) -> Synchronize {
     Synchronize { mode, cam: Some(cam), ..couple(X, TO_BELT, 0, 0) }
 }
 
-fn start(world: &mut World, mode: SyncMode) -> u64 {
+fn start(world: &mut BeltAndRoll, mode: SyncMode) -> u64 {
     let goal = world.rig.give(Action::Synchronize(request(mode, cam(FEED, CamStart::Relative))));
     assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
-    world.see();
+    world.record_position();
     goal
 }
 
@@ -53,7 +53,7 @@ fn fed(place: f64) -> f64 {
 }
 
 /// Returns the distance of the command from the slave position of a cam whose master is shifted by `shift` (inc).
-fn off(world: &World, shift: f64) -> f64 {
+fn off(world: &BeltAndRoll, shift: f64) -> f64 {
     world.rig.int("x.command.position") as f64 - fed(world.belt as f64 + shift)
 }
 
@@ -117,7 +117,7 @@ fn marks_of_a_sensor_far_away_wait_for_their_period() {
     for product in world.products.iter_mut().skip(3) {
         *product += 60.0;
     }
-    let marks = |world: &World| -> Vec<Event> {
+    let marks = |world: &BeltAndRoll| -> Vec<Event> {
         world.rig.events.iter().filter(|event| event.kind == Kind::Mark).cloned().collect()
     };
     while world.belt < 2_480 {
@@ -169,7 +169,7 @@ fn marks_of_cams_go_by_the_sense_of_the_cam() {
         let turned = CamIn { master_scale: Ratio::new(scale, 1).unwrap(), ..cam(FEED, CamStart::Relative) };
         let goal = world.rig.give(Action::Synchronize(request(SyncMode::MasterMarker, turned)));
         assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
-        world.see();
+        world.record_position();
         world.run(9_000, speed);
         // Products are at 500 and every 1000 inc after it; there the cam has 300 inc left in its direction.
         let sense = scale as f64;
@@ -278,7 +278,7 @@ fn nothing_else_shifts_a_cam_with_marks() {
     let goal = world.rig.give(Action::Phase(crate::command::Phase { axis: X, side }));
     assert!(world.rig.refusal(goal).contains("coupled by marks"), "{}", world.rig.refusal(goal));
     set(&mut world.rig, &[("syncmpulsm", 400)]);
-    world.see();
+    world.record_position();
     world.run(3_000, SPEED);
     // It acts at once: the product is detected 400 inc before its position.
     assert!(off(&world, 100.0).abs() <= 1.0);
@@ -295,7 +295,7 @@ fn ways_that_are_rounded_lose_no_period() {
         let slow = CamIn { master_scale: Ratio::new(1, 3).unwrap(), ..cam(FEED, CamStart::Relative) };
         let goal = world.rig.give(Action::Synchronize(request(SyncMode::MasterMarker, slow)));
         assert!(world.rig.was_accepted(goal), "{}", world.rig.refusal(goal));
-        world.see();
+        world.record_position();
         world.run(20_000 / speed as usize, speed);
         // 500 inc and a shift are 300 inc before 3000.
         let off = [-800.0, 2_200.0]
@@ -314,7 +314,7 @@ fn a_sensor_that_is_moved_forgets_what_waited() {
     world.run(4_000, SPEED);
     for distance in [300, 2_300] {
         set(&mut world.rig, &[("syncmpulsm", distance)]);
-        world.see();
+        world.record_position();
         world.run(250, SPEED);
     }
     world.run(5_000, SPEED);
@@ -330,7 +330,7 @@ fn who_is_let_go_on_behind_a_correction_keeps_the_velocity_of_the_belt() {
     let mut world = world(&[("syncmpulsm", 300)]);
     let request = request(SyncMode::MasterMarker, cam(FEED, CamStart::Relative));
     let goal = world.rig.give(Action::Synchronize(Synchronize { disengage: Disengage::KeepVelocity, ..request }));
-    world.see();
+    world.record_position();
     while world.rig.events.iter().all(|event| event.kind != Kind::Mark) {
         world.cycle(SPEED);
     }
@@ -364,7 +364,7 @@ proptest! {
         time in prop_oneof![Just(0_i64), Just(300)],
         speed in 1_i64..4,
     ) {
-        let mut world = World::with_tables(tables(), first, &[("syncmpulsm", distance), ("syncofftime", time), ("syncmwinm", 250)]);
+        let mut world = BeltAndRoll::with_tables(tables(), first, &[("syncmpulsm", distance), ("syncofftime", time), ("syncmwinm", 250)]);
         for (product, by) in world.products.iter_mut().zip(&jitter) {
             *product += by;
         }

@@ -352,7 +352,7 @@ fn a_state_goes_on_in_the_middle_of_a_period() {
     rig.give(on(CamIn { slave_scale: Ratio::new(7, 3).unwrap(), ..cam(KNIFE, CamStart::Absolute) }));
     rig.give(Action::Move(at(LINE, 3_000.0)));
     rig.run(777);
-    let mut twin = rig.twin();
+    let mut twin = rig.restored_machine();
     let (mut mine, mut others) = (rig.machine.outputs(), twin.outputs());
     for _ in 0..2_000 {
         let inputs = rig.inputs().clone();

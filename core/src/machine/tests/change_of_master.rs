@@ -62,7 +62,7 @@ fn place(rig: &Rig, axis: u16) -> Position {
 
 /// Next coupling of x.
 #[derive(Clone, Copy, Debug)]
-struct Wish {
+struct CouplingRequest {
     master: usize,
     /// 0 VELOCITY, 1 POSITION, 2 MARKER, 3 and 4 CAM.
     mode: usize,
@@ -75,7 +75,7 @@ struct Wish {
     cycles: u64,
 }
 
-impl Wish {
+impl CouplingRequest {
     fn leader(&self) -> Leader {
         MASTERS[self.master]
     }
@@ -118,11 +118,11 @@ impl Wish {
     }
 }
 
-fn wish() -> impl Strategy<Value = Wish> {
+fn coupling_request() -> impl Strategy<Value = CouplingRequest> {
     let ratio = (prop::sample::select(vec![-2_i64, -1, 1, 2, 3, 7, 113]), prop::sample::select(vec![1_i64, 3, 7, 355]))
         .prop_map(|(part, of)| (part, of.max(part.abs() / 2)));
     (0_usize..4, 0_usize..5, ratio, 0_usize..3, 1e5..1e6_f64, 60_u64..400).prop_map(
-        |(master, mode, ratio, engage, acceleration, cycles)| Wish {
+        |(master, mode, ratio, engage, acceleration, cycles)| CouplingRequest {
             master,
             mode,
             ratio,
@@ -138,7 +138,7 @@ fn latch(rig: &mut Rig) {
 }
 
 /// Gives a goal and runs for its cycles; `seen` checks each cycle with the velocity before and after it.
-fn follow(rig: &mut Rig, wish: &Wish, mut seen: impl FnMut(&Rig, f64, f64)) -> u64 {
+fn follow(rig: &mut Rig, wish: &CouplingRequest, mut seen: impl FnMut(&Rig, f64, f64)) -> u64 {
     let goal = rig.give(Action::Synchronize(wish.goal(rig)));
     let mut before = rig.real("x.command.velocity");
     for cycle in 0..wish.cycles {
@@ -162,12 +162,12 @@ proptest! {
     ///
     /// Proves: MACS-SYNC-04
     #[test]
-    fn no_change_is_a_step_of_velocity(wishes in prop::collection::vec(wish(), 2..5), restored in any::<bool>()) {
+    fn no_change_is_a_step_of_velocity(wishes in prop::collection::vec(coupling_request(), 2..5), restored in any::<bool>()) {
         let mut rig = rig();
         if restored {
             rig.mirror();
         }
-        let mut before: Option<Wish> = None;
+        let mut before: Option<CouplingRequest> = None;
         for wish in &wishes {
             // A cam that starts exactly at its event reaches its slope at once, within the limits of the axis.
             let is_cam = wish.is_cam() || before.is_some_and(|before| before.is_cam());
@@ -189,7 +189,7 @@ proptest! {
     /// With further influences: a velocity lead, offsets, a filter, an active shift, counts of an encoder.
     #[test]
     fn whatever_comes_beside_no_change_is_a_step(
-        wishes in prop::collection::vec((wish(), any::<bool>(), any::<bool>()), 2..5),
+        wishes in prop::collection::vec((coupling_request(), any::<bool>(), any::<bool>()), 2..5),
         (ahead, offset, time) in (prop::sample::select(vec![0_i64, 3_000, 20_000]), -400_i64..400, prop::sample::select(vec![0_i64, 150, 600])),
         filter in prop::sample::select(vec![0_i64, -20_000, 30_000]),
     ) {
@@ -239,13 +239,13 @@ proptest! {
     /// A goal that waits for its event changes nothing until then: the present coupling continues as if it were not to
     /// be replaced.
     #[test]
-    fn the_coupling_before_holds_until_the_next_begins(first in wish(), next in wish()) {
+    fn the_coupling_before_holds_until_the_next_begins(first in coupling_request(), next in coupling_request()) {
         // MARKER does not wait.
         let (engage, mode) = (if next.engage == 0 { 2 } else { next.engage }, if next.mode == 2 { 1 } else { next.mode });
-        let next = Wish { engage, mode, ..next };
+        let next = CouplingRequest { engage, mode, ..next };
         let (mut changed, mut kept) = (rig(), rig());
         for rig in [&mut changed, &mut kept] {
-            follow(rig, &Wish { engage: 0, ..first }, |_, _, _| {});
+            follow(rig, &CouplingRequest { engage: 0, ..first }, |_, _, _| {});
         }
         let wanted = Action::Synchronize(next.goal(&changed));
         let goal = changed.give(wanted);
@@ -278,11 +278,11 @@ proptest! {
     ///
     /// Proves: MACS-SYNC-02
     #[test]
-    fn no_fraction_is_lost(wishes in prop::collection::vec(wish(), 1..6)) {
+    fn no_fraction_is_lost(wishes in prop::collection::vec(coupling_request(), 1..6)) {
         let mut rig = rig();
         for wish in &wishes {
             let mode = [1, 1, 1, 3, 4][wish.mode];
-            let wish = Wish { mode, engage: 0, acceleration: 1e6, cycles: 400, ..*wish };
+            let wish = CouplingRequest { mode, engage: 0, acceleration: 1e6, cycles: 400, ..*wish };
             let goal = rig.give(Action::Synchronize(wish.goal(&rig)));
             prop_assert_eq!(rig.answer(goal), Ok(()));
             // In the cycle of the command all axes still move as before.
@@ -302,7 +302,7 @@ proptest! {
     /// cycle.
     #[test]
     fn a_master_that_changes_its_own_master_keeps_its_followers(
-        wishes in prop::collection::vec(wish(), 1..4), ratio in prop::sample::select(vec![(1_i64, 2_i64), (-1, 1), (2, 3), (355, 452)]),
+        wishes in prop::collection::vec(coupling_request(), 1..4), ratio in prop::sample::select(vec![(1_i64, 2_i64), (-1, 1), (2, 3), (355, 452)]),
     ) {
         let mut rig = rig();
         // y follows x, so it cannot be a master of x.
@@ -312,7 +312,7 @@ proptest! {
         prop_assert_eq!((rig.int("x.in_sync"), rig.int("y.in_sync")), (1, 1));
         let (x, y) = (place(&rig, X), place(&rig, Y));
         for wish in &wishes {
-            let wish = Wish { master: if wish.master % 2 == 0 { 0 } else { 2 }, acceleration: 9e5, ..*wish };
+            let wish = CouplingRequest { master: if wish.master % 2 == 0 { 0 } else { 2 }, acceleration: 9e5, ..*wish };
             let mut off = vec![];
             let goal = follow(&mut rig, &wish, |rig, _, _| {
                 let way = ((place(rig, X) - x).raw() * i128::from(ratio.0)).div_euclid(ratio.1.into());
@@ -326,10 +326,10 @@ proptest! {
 
     /// A refused goal, and one that fails at its event, leave the coupling unchanged, to the last bit of its remainder.
     #[test]
-    fn a_refused_goal_leaves_the_coupling_as_it_was(first in wish(), which in 0_usize..8, after in 1_u64..200) {
+    fn a_refused_goal_leaves_the_coupling_as_it_was(first in coupling_request(), which in 0_usize..8, after in 1_u64..200) {
         let (mut refused, mut kept) = (rig(), rig());
         for rig in [&mut refused, &mut kept] {
-            follow(rig, &Wish { engage: 0, cycles: after, ..first }, |_, _, _| {});
+            follow(rig, &CouplingRequest { engage: 0, cycles: after, ..first }, |_, _, _| {});
         }
         let gear = couple(X, MASTERS[0], 1, 1);
         let away = crate::command::CamIn { slave_offset: Length::whole(50_000), ..cam(0, CamStart::Absolute) };

@@ -16,7 +16,7 @@ const HIGH: i64 = 50_000;
 const CYCLE: f64 = 1e-3;
 
 #[derive(Clone, Debug)]
-enum Deed {
+enum RandomCommand {
     Move(Move),
     Set(&'static str, Value),
     Halt,
@@ -35,7 +35,7 @@ fn rate(most: f64) -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(most), (0.02..1.0_f64).prop_map(move |share| share * most)]
 }
 
-fn deed() -> impl Strategy<Value = Deed> {
+fn random_command() -> impl Strategy<Value = RandomCommand> {
     use MoveMode::{Absolute, Additive, Relative, Superimposed, Velocity};
     let mode = prop::sample::select(vec![Absolute, Absolute, Relative, Additive, Superimposed, Velocity]);
     let position = prop_oneof![LOW..=HIGH, -30_i64..30, Just(HIGH), Just(LOW)];
@@ -57,7 +57,7 @@ fn deed() -> impl Strategy<Value = Deed> {
         |(mode, position, (velocity, back, acceleration, deceleration, jerk), buffer_mode, direction)| {
             let sign = if back && mode == Velocity { -1.0 } else { 1.0 };
             let base = if mode == Velocity { at(X, 0.0) } else { to(X, position) };
-            Deed::Move(Move {
+            RandomCommand::Move(Move {
                 mode,
                 velocity: sign * velocity,
                 acceleration,
@@ -71,18 +71,18 @@ fn deed() -> impl Strategy<Value = Deed> {
     );
     prop_oneof![
         8 => moves,
-        2 => prop_oneof![Just(0.0), Just(100.0), 0.0..100.0_f64].prop_map(|share| Deed::Set("velocity_override", Value::Real(share))),
-        1 => (0_i64..3).prop_map(|shape| Deed::Set("profile", Value::Int(shape))),
-        1 => (0.1..1.0_f64).prop_map(|share| Deed::Set("max_jerk", Value::Real(share * MAX_JERK))),
-        1 => (0_i64..40_000_000).prop_map(|time| Deed::Set("jerkmin3", Value::Int(time + 50_000_000))),
-        1 => Just(Deed::Halt),
-        1 => Just(Deed::QuickStop),
-        1 => Just(Deed::Cancel),
-        1 => (0_usize..4).prop_map(Deed::CancelOlder),
-        1 => prop_oneof![Just(HIGH), 0..HIGH].prop_map(|high| Deed::Set("max_position", Value::Int(high))),
-        1 => prop_oneof![Just(LOW), LOW..0].prop_map(|low| Deed::Set("min_position", Value::Int(low))),
-        1 => prop_oneof![Just(0.0), -MAX_VELOCITY..MAX_VELOCITY].prop_map(Deed::Stream),
-        1 => prop_oneof![Just(Deed::Disable), Just(Deed::Fault)],
+        2 => prop_oneof![Just(0.0), Just(100.0), 0.0..100.0_f64].prop_map(|share| RandomCommand::Set("velocity_override", Value::Real(share))),
+        1 => (0_i64..3).prop_map(|shape| RandomCommand::Set("profile", Value::Int(shape))),
+        1 => (0.1..1.0_f64).prop_map(|share| RandomCommand::Set("max_jerk", Value::Real(share * MAX_JERK))),
+        1 => (0_i64..40_000_000).prop_map(|time| RandomCommand::Set("jerkmin3", Value::Int(time + 50_000_000))),
+        1 => Just(RandomCommand::Halt),
+        1 => Just(RandomCommand::QuickStop),
+        1 => Just(RandomCommand::Cancel),
+        1 => (0_usize..4).prop_map(RandomCommand::CancelOlder),
+        1 => prop_oneof![Just(HIGH), 0..HIGH].prop_map(|high| RandomCommand::Set("max_position", Value::Int(high))),
+        1 => prop_oneof![Just(LOW), LOW..0].prop_map(|low| RandomCommand::Set("min_position", Value::Int(low))),
+        1 => prop_oneof![Just(0.0), -MAX_VELOCITY..MAX_VELOCITY].prop_map(RandomCommand::Stream),
+        1 => prop_oneof![Just(RandomCommand::Disable), Just(RandomCommand::Fault)],
     ]
 }
 
@@ -105,7 +105,7 @@ fn seen(rig: &Rig) -> Seen {
 }
 
 /// Returns true if the command is at rest and remains at rest: a stop with limited jerk may reverse.
-fn stands(rig: &Rig) -> bool {
+fn is_at_rest(rig: &Rig) -> bool {
     let now = seen(rig);
     (now.velocity, now.acceleration) == (0.0, 0.0)
 }
@@ -148,7 +148,7 @@ fn fault(before: Seen, now: Seen, (low, high): (f64, f64), only_jerk: bool, inve
     None
 }
 
-fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Result<(), TestCaseError> {
+fn run(deeds: &[(RandomCommand, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Result<(), TestCaseError> {
     let mut config = config(0);
     config.axes[usize::from(X)].modulo = Modulo::new(100_001, 3).filter(|_| modulo);
     let p = &mut config.axes[usize::from(X)].parameters;
@@ -161,29 +161,29 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
     let mut rig = Rig::of(config);
     rig.enable();
     // A jerk limit that was lowered in motion may be exceeded already.
-    let shapes_change = deeds.iter().any(|(deed, _)| matches!(deed, Deed::Set("profile" | "max_jerk" | "jerkmin3", _)));
+    let shapes_change = deeds.iter().any(|(deed, _)| matches!(deed, RandomCommand::Set("profile" | "max_jerk" | "jerkmin3", _)));
     let only_jerk = shape == 2 && !shapes_change;
     let (mut goals, mut before) = (Vec::new(), seen(&rig));
     for (deed, cycles) in deeds {
         let action = match deed {
-            Deed::Move(request) => Action::Move(*request),
-            Deed::Set(key, value) => {
+            RandomCommand::Move(request) => Action::Move(*request),
+            RandomCommand::Set(key, value) => {
                 let (row, _) = Row::find(key).unwrap();
                 Action::SetParameters([Change { axis: X, row, value: *value }].into())
             }
-            Deed::Halt => Action::Halt(AxisSet::one(X)),
-            Deed::QuickStop => Action::QuickStop(AxisSet::one(X)),
-            Deed::Cancel => Action::Cancel { goal: goals.last().copied().unwrap_or(0) },
-            Deed::CancelOlder(back) => Action::Cancel { goal: goals.iter().rev().nth(*back).copied().unwrap_or(0) },
-            Deed::Disable => Action::Disable(AxisSet::one(X)),
+            RandomCommand::Halt => Action::Halt(AxisSet::one(X)),
+            RandomCommand::QuickStop => Action::QuickStop(AxisSet::one(X)),
+            RandomCommand::Cancel => Action::Cancel { goal: goals.last().copied().unwrap_or(0) },
+            RandomCommand::CancelOlder(back) => Action::Cancel { goal: goals.iter().rev().nth(*back).copied().unwrap_or(0) },
+            RandomCommand::Disable => Action::Disable(AxisSet::one(X)),
             // Another request that names no axis.
-            Deed::Fault | Deed::Stream(_) => Action::SetParameters([].into()),
+            RandomCommand::Fault | RandomCommand::Stream(_) => Action::SetParameters([].into()),
         };
         let is_move = matches!(action, Action::Move(_));
-        if matches!(deed, Deed::Fault) {
+        if matches!(deed, RandomCommand::Fault) {
             rig.plant.drive(0).unwrap().inject_fault(0x8611);
         }
-        if let Deed::Stream(velocity) = deed {
+        if let RandomCommand::Stream(velocity) = deed {
             rig.stream(X, *velocity);
         } else {
             let sequence = rig.give(action);
@@ -204,7 +204,7 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
             }
             // A stop that would exceed a limit with its profile shape brakes without the shape, and ends at the limit.
             let at_limit =
-                [limits.0, limits.1].contains(&(rig.int("x.target.position") as f64)) && !matches!(deed, Deed::Move(_));
+                [limits.0, limits.1].contains(&(rig.int("x.target.position") as f64)) && !matches!(deed, RandomCommand::Move(_));
             // A motion that would swing back although this is forbidden stops at once.
             let is_held = sense.1 == 2 && now.velocity == 0.0;
             let broken = fault(
@@ -229,7 +229,7 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
             }
             before = now;
         }
-        if ["STOPPING", "ERROR_STOP"].contains(&rig.state("x")) && stands(&rig) {
+        if ["STOPPING", "ERROR_STOP"].contains(&rig.state("x")) && is_at_rest(&rig) {
             let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
             rig.run(20);
             prop_assert_eq!(rig.done(sequence).len(), 1);
@@ -246,7 +246,7 @@ fn run(deeds: &[(Deed, u64)], shape: i64, modulo: bool, sense: (i64, i64)) -> Re
     // 100 mm/s with the lowest deceleration, in the longest shape.
     let ends = (0..20_000).any(|_| {
         rig.run(1);
-        rig.state("x") != "DISCRETE_MOTION" && stands(&rig)
+        rig.state("x") != "DISCRETE_MOTION" && is_at_rest(&rig)
     });
     prop_assert!(ends, "it never ends");
     prop_assert!(rig.state("x") != "DISCRETE_MOTION", "{}", rig.state("x"));
@@ -267,7 +267,7 @@ proptest! {
         modulo in any::<bool>(),
         posdrct in prop::sample::select(vec![1_i64, -1]),
         revers in prop::sample::select(vec![0_i64, 0, 2]),
-        deeds in prop::collection::vec((deed(), prop_oneof![Just(0_u64), 0_u64..20, 0_u64..400]), 1..30),
+        deeds in prop::collection::vec((random_command(), prop_oneof![Just(0_u64), 0_u64..20, 0_u64..400]), 1..30),
     ) {
         run(&deeds, shape, modulo, (posdrct, revers))?;
     }
@@ -309,7 +309,7 @@ fn a_swing_back_begins_before_the_limit_ahead() {
             assert!(now.acceleration.abs() <= MAX_ACCELERATION / 2.0 * (1.0 + 1e-9), "{}", now.acceleration);
         }
         assert_eq!(rig.state("x"), "ERROR_STOP");
-        assert!(stands(&rig));
+        assert!(is_at_rest(&rig));
         assert_eq!(rig.done(goal).len(), 1);
     }
 }
@@ -320,10 +320,10 @@ fn a_swing_back_begins_before_the_limit_ahead() {
 fn a_passage_whose_next_goal_is_cancelled_stops_before_the_limit() {
     for cycles in 100..160 {
         let deeds = [
-            (Deed::Move(to(X, LOW)), 6),
-            (Deed::Move(Move { mode: MoveMode::Relative, velocity: 62_380.072_232_098_384, ..to(X, HIGH) }), 564),
-            (Deed::Move(Move { buffer_mode: BufferMode::BlendingLow, ..at(X, MAX_VELOCITY) }), cycles),
-            (Deed::Cancel, 400),
+            (RandomCommand::Move(to(X, LOW)), 6),
+            (RandomCommand::Move(Move { mode: MoveMode::Relative, velocity: 62_380.072_232_098_384, ..to(X, HIGH) }), 564),
+            (RandomCommand::Move(Move { buffer_mode: BufferMode::BlendingLow, ..at(X, MAX_VELOCITY) }), cycles),
+            (RandomCommand::Cancel, 400),
         ];
         run(&deeds, 1, false, (1, 0)).unwrap_or_else(|error| panic!("after {cycles} cycles: {error}"));
     }

@@ -78,7 +78,7 @@ fn absolute(mut config: MachineConfig) -> MachineConfig {
     let axis = &mut config.axes[1];
     axis.wired = Wired::Drive(Words::Absolute(Absolute { turns: 4096, ..Absolute::single_turn(8192) }));
     axis.parameters.encoder.encodertype = 2;
-    config.tell_sources();
+    config.set_absolute_sources();
     config
 }
 
@@ -209,7 +209,7 @@ fn there_is_none_before_a_zero_is_known() {
     assert_eq!((last, rig.int("x.actual.count")), (500, -4_500));
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(20);
-    rig.plant.drive(0).unwrap().renew_counts();
+    rig.plant.drive(0).unwrap().restart_counts();
     rig.run(60);
     assert_eq!((rig.int("x.homed"), compensation(&rig)), (0, 0));
 }
@@ -318,25 +318,25 @@ fn at_rest_it_costs_nothing() {
     let mut rig = absolute(BACKLASH, Some(&PITCH[..]));
     go(&mut rig, 20_000);
     go(&mut rig, 19_000);
-    assert_eq!((pace(&rig), compensation(&rig)), (Pace::Passed, 17));
+    assert_eq!((pace(&rig), compensation(&rig)), (Pace::Skipped, 17));
     rig.give(Action::Move(to(X, 50_000)));
     rig.run(100);
     assert_eq!(pace(&rig), Pace::Full);
     let mut rig = absolute(0, None);
     rig.give(Action::Move(to(X, 50_000)));
     rig.run(100);
-    assert_eq!(pace(&rig), Pace::Calm);
+    assert_eq!(pace(&rig), Pace::Reduced);
     // Set in motion, the backlash ends the fast path and is compensated.
     set(&mut rig, "compensation.backlash", Value::Int(BACKLASH));
     rig.run(20);
     assert_eq!(pace(&rig), Pace::Full);
     go(&mut rig, 1_000);
-    assert_eq!((compensation(&rig), pace(&rig)), (-BACKLASH, Pace::Passed));
+    assert_eq!((compensation(&rig), pace(&rig)), (-BACKLASH, Pace::Skipped));
     set(&mut rig, "compensation.backlash", Value::Int(0));
     rig.run(50);
     rig.give(Action::Move(to(X, 50_000)));
     rig.run(100);
-    assert_eq!((compensation(&rig), pace(&rig)), (0, Pace::Calm));
+    assert_eq!((compensation(&rig), pace(&rig)), (0, Pace::Reduced));
 }
 
 #[test]

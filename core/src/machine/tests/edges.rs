@@ -153,7 +153,7 @@ fn a_leader_that_is_lost_stops_its_follower_without_a_stutter() {
     rig.give(Action::Synchronize(couple(X, Leader::AxisActual(Y), 1, 1)));
     rig.give(Action::Move(at(Y, 50_000.0)));
     rig.run(500);
-    rig.plant.drive(1).unwrap().lose();
+    rig.plant.drive(1).unwrap().disconnect();
     let mut before = rig.real("x.command.velocity");
     for _ in 0..60 {
         rig.run(1);

@@ -232,7 +232,7 @@ fn a_place_in_the_turn_of_the_leader_is_its_next_pass() {
         (0, 1, half),
         (100, 0, at(100)),
     ] {
-        assert_eq!(turn.last_passed(at(100), at(now), at(change)), expected, "{now} {change}");
+        assert_eq!(turn.last_reached(at(100), at(now), at(change)), expected, "{now} {change}");
     }
 }
 
@@ -484,7 +484,7 @@ fn absolute_at_its_moment_is_refused_where_the_slave_is_elsewhere_and_the_cam_go
     rig.run(9_000);
     let done = rig.done(next)[0];
     assert_eq!((done.code, rig.done(first).len()), (Code::CAM_AWAY, 0));
-    let sentence = crate::text::sentence(&done, rig.machine.config());
+    let sentence = crate::text::message(&done, rig.machine.config());
     assert!(sentence.contains("the cam asks for a place that is 5 mm away"), "{sentence}");
     // The knife is 1024 inc after its end.
     assert_eq!((rig.int("x.command.position"), rig.state("x")), (512, "SYNCHRONIZED_MOTION"));
@@ -587,7 +587,7 @@ fn a_leader_that_is_lost_ends_the_wait() {
     let mut rig = rig();
     let waiting = Synchronize { leader: Some(Leader::AxisActual(Y)), ..on(FEED, CamStart::Relative, at_position(100)) };
     let goal = rig.give(Action::Synchronize(waiting));
-    rig.tamper = |inputs| inputs.drive[1].online = false;
+    rig.modify_inputs = |inputs| inputs.drive[1].online = false;
     rig.run(100);
     assert_eq!((rig.done(goal)[0].code, rig.state("x")), (Code::LEADER_LOST, "STANDSTILL"));
 }
@@ -599,7 +599,7 @@ proptest! {
     /// the final position of the previous table plus the travel in the new one, to the last bit of the grid, except for
     /// the scale of the slave.
     #[test]
-    fn changes_lose_nothing(
+    fn cam_changes_lose_no_distance(
         changes in prop::collection::vec((0_u16..2, any::<bool>(), -3_000_i64..3_000, -6_000_i64..6_000), 1..6),
         scale in prop::sample::select(vec![(1, 1), (3, 4), (-1, 2)]),
     ) {

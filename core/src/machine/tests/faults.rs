@@ -206,17 +206,17 @@ fn inject(rig: &mut Rig, fault: Fault) -> Code {
             Code::drive_fault(0x8611)
         }
         Fault::Lost => {
-            drive.lose();
+            drive.disconnect();
             Code::DRIVE_LOST
         }
         Fault::Switch => {
             let bit = if velocity < 0.0 { inputs::NEGATIVE_LIMIT } else { inputs::POSITIVE_LIMIT };
-            drive.stick(bit, bit);
+            drive.set_stuck_inputs(bit, bit);
             if velocity < 0.0 { Code::HARDWARE_LIMIT_NEGATIVE } else { Code::HARDWARE_LIMIT_POSITIVE }
         }
         Fault::Both => {
             let both = inputs::POSITIVE_LIMIT | inputs::NEGATIVE_LIMIT;
-            drive.stick(both, both);
+            drive.set_stuck_inputs(both, both);
             Code::BOTH_LIMIT_SWITCHES
         }
         Fault::Door => {
@@ -270,7 +270,7 @@ fn any_fault(numbers: &mut Numbers) -> Fault {
 }
 
 /// Runs one fault from its first cycle to the recovery.
-fn episode(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
+fn run_fault(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
     rig.events.clear();
     let (errcond, endswmod) = (numbers.below(6) as i64, numbers.below(2) as i64);
     set(rig, "error_reaction", errcond);
@@ -295,7 +295,7 @@ fn episode(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
     let cycle = rig.machine.next_cycle() - 1;
     let text = format!("cycle {cycle}: {fault:?}, errcond {errcond}, endswmod {endswmod}");
     assert_eq!(errors(rig, X), [code], "{text}");
-    answers(rig, code, expected(fault, errcond, endswmod), &text);
+    check_reaction(rig, code, expected(fault, errcond, endswmod), &text);
     if let Some(limit) = limit {
         let before =
             (limit - rig.int("x.actual.position")) * if code == Code::SOFTWARE_LIMIT_POSITIVE { 1 } else { -1 };
@@ -316,7 +316,7 @@ fn episode(rig: &mut Rig, numbers: &mut Numbers) -> Fault {
 }
 
 /// Checks that the axis shows the error and its reaction, from this cycle until it is at rest.
-fn answers(rig: &mut Rig, code: Code, (at_once, at_rest): (Shown, Shown), text: &str) {
+fn check_reaction(rig: &mut Rig, code: Code, (at_once, at_rest): (Shown, Shown), text: &str) {
     assert_eq!(rig.int("x.error"), i64::from(code.0), "{text}");
     // A stop that ends in its first cycle has also executed the following action. If the encoder jumped within the
     // following error limit, the axis waits for it.
@@ -341,9 +341,9 @@ fn answers(rig: &mut Rig, code: Code, (at_once, at_rest): (Shown, Shown), text: 
 fn recover(rig: &mut Rig, text: &str) {
     let all = inputs::POSITIVE_LIMIT | inputs::NEGATIVE_LIMIT;
     let drive = rig.plant.drive(0).expect("x");
-    drive.stick(all, 0);
-    drive.find();
-    drive.find_index();
+    drive.set_stuck_inputs(all, 0);
+    drive.reconnect();
+    drive.restore_index();
     rig.plant.set_digital(ESTOP, true);
     rig.plant.set_digital(DOOR, true);
     rig.run(1);
@@ -371,7 +371,7 @@ fn every_fault_ends_in_its_reaction_in_its_cycle() {
     let mut numbers = Numbers(11);
     let mut counted: BTreeMap<&str, u64> = BTreeMap::new();
     while rig.machine.next_cycle() < cycles {
-        *counted.entry(episode(&mut rig, &mut numbers).name()).or_default() += 1;
+        *counted.entry(run_fault(&mut rig, &mut numbers).name()).or_default() += 1;
     }
     let faults: u64 = counted.values().sum();
     println!("{faults} faults in {} cycles, each answered in its cycle and told once:", rig.machine.next_cycle());

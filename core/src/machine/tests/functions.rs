@@ -226,12 +226,12 @@ fn a_sink_that_is_too_fast_is_an_error_of_its_axis() {
     rig.run(10);
     assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("SYNCHRONIZED_MOTION", 50_000.0));
     // E1 selects ratio 3: 150 mm/s, while the maximum is 100 mm/s.
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", Code::FUNCTION_TOO_FAST.0.into()));
     let told = rig.events.iter().find(|event| event.kind == Kind::Error).expect("the error");
     assert_eq!(
-        crate::text::sentence(told, rig.machine.config()),
+        crate::text::message(told, rig.machine.config()),
         "x: its function asks for 150 mm/s; max_velocity is 100 mm/s"
     );
     // The axis starts its cycle after the slots: they see its error in the next one.
@@ -273,7 +273,7 @@ fn an_error_that_lets_the_axis_go_on_ends_a_function_all_the_same_where_it_is_to
     rig.run(50);
     assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
     // The drive does not move: a following error, which is reported while the axis continues.
-    rig.tamper = |inputs| inputs.drive[0].count = 0;
+    rig.modify_inputs = |inputs| inputs.drive[0].count = 0;
     rig.run(60);
     assert!(rig.events.iter().any(|event| event.code == Code::FOLLOWING_ERROR));
     assert_eq!((rig.int("g.active"), rig.state("x"), rig.real("x.command.velocity")), (0, "STANDSTILL", 0.0));
@@ -319,7 +319,7 @@ fn a_speed_runs_a_rotary_axis_on_its_ramp() {
     rig.run(1);
     assert_eq!((rig.int("turn.sink"), rig.int("lamp"), rig.state("disc")), (0, 1, "STANDSTILL"));
     assert_eq!(rig.int("disc.reference"), 8);
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!((rig.int("turn.sink"), rig.int("lamp")), (600_000, 0));
     rig.run(10);
@@ -328,14 +328,14 @@ fn a_speed_runs_a_rotary_axis_on_its_ramp() {
     rig.run(80);
     assert_eq!((rig.real("disc.command.velocity"), rig.int("disc.in_velocity")), (36_000.0, 1));
     // Loss of the enable stops the axis, during the ramp, too.
-    rig.tamper = |inputs| inputs.digital[0] = 0b11;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 0b11;
     rig.run(1);
     assert_eq!((rig.int("turn.sink"), rig.int("lamp")), (0, 1));
     rig.run(90);
     assert_eq!(rig.real("disc.command.velocity"), 0.0);
-    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 0;
     rig.run(2);
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(90);
     assert_eq!(rig.real("disc.command.velocity"), 36_000.0);
     rig.give(order(0, Order::Reset));
@@ -607,7 +607,7 @@ fn sources_are_signals_by_their_names() {
     rig.enable();
     rig.give(Action::Move(to(Y, 70_000)));
     rig.run(2000);
-    rig.tamper = |inputs| {
+    rig.modify_inputs = |inputs| {
         // Half a mV away from zero.
         (inputs.analog[0], inputs.digital[0]) = (-1.2345, 1);
         inputs.encoder[0].count = 32_800;

@@ -34,7 +34,7 @@ fn cell() -> MachineConfig {
 }
 
 /// Returns a rig whose second drive has this many counts more at the first inputs.
-fn apart(by: i64) -> Rig {
+fn with_count_difference(by: i64) -> Rig {
     let mut rig = Rig::of(cell());
     rig.plant.drive(SECOND).expect("it is simulated").jump(by);
     rig.run(2);
@@ -42,7 +42,7 @@ fn apart(by: i64) -> Rig {
 }
 
 fn enabled(by: i64) -> Rig {
-    let mut rig = apart(by);
+    let mut rig = with_count_difference(by);
     rig.enable();
     rig
 }
@@ -62,9 +62,9 @@ fn errors(rig: &Rig) -> Vec<Code> {
 /// In each cycle both drives get the same control word, and the axis is on once both drives are.
 #[test]
 fn it_is_on_once_both_drives_are() {
-    let mut rig = apart(0);
+    let mut rig = with_count_difference(0);
     // The second drive is slow: for 30 cycles it reports only switched on.
-    rig.tamper = |inputs: &mut Inputs| {
+    rig.modify_inputs = |inputs: &mut Inputs| {
         if inputs.cycle < 30 && DriveState::from_status(inputs.drive[SECOND].status) == DriveState::Enabled {
             inputs.drive[SECOND].status = DriveState::SwitchedOn.status();
         }
@@ -85,8 +85,8 @@ fn it_is_on_once_both_drives_are() {
 /// A drive that is never enabled keeps the axis off, with the error of a single drive.
 #[test]
 fn a_drive_that_does_not_come_on_switches_both_off() {
-    let mut rig = apart(0);
-    rig.tamper = |inputs: &mut Inputs| inputs.drive[SECOND].status = DriveState::SwitchedOn.status();
+    let mut rig = with_count_difference(0);
+    rig.modify_inputs = |inputs: &mut Inputs| inputs.drive[SECOND].status = DriveState::SwitchedOn.status();
     rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(5_010);
     assert_eq!((errors(&rig), controls(&rig)), (vec![Code::ENABLE_TIMEOUT], [control::DISABLE_VOLTAGE; 2]));
@@ -263,7 +263,7 @@ fn a_skew_beside_another_error_is_told_once() {
     for reaction in [2, 3, 4, 5] {
         let mut rig = enabled(0);
         rig.set("skew_reaction", Value::Int(reaction));
-        rig.plant.drive(FIRST).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(FIRST).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run(5);
         assert_eq!(rig.state("x"), "ERROR_STOP");
         rig.plant.drive(SECOND).unwrap().jump(-300);
@@ -300,7 +300,7 @@ fn a_drive_that_still_runs_has_not_stopped_by_itself() {
         let mut rig = skewed(4);
         assert_eq!(controls(&rig), [control::QUICK_STOP; 2]);
         rig.plant.drive(FIRST).unwrap().jam(true);
-        rig.tamper = if runs { |all: &mut Inputs| all.drive[SECOND].count += all.cycle as i64 % 100 } else { |_| {} };
+        rig.modify_inputs = if runs { |all: &mut Inputs| all.drive[SECOND].count += all.cycle as i64 % 100 } else { |_| {} };
         // Both drives report quick stop, at any velocity.
         rig.run(20);
         rig.give(Action::Disable(AxisSet::one(X)));
@@ -312,7 +312,7 @@ fn a_drive_that_still_runs_has_not_stopped_by_itself() {
 /// A vocabulary cannot switch the axis on either, and changes during the switch-on count, too.
 #[test]
 fn nothing_switches_it_on_beyond_the_limit() {
-    let mut rig = apart(0);
+    let mut rig = with_count_difference(0);
     rig.plant.drive(SECOND).unwrap().jump(MAX_SKEW + 1);
     rig.run(2);
     let commands = [
@@ -334,7 +334,7 @@ fn nothing_switches_it_on_beyond_the_limit() {
     rig.run(20);
     assert_eq!(rig.int("x.enabled"), 1);
     for reaction in [0, 2, 5] {
-        let mut rig = apart(0);
+        let mut rig = with_count_difference(0);
         rig.set("skew_reaction", Value::Int(reaction));
         rig.give(Action::Enable(AxisSet::one(X)));
         rig.run(1);
@@ -365,7 +365,7 @@ fn a_second_drive_without_a_place_is_not_switched_on() {
 fn what_is_held_is_of_fresh_words() {
     let mut rig = Rig::of(cell());
     // Before its first report the drive repeats an old word, and again while it is switched on.
-    rig.tamper = |all: &mut Inputs| match all.cycle {
+    rig.modify_inputs = |all: &mut Inputs| match all.cycle {
         0..3 => (all.drive[SECOND].fresh, all.drive[SECOND].count) = (false, -500),
         5..14 => all.drive[SECOND].fresh = false,
         _ => {}
@@ -397,7 +397,7 @@ fn a_new_coordinate_of_absolute_encoders_shows_the_skew() {
             x.parameters.gantry.square_offset = is_known.then_some(0);
             let mut rig = Rig::of(config);
             rig.run(5);
-            rig.tamper = moved;
+            rig.modify_inputs = moved;
             rig.run(3);
             let told = rig.events.iter().filter(|event| event.code == Code::SQUARE_ASSUMED).count();
             let expected = if is_known { (skew, 0) } else { (0, 1) };
@@ -440,7 +440,7 @@ fn what_fails_of_either_drive_stops_both_in_its_cycle() {
             let mut rig = enabled(0);
             rig.give(Action::Move(at(X, 10_000.0)));
             rig.run(100);
-            rig.tamper = harm;
+            rig.modify_inputs = harm;
             rig.run(1);
             let found = (rig.int("x.error"), controls(&rig));
             assert_eq!(found, (i64::from(code.0), [control::DISABLE_VOLTAGE; 2]));
@@ -456,7 +456,7 @@ fn a_silence_of_either_drive_counts() {
     let silences: [fn(&mut Inputs); 2] = [|all| all.drive[FIRST].fresh = false, |all| all.drive[SECOND].fresh = false];
     for silence in silences {
         let mut rig = enabled(0);
-        rig.tamper = silence;
+        rig.modify_inputs = silence;
         rig.run(10);
         assert_eq!((rig.int("x.error"), controls(&rig)), (0, [control::ENABLE; 2]));
         rig.run(1);
@@ -476,9 +476,9 @@ fn words_that_are_waited_for_are_no_skew() {
         let mut rig = enabled(0);
         rig.give(Action::Move(at(X, 100_000.0)));
         rig.run(300);
-        rig.tamper = stale;
+        rig.modify_inputs = stale;
         rig.run(9);
-        rig.tamper = |_| {};
+        rig.modify_inputs = |_| {};
         rig.run(3);
         assert_eq!((errors(&rig), rig.int("x.skew"), controls(&rig)), (vec![], 0, [control::ENABLE; 2]));
     }
@@ -510,7 +510,7 @@ fn a_new_coordinate_of_the_second_drive_is_no_motion() {
     assert_eq!((rig.int("x.homed"), rig.int("x.actual.position")), (1, 0));
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(20);
-    rig.plant.drive(SECOND).unwrap().renew_counts();
+    rig.plant.drive(SECOND).unwrap().restart_counts();
     rig.run(1);
     assert_eq!((rig.int("x.second.count"), rig.int("x.skew"), rig.int("x.homed")), (0, 0, 0));
     assert_eq!((rig.int("x.second.position"), rig.int("x.actual.count")), (0, 20_000));
@@ -552,7 +552,7 @@ fn the_limit_switch_of_either_drive_stops_it() {
         let mut rig = enabled(0);
         rig.give(Action::Move(at(X, 10_000.0)));
         rig.run(100);
-        rig.plant.drive(place).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(place).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run(1);
         assert_eq!((rig.int("x.limit.positive"), errors(&rig)), (1, vec![Code::HARDWARE_LIMIT_POSITIVE]), "{place}");
     }
@@ -561,7 +561,7 @@ fn the_limit_switch_of_either_drive_stops_it() {
 /// Parameter values that are refused.
 #[test]
 fn what_two_drives_cannot_do_is_refused_by_name() {
-    let mut rig = apart(0);
+    let mut rig = with_count_difference(0);
     for (key, value, expected) in [
         ("max_skew", Value::Unset, "max_skew is missing; a distance above 0 is expected"),
         ("homing.method", Value::Int(33), "homing.method 33 does not square an axis with two drives"),

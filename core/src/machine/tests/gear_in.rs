@@ -73,7 +73,7 @@ fn warnings(rig: &Rig) -> usize {
 
 /// Position of x for the pair 10000, 3000 at 1 : 1 from rest at 1000, over 4000 inc of the line: y'' = (6 s - 6 s^2) /
 /// 4000, so that y = 4000 (s^3 - s^4 / 2).
-fn even(line: f64) -> f64 {
+fn straight_curve(line: f64) -> f64 {
     let s = ((line - 6_000.0) / 4_000.0).clamp(0.0, 1.0);
     1_000.0 + 4_000.0 * (s * s * s - s * s * s * s / 2.0)
 }
@@ -107,7 +107,7 @@ fn from_rest_it_goes_the_curve_and_is_exact_behind_the_pair() {
             () if now < 10_000.0 => {
                 seen[1] += 1;
                 assert_eq!(state, ("SYNCHRONIZED_MOTION", 0, 0));
-                assert!((real(rig, X) - even(now)).abs() < if seen[1] == 1 { 1e-3 } else { 1e-6 }, "{now}");
+                assert!((real(rig, X) - straight_curve(now)).abs() < if seen[1] == 1 { 1e-3 } else { 1e-6 }, "{now}");
                 assert_eq!(rig.int("x.reference"), 4);
             }
             () => {
@@ -208,7 +208,7 @@ fn the_offset_of_before_is_in_the_pair() {
     rig.give(line(30_000, 19.7));
     watch(&mut rig, 700, |rig| {
         let now = real(rig, LINE);
-        assert!(now >= 10_000.0 || (real(rig, X) - even(now)).abs() < 1e-3, "{now}");
+        assert!(now >= 10_000.0 || (real(rig, X) - straight_curve(now)).abs() < 1e-3, "{now}");
     });
     assert_eq!((warnings(&rig), place(&rig, X) - place(&rig, LINE)), (0, Position::whole(-7_000)));
     let given = super::direction::set(&mut rig, &[("syncposoffs", 700)]);
@@ -251,7 +251,7 @@ fn the_curve_is_one_of_the_leaders_place() {
         watch(&mut rig, 700, |rig| {
             let is_first = !engaged && rig.int("x.sync.waiting") == 0;
             engaged |= is_first;
-            assert!((real(rig, X) - even(real(rig, LINE))).abs() < if is_first { 1e-3 } else { 1e-6 });
+            assert!((real(rig, X) - straight_curve(real(rig, LINE))).abs() < if is_first { 1e-3 } else { 1e-6 });
         });
         assert_eq!((rig.int("line.command.position"), rig.int("x.in_sync")), (stop, 0));
     }
@@ -478,7 +478,7 @@ fn a_leader_that_is_lost_ends_the_wait_and_stops_the_approach() {
             assert_eq!((rig.int("x.sync.waiting"), rig.int("x.in_sync")), (0, 0));
             assert!(rig.int("x.command.position") > 50);
         }
-        rig.tamper = |inputs| inputs.drive[1].online = false;
+        rig.modify_inputs = |inputs| inputs.drive[1].online = false;
         rig.run(300);
         let state = if approaches { "ERROR_STOP" } else { "STANDSTILL" };
         assert_eq!((rig.done(goal)[0].code, rig.state("x")), (Code::LEADER_LOST, state));
@@ -506,7 +506,7 @@ fn a_counted_leader_leads_along_the_curve() {
         // One count more or less is not an acceleration.
         assert!((step - before.1).abs() <= RATE + 1.0 + 1e-6, "{step}");
         if belt > 6_010 && belt < 10_000 {
-            assert!((real(&rig, X) - even(belt as f64)).abs() < 1e-6);
+            assert!((real(&rig, X) - straight_curve(belt as f64)).abs() < 1e-6);
         } else if belt >= 10_000 {
             assert_eq!((place(&rig, X), rig.int("x.in_sync")), (Position::whole(belt - 7_000), 1));
         }

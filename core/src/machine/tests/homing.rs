@@ -26,7 +26,7 @@ const LEFT_END: i64 = -20_000;
 const RIGHT_END: i64 = 20_000;
 
 /// Pulses at 300 + 2000 n, which is a revolution of 500 lines; limit switches at both ends.
-fn way(start: i64, home: (i64, i64)) -> Fixtures {
+fn travel_range(start: i64, home: (i64, i64)) -> Fixtures {
     Fixtures {
         start,
         index: Some(Index { every: 2_000, at: 300 }),
@@ -57,7 +57,7 @@ fn cell(delay: u32) -> MachineConfig {
 fn rig_with(config: MachineConfig, model: Model, fixtures: Fixtures) -> Rig {
     let mut rig = Rig::with(config, [model, Model::Ideal]);
     if let Some(drive) = rig.plant.drive(0) {
-        drive.fit(fixtures);
+        drive.install_fixtures(fixtures);
     }
     rig.enable();
     rig

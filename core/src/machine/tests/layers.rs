@@ -118,7 +118,7 @@ fn a_reset_drops_what_was_set_or_also_what_was_saved_which_stays_stored() {
         rig.events.iter().filter(|event| event.command == user && event.kind == Kind::Parameter).collect();
     assert_eq!(told.len(), 1, "one value is another");
     assert_eq!(
-        crate::text::sentence(told[0], rig.machine.config()),
+        crate::text::message(told[0], rig.machine.config()),
         "x: max_velocity is 60 mm/s, effective with the next motion command"
     );
     rig.give(Action::ResetParameters { axes: all(), layer: Layer::Init });

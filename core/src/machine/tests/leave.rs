@@ -3,7 +3,7 @@
 use super::direction::set;
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, parameters, to};
 use crate::code::Code;
-use crate::command::{Action, Engage, GearOut, LeaveAt, Move, MoveMode, Phase, PhaseShift, PhaseSide, Synchronize};
+use crate::command::{Action, Engage, GearOut, DisengageAt, Move, MoveMode, Phase, PhaseShift, PhaseSide, Synchronize};
 use crate::config::{IoConfig, IoKind, MachineConfig, SumConfig, TableConfig};
 use crate::drive::Inputs;
 use crate::modulo::Modulo;
@@ -48,7 +48,7 @@ fn half(mode: &str) -> Synchronize {
     }
 }
 
-fn out(at: LeaveAt, disengage: Option<Disengage>) -> Action {
+fn out(at: DisengageAt, disengage: Option<Disengage>) -> Action {
     Action::GearOut(GearOut { axis: X, at, disengage })
 }
 
@@ -81,7 +81,7 @@ fn each_mode_is_left_in_the_cycle_in_which_the_place_is_passed() {
                     assert_eq!(rig.int("x.in_sync"), i64::from(mode != "marker"), "{what}");
                     let of = if by_axis { X } else { LINE };
                     let ahead = place(&rig, of).nearest() + way * if by_axis { 1_007 } else { 2_013 };
-                    let leave = if by_axis { LeaveAt::Axis(ahead) } else { LeaveAt::Leader(ahead) };
+                    let leave = if by_axis { DisengageAt::Axis(ahead) } else { DisengageAt::Leader(ahead) };
                     let given = rig.give(out(leave, Some(disengage)));
                     assert!(rig.was_accepted(given));
                     rig.run(1);
@@ -123,7 +123,7 @@ fn each_mode_is_left_in_the_cycle_in_which_the_place_is_passed() {
                     let stopped = (place(&rig, X) - left).to_f64() * way as f64;
                     assert!((stopped - 100.0).abs() <= 1.0, "{what}: {stopped}");
                     let done = rig.done(goal)[0];
-                    let sentence = crate::text::sentence(&done, rig.machine.config());
+                    let sentence = crate::text::message(&done, rig.machine.config());
                     assert_eq!(sentence, "x: gear_out has uncoupled the axis");
                 }
             }
@@ -138,7 +138,7 @@ fn now_is_the_cycle_of_the_command_and_the_goal_says_how() {
         rig.give(Action::Move(at(LINE, 20_000.0)));
         let goal = rig.give(Action::Synchronize(Synchronize { disengage, ..half("position") }));
         rig.run(300);
-        let given = rig.give(out(LeaveAt::Now, None));
+        let given = rig.give(out(DisengageAt::Now, None));
         assert!(rig.was_accepted(given));
         assert_eq!((code(&rig, given), rig.int("x.sync.leaving")), (Some(Code::NONE), 0));
         let ends = disengage == Disengage::KeepVelocity;
@@ -158,13 +158,13 @@ fn a_leader_that_stands_at_the_place_is_there() {
     rig.run_until("line.state", 1);
     let goal = rig.give(Action::Synchronize(half("position")));
     rig.run(2);
-    let beside = rig.give(out(LeaveAt::Leader(1_001), None));
+    let beside = rig.give(out(DisengageAt::Leader(1_001), None));
     rig.run(50);
     assert_eq!(rig.int("x.sync.leaving"), beside as i64);
     rig.give(Action::Move(to(LINE, 900)));
     rig.run_until("line.state", 1);
     assert_eq!((code(&rig, goal), rig.state("x")), (None, "SYNCHRONIZED_MOTION"));
-    let there = rig.give(out(LeaveAt::Leader(900), None));
+    let there = rig.give(out(DisengageAt::Leader(900), None));
     assert_eq!((code(&rig, beside), code(&rig, there)), (Some(Code::REPLACED), Some(Code::NONE)));
     assert_eq!((code(&rig, goal), rig.state("x")), (Some(Code::GEARED_OUT), "STANDSTILL"));
 }
@@ -181,7 +181,7 @@ fn whatever_leads_comes_to_the_place() {
         rig.enable();
         let goal = rig.give(Action::Synchronize(couple(X, leader, 1, 4)));
         // An axis at rest at 0 has reached position 0.
-        let given = rig.give(out(LeaveAt::Leader(place), None));
+        let given = rig.give(out(DisengageAt::Leader(place), None));
         if place == 0 {
             assert_eq!((code(&rig, given), code(&rig, goal)), (Some(Code::NONE), Some(Code::GEARED_OUT)));
             continue;
@@ -203,7 +203,7 @@ fn a_new_zero_of_the_leader_passes_no_place() {
     let mut rig = rig();
     let goal = rig.give(Action::Synchronize(half("position")));
     rig.run(2);
-    rig.give(out(LeaveAt::Leader(500), None));
+    rig.give(out(DisengageAt::Leader(500), None));
     rig.run(2);
     let zero = crate::command::SetPosition { axis: LINE, position: Length::whole(700) };
     let zero = rig.give(Action::SetPosition(zero));
@@ -238,7 +238,7 @@ fn whatever_else_ends_the_coupling_drops_it() {
         rig.give(Action::Move(at(LINE, 20_000.0)));
         let goal = rig.give(Action::Synchronize(half("position")));
         rig.run(200);
-        let given = rig.give(out(LeaveAt::Leader(100_000), None));
+        let given = rig.give(out(DisengageAt::Leader(100_000), None));
         let refused = rig.give(Action::Synchronize(couple(X, TO_LINE, 0, 1)));
         assert!(rig.answer(refused).is_err());
         rig.run(2);
@@ -246,14 +246,14 @@ fn whatever_else_ends_the_coupling_drops_it() {
         match (what, action) {
             ("cancel", _) => _ = rig.give(Action::Cancel { goal }),
             ("error", _) => {
-                rig.tamper = jump;
+                rig.modify_inputs = jump;
                 rig.run(20);
             }
             (_, action) => _ = rig.give(action.expect("an action")),
         }
         assert_eq!((rig.int("x.sync.leaving"), code(&rig, given)), (0, Some(ends_with)), "{what}");
         // The wait is removed: a later coupling is not left there.
-        rig.tamper = |_| {};
+        rig.modify_inputs = |_| {};
         if what == "goal" {
             rig.run_to("line.command.position", 110_000.0);
             assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
@@ -272,7 +272,7 @@ fn the_end_of_a_cam_drops_it_as_well() {
     rig.enable();
     let goal = rig.give(Action::Synchronize(half("cam")));
     rig.run(2);
-    let given = rig.give(out(LeaveAt::Leader(3_000), None));
+    let given = rig.give(out(DisengageAt::Leader(3_000), None));
     rig.give(Action::Move(to(LINE, 4_000)));
     rig.run_until("line.state", 1);
     assert_eq!((code(&rig, goal), code(&rig, given)), (Some(Code::NONE), Some(Code::NOT_REACHED)));
@@ -283,7 +283,7 @@ fn an_axis_that_no_goal_couples_refuses_it() {
     let mut rig = rig();
     let sentence = "x: no goal of synchronize couples the axis: there is nothing to leave";
     let refused = |rig: &mut Rig| {
-        let given = rig.give(out(LeaveAt::Now, None));
+        let given = rig.give(out(DisengageAt::Now, None));
         assert_eq!(rig.refusal(given), sentence);
     };
     refused(&mut rig);
@@ -326,7 +326,7 @@ fn what_a_request_does_not_mean_is_refused_by_name() {
     }
     let most = GearOutRequest { at: 2, increments: (1 << 62) - 1, disengage: 2, ..x() };
     let GearOut { axis, at, disengage } = config.resolve_gear_out(&most).expect("legal");
-    assert_eq!((axis, at, disengage), (X, LeaveAt::Axis((1 << 62) - 1), None));
+    assert_eq!((axis, at, disengage), (X, DisengageAt::Axis((1 << 62) - 1), None));
 }
 
 /// A coupling that waits for its event continues to wait while the previous one is left: out at one position, in at the
@@ -339,7 +339,7 @@ fn out_at_one_place_and_in_at_the_next() {
     rig.run(200);
     let engage = Engage::AtPosition { position: 20_000, turn: None };
     let second = rig.give(Action::Synchronize(Synchronize { engage, ..half("velocity") }));
-    let leave = rig.give(out(LeaveAt::Leader(10_000), None));
+    let leave = rig.give(out(DisengageAt::Leader(10_000), None));
     rig.run_to("line.command.position", 12_000.0);
     assert_eq!((code(&rig, first), code(&rig, leave)), (Some(Code::GEARED_OUT), Some(Code::NONE)));
     assert_eq!((rig.state("x"), rig.int("x.sync.waiting")), ("STANDSTILL", second as i64));
@@ -366,7 +366,7 @@ fn a_shift_under_way_ends_with_the_coupling() {
         let shifted = rig.give(action);
         rig.run(200);
         assert!((rig.real("x.command.velocity") - 15_000.0).abs() < 1.0);
-        rig.give(out(LeaveAt::Now, Some(disengage)));
+        rig.give(out(DisengageAt::Now, Some(disengage)));
         assert_eq!(code(&rig, shifted), Some(Code::NOT_REACHED));
         let mut before = rig.real("x.command.velocity");
         for _ in 0..100 {
@@ -390,7 +390,7 @@ fn who_follows_the_axis_follows_it_out_of_its_coupling() {
     rig.run(300);
     assert_eq!(rig.int("y.in_sync"), 1);
     let offset = place(&rig, Y).to_f64() - place(&rig, X).to_f64() * 1.5;
-    rig.give(out(LeaveAt::Axis(place(&rig, X).nearest() + 1_000), None));
+    rig.give(out(DisengageAt::Axis(place(&rig, X).nearest() + 1_000), None));
     let off = |rig: &Rig| place(rig, Y).to_f64() - place(rig, X).to_f64() * 1.5 - offset;
     while rig.state("x") != "STANDSTILL" {
         assert!(off(&rig).abs() < 1e-6, "{}", off(&rig));
@@ -431,7 +431,7 @@ proptest! {
         let ahead = turn.map_or(ahead, |turn| ahead.rem_euclid(turn).max(40).min(turn - 1));
         let target = start.nearest() + ahead * way as i64;
         let shown = turn.map_or(target, |turn| target.rem_euclid(turn));
-        let leave = if by_axis { LeaveAt::Axis(shown) } else { LeaveAt::Leader(shown) };
+        let leave = if by_axis { DisengageAt::Axis(shown) } else { DisengageAt::Leader(shown) };
         let disengage = if keeps { Disengage::KeepVelocity } else { Disengage::Stop };
         let given = rig.give(out(leave, Some(disengage)));
         prop_assert!(rig.was_accepted(given));

@@ -17,7 +17,7 @@ fn rig_of(change: impl Fn(&mut AxisParameters)) -> Rig {
     change(&mut config.axes[1].parameters);
     let mut rig = Rig::of(config);
     let fixtures = Fixtures { negative: Some(-20_000), positive: Some(20_000), ..Fixtures::default() };
-    rig.plant.drive(0).unwrap().fit(fixtures);
+    rig.plant.drive(0).unwrap().install_fixtures(fixtures);
     rig.enable();
     rig
 }
@@ -46,7 +46,7 @@ fn the_edge_stops_the_axis_in_its_cycle_with_the_largest_deceleration() {
     let cycle = run_into(&mut rig);
     let event = rig.events.iter().find(|event| event.kind == Kind::Error).unwrap();
     assert_eq!((event.cycle, event.code), (cycle, Code::HARDWARE_LIMIT_POSITIVE));
-    let sentence = crate::text::sentence(event, rig.machine.config());
+    let sentence = crate::text::message(event, rig.machine.config());
     assert_eq!(sentence, "x: the positive limit switch was reached");
     // The stop started one cycle ago, with the last command: 50 mm/s at 1000 mm/s^2 are 50 ms and 1.25 mm.
     let start = rig.int("x.command.position");
@@ -110,7 +110,7 @@ fn after_the_reset_the_way_back_is_open_and_the_other_is_error_98() {
 fn an_axis_that_stands_on_its_switch_at_power_on_moves_only_away() {
     let mut rig = Rig::of(config(0));
     let drive = rig.plant.drive(0).unwrap();
-    drive.fit(Fixtures { start: -21_000, negative: Some(-20_000), ..Fixtures::default() });
+    drive.install_fixtures(Fixtures { start: -21_000, negative: Some(-20_000), ..Fixtures::default() });
     rig.enable();
     assert_eq!((rig.int("x.limit.negative"), error(&rig), rig.state("x")), (1, 0, "STANDSTILL"));
     let wrong = rig.give(Action::Move(at(X, -1_000.0)));
@@ -155,14 +155,14 @@ fn an_assigned_input_is_a_limit_switch_by_its_sign() {
 #[test]
 fn an_edge_at_rest_is_an_error_and_one_on_the_way_back_is_not() {
     let mut rig = rig_of(|_| ());
-    rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
     rig.run(1);
     assert_eq!((rig.state("x"), error(&rig)), ("ERROR_STOP", code(Code::HARDWARE_LIMIT_POSITIVE)));
-    rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, 0);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, 0);
     rig.give(Action::ResetErrors(AxisSet::one(X)));
     rig.give(Action::Move(at(X, -10_000.0)));
     rig.run(50);
-    rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
     rig.run(1);
     assert_eq!((rig.state("x"), error(&rig)), ("CONTINUOUS_MOTION", 0));
     let told = rig.events.iter().filter(|event| event.kind == Kind::Limit).count();
@@ -175,7 +175,7 @@ fn both_switches_at_once_stop_any_motion_and_leave_no_way() {
     rig.give(Action::Move(at(X, -10_000.0)));
     rig.run(50);
     let both = inputs::POSITIVE_LIMIT | inputs::NEGATIVE_LIMIT;
-    rig.plant.drive(0).unwrap().stick(both, both);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(both, both);
     rig.run(1);
     assert_eq!((rig.state("x"), error(&rig)), ("ERROR_STOP", code(Code::BOTH_LIMIT_SWITCHES)));
     rig.run(100);
@@ -212,7 +212,7 @@ fn pushed_off_its_switch_by_hand_both_ways_are_open() {
     let mut rig = rig_of(|x| x.error_reaction = 0);
     run_into(&mut rig);
     rig.run(5);
-    rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, 0);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, 0);
     rig.run(2);
     rig.give(Action::ResetErrors(AxisSet::one(X)));
     rig.enable();
@@ -313,7 +313,7 @@ fn a_second_switch_is_told() {
         run_into(&mut rig);
         rig.run(if rests { 100 } else { 10 });
         rig.events.clear();
-        rig.plant.drive(0).unwrap().stick(inputs::NEGATIVE_LIMIT, inputs::NEGATIVE_LIMIT);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::NEGATIVE_LIMIT, inputs::NEGATIVE_LIMIT);
         rig.run(10);
         let told: Vec<Code> =
             rig.events.iter().filter(|event| event.kind == Kind::Error).map(|event| event.code).collect();

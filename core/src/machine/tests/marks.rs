@@ -21,7 +21,7 @@ const T_NS: f64 = 1e6;
 const TYPES: [(&str, i64); 2] = [("syncmtypm", 12), ("syncmtyps", 22)];
 
 /// Simulated belt and roll: a sensor for products on the belt, and one for labels on x.
-pub(super) struct World {
+pub(super) struct BeltAndRoll {
     pub(super) rig: Rig,
     /// Positions of products that have not passed yet, and the position of the belt.
     pub(super) products: Vec<f64>,
@@ -57,7 +57,7 @@ fn by_marks() -> Action {
     Action::Synchronize(Synchronize { mode: SyncMode::Marker, ..couple(X, TO_BELT, 2, 1) })
 }
 
-impl World {
+impl BeltAndRoll {
     /// Returns a world with products every 1000 inc from `first` on, and labels every 2000 from 300 on.
     pub(super) fn new(first: f64, changes: &[(&str, i64)]) -> Self {
         Self::of(marked(changes), first)
@@ -76,11 +76,11 @@ impl World {
 
     pub(super) fn couple(&mut self) -> u64 {
         let goal = self.rig.give(by_marks());
-        self.see();
+        self.record_position();
         goal
     }
 
-    pub(super) fn see(&mut self) {
+    pub(super) fn record_position(&mut self) {
         self.x = [self.x[1], self.rig.int("x.output.position")];
     }
 
@@ -111,7 +111,7 @@ impl World {
             self.latch(1, Edge::Rising, share);
         }
         self.rig.run(1);
-        self.see();
+        self.record_position();
     }
 
     pub(super) fn run(&mut self, cycles: usize, change: i64) {
@@ -138,7 +138,7 @@ impl World {
 fn labels_come_with_their_products() {
     for (start, ahead) in [(6, -700.0), (2, -700.0), (3, 1_300.0), (4, -700.0), (5, -700.0), (1, -700.0), (0, 1_300.0)]
     {
-        let mut world = World::new(500.0, &[("syncmstart", start)]);
+        let mut world = BeltAndRoll::new(500.0, &[("syncmstart", start)]);
         world.couple();
         assert_eq!(world.rig.int("x.in_sync"), 0, "no marks yet");
         world.run(1_500, 10);
@@ -157,11 +157,11 @@ fn labels_come_with_their_products() {
 /// Proves: MACS-MARK-13, MACS-SYNC-14
 #[test]
 fn a_correction_in_its_time_leaves_the_axis_synchronized() {
-    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncofftime", 400)]);
+    let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncofftime", 400)]);
     world.couple();
     world.run(50, 10);
     let pair = world.rig.events.iter().find(|event| event.kind == Kind::Mark).expect("a pair");
-    let sentence = crate::text::sentence(pair, world.rig.machine.config());
+    let sentence = crate::text::message(pair, world.rig.machine.config());
     // The distance still to be caught up is not part of the mark error.
     assert!(
         sentence.starts_with("x: marks -") && sentence.ends_with(" inc apart, corrected by -679.500 inc"),
@@ -186,7 +186,7 @@ fn a_correction_in_its_time_leaves_the_axis_synchronized() {
 #[test]
 fn filtered_corrections_settle() {
     let time = [("syncmstart", 6), ("syncmftime", 2_000), ("syncofftime", 1_000), ("syncmfpar", 2)];
-    let mut world = World::new(500.0, &time);
+    let mut world = BeltAndRoll::new(500.0, &time);
     world.run(100, 10);
     // The axis is coupled in motion.
     world.rig.plant.jump_encoder(0, 10);
@@ -215,13 +215,13 @@ fn filtered_corrections_settle() {
 #[test]
 fn filters_and_start_correction_of_marks_are_signals() {
     let time = [("syncmstart", 6), ("syncmftime", 2_000), ("syncofftime", 1_000), ("syncmfpar", 2)];
-    let mut world = World::new(500.0, &time);
+    let mut world = BeltAndRoll::new(500.0, &time);
     world.run(100, 10);
     // The axis is coupled in motion.
     world.rig.plant.jump_encoder(0, 10);
     world.belt += 10;
     world.couple();
-    let shown = |world: &World| {
+    let shown = |world: &BeltAndRoll| {
         ["filter", "correction_filter", "start_left", "distance_error"]
             .map(|name| world.rig.real(&format!("x.marker.{name}")))
     };
@@ -258,7 +258,7 @@ fn filters_and_start_correction_of_marks_are_signals() {
 /// Proves: MACS-CMD-20
 #[test]
 fn places_of_marks_have_fractions() {
-    let mut world = World::new(500.25, &[("syncmstart", 6)]);
+    let mut world = BeltAndRoll::new(500.25, &[("syncmstart", 6)]);
     world.couple();
     world.run(1_500, 10);
     let place = |name: &str, fraction: &str| world.rig.int(name) as f64 + world.rig.real(fraction);
@@ -274,7 +274,7 @@ fn places_of_marks_have_fractions() {
 /// Proves: MACS-MARK-10, MACS-MARK-11, MACS-SYS-01
 #[test]
 fn the_gear_follows_the_average_distance() {
-    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 2_000)]);
+    let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmftime", 2_000)]);
     world.products = (0..700).map(|place| 500.0 + f64::from(place) * 1_010.0).collect();
     world.couple();
     world.run(300, 10);
@@ -289,14 +289,14 @@ fn the_gear_follows_the_average_distance() {
 /// Proves: MACS-MARK-07
 #[test]
 fn lost_and_extra_marks_correct_nothing() {
-    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmwinm", 100), ("syncmwins", 200)]);
+    let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmwinm", 100), ("syncmwins", 200)]);
     world.couple();
     world.run(1_000, 10);
     assert_eq!((world.rig.int("x.marker.missed"), world.rig.int("x.marker.extra")), (0, 0));
     // Two additional marks in between, one after the other, and one that is missing.
     let next = world.products[0];
     world.products.splice(0..1, [next - 600.0, next - 400.0]);
-    let way = |world: &World| world.rig.int("x.command.position") - 2 * world.belt;
+    let way = |world: &BeltAndRoll| world.rig.int("x.command.position") - 2 * world.belt;
     let before = way(&world);
     world.run(105, 10);
     assert_eq!((world.rig.int("x.marker.extra"), world.events(Code::MARK_EXTRA)), (2, 1));
@@ -318,7 +318,7 @@ fn lost_and_extra_marks_correct_nothing() {
 #[test]
 fn corrections_stay_within_their_bound() {
     for (largest, most) in [(50, 50.0), (-1, 0.0)] {
-        let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmmaxcorr", largest)]);
+        let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmmaxcorr", largest)]);
         world.couple();
         for _ in 0..1_500 {
             world.cycle(10);
@@ -336,13 +336,13 @@ fn corrections_stay_within_their_bound() {
 #[test]
 fn labels_are_put_beside_their_products() {
     for start in [6, 1_006] {
-        let mut world = World::new(500.0, &[("syncmstart", start), ("syncposoffs", 40)]);
+        let mut world = BeltAndRoll::new(500.0, &[("syncmstart", start), ("syncposoffs", 40)]);
         world.couple();
         world.run(2_000, 10);
         // Ahead of the product, by 40 inc of the master.
         assert!((world.apart() + 80.0).abs() < 1.5, "{start}: {}", world.apart());
         set(&mut world.rig, &[("syncposoffs", -25)]);
-        world.see();
+        world.record_position();
         world.run(1_000, 10);
         assert!((world.apart() - 50.0).abs() < 1.5, "{start}: {}", world.apart());
         assert!(world.rig.real("x.marker.error").abs() < 1.5);
@@ -354,7 +354,7 @@ fn labels_are_put_beside_their_products() {
 #[test]
 fn pairs_make_ready_and_fault() {
     let accuracy = [("syncmstart", 6), ("syncaccuracy", 20), ("syncready", 3), ("syncfault", 2)];
-    let mut world = World::new(500.0, &accuracy);
+    let mut world = BeltAndRoll::new(500.0, &accuracy);
     world.couple();
     world.run(1_000, 10);
     assert_eq!(world.rig.int("x.sync.status") & 0b110, 0b010);
@@ -370,7 +370,7 @@ fn pairs_make_ready_and_fault() {
 #[test]
 fn a_condition_lets_marks_count() {
     for (condition, counts) in [(312, false), (-312, true)] {
-        let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmtypm", condition)]);
+        let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmtypm", condition)]);
         world.couple();
         world.run(1_000, 10);
         assert_eq!(world.rig.int("x.in_sync") == 1, counts, "{condition}");
@@ -389,7 +389,7 @@ fn index_pulses_are_marks() {
     let mut config = config(0);
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 5)]);
     let goal = rig.give(by_marks());
@@ -438,7 +438,7 @@ fn an_index_pulse_of_what_has_none_is_refused() {
 #[test]
 fn the_virtual_master_has_marks() {
     let mut rig = Rig::new();
-    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 5)]);
     let of_machine = |key, value| {
@@ -531,7 +531,7 @@ fn what_gives_no_marks_is_refused() {
 /// Shifts that marks would correct away are refused: a superimposed move and a phase shift.
 #[test]
 fn nothing_else_shifts_an_axis_on_marks() {
-    let mut world = World::new(500.0, &[("syncmstart", 6)]);
+    let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6)]);
     world.couple();
     let over = Move { mode: crate::command::MoveMode::Superimposed, ..super::rig::to(X, 100) };
     let shift = PhaseShift { shift: Length::whole(5), velocity: 0.0, acceleration: 0.0 };
@@ -554,13 +554,13 @@ fn nothing_else_shifts_an_axis_on_marks() {
 fn marks_meet_in_all_senses_and_cycles() {
     for (ratio, way) in [(-2, 10), (2, -10), (-2, -10)] {
         for changes in [&[][..], &[("syncmftime", 1_000)], &[("syncofftime", 300)], &[("syncvftime", -10_000)]] {
-            let mut world = World::new(500.0, &[&[("syncmstart", 5)], changes].concat());
+            let mut world = BeltAndRoll::new(500.0, &[&[("syncmstart", 5)], changes].concat());
             world.sense = (f64::from(way) / 10.0, f64::from(way * ratio).signum());
             world.rig.give(Action::Synchronize(Synchronize {
                 mode: SyncMode::Marker,
                 ..couple(X, TO_BELT, ratio.into(), 1)
             }));
-            world.see();
+            world.record_position();
             world.run(12_000, way.into());
             assert!(world.apart().abs() < 3.0, "{ratio} {way} {changes:?}: {}", world.apart());
         }
@@ -571,7 +571,7 @@ fn marks_meet_in_all_senses_and_cycles() {
 /// Proves: MACS-MARK-13
 #[test]
 fn a_spread_correction_stands_with_its_belt() {
-    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000), ("syncmfpar", 16)]);
+    let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000), ("syncmfpar", 16)]);
     world.couple();
     world.run(1_500, 10);
     for product in &mut world.products {
@@ -593,7 +593,7 @@ fn a_spread_correction_stands_with_its_belt() {
 /// A machine restored from any point of a recording gives the same results.
 #[test]
 fn a_coupling_by_marks_is_restored() {
-    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000), ("syncvftime", -10_000)]);
+    let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000), ("syncvftime", -10_000)]);
     world.couple();
     world.run(333, 10);
     world.rig.mirror();
@@ -603,7 +603,7 @@ fn a_coupling_by_marks_is_restored() {
 /// Stopped together with its belt it stays at rest; uncoupled, no signals of marks are shown any more.
 #[test]
 fn a_belt_that_stands_leaves_it_alone() {
-    let mut world = World::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000)]);
+    let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000)]);
     world.couple();
     world.run(777, 10);
     world.run(300, 0);
@@ -644,10 +644,10 @@ fn register(count: u32, changes: &[(&str, i64)], mode: SyncMode) -> Register {
             _ => seen.push(at),
         }
     }
-    let mut world = World::new(0.0, changes);
+    let mut world = BeltAndRoll::new(0.0, changes);
     world.products = seen;
     world.rig.give(Action::Synchronize(Synchronize { mode, ..couple(X, TO_BELT, 2, 1) }));
-    world.see();
+    world.record_position();
     let mut errors = vec![];
     let (mut label, mut places) = (world.label_at, places.into_iter().peekable());
     while places.peek().is_some() {
@@ -710,7 +710,7 @@ proptest! {
             ("syncmstart", start), ("syncofftime", time), ("syncmftime", filter), ("syncvftime", tau), ("syncmfpar", bits),
             ("syncmwinm", 150), ("syncmwins", 300),
         ];
-        let mut world = World::new(500.0, &changes);
+        let mut world = BeltAndRoll::new(500.0, &changes);
         let mut products = vec![];
         for (place, (by, kind)) in jitter.iter().enumerate() {
             let at = 500.0 + place as f64 * 1_000.0;
@@ -724,7 +724,7 @@ proptest! {
         world.products = products;
         world.couple();
         let mut before = world.rig.real("x.command.velocity");
-        let mut check = |world: &World| {
+        let mut check = |world: &BeltAndRoll| {
             let velocity = world.rig.real("x.command.velocity");
             // The resolution of one count of the belt is added.
             let fits = (velocity - before).abs() <= 1_000.0 + 2_000.0 * 1.2 && velocity.abs() <= 100_000.0 + 2_400.0;

@@ -55,7 +55,7 @@ fn step(one: &mut Rig, other: &mut Rig) {
 }
 
 /// Returns the commands of x until it is at rest.
-fn course(rig: &mut Rig) -> Vec<[u64; 4]> {
+fn commands_to_rest(rig: &mut Rig) -> Vec<[u64; 4]> {
     let mut course = Vec::new();
     while rig.state("x") != "STANDSTILL" || course.is_empty() {
         rig.run(1);
@@ -126,13 +126,13 @@ fn assert_keeps_until_the_next(name: &str, value: Value, wait: u64, [first, seco
         step(&mut plain, &mut changed);
         assert_eq!(command(&changed), command(&plain), "{name}");
     }
-    assert_eq!(course(&mut changed), course(&mut plain), "{name}: the motion under way");
+    assert_eq!(commands_to_rest(&mut changed), commands_to_rest(&mut plain), "{name}: the motion under way");
     for rig in [&mut plain, &mut changed] {
         rig.run(20);
         let again = rig.give(second.clone());
         assert!(rig.was_accepted(again), "{name}");
     }
-    assert_ne!(course(&mut changed), course(&mut plain), "{name}: the next motion");
+    assert_ne!(commands_to_rest(&mut changed), commands_to_rest(&mut plain), "{name}: the next motion");
 }
 
 fn is_set_in_motion(row: &Row) -> bool {
@@ -199,7 +199,7 @@ fn a_running_jog_keeps_its_speed_and_the_next_one_differs() {
     changed.run(300);
     assert_eq!(speed(&changed), 20_000.0);
     changed.give(off);
-    course(&mut changed);
+    commands_to_rest(&mut changed);
     for choice in 1..=3 {
         changed.give(jog(Some(choice), Jog::Plus));
         changed.run(300);
@@ -222,10 +222,10 @@ fn the_period_of_the_profile_changes_no_motion() {
         plain.run(1);
         assert_eq!(command(&changed), command(&plain));
     }
-    assert_eq!(course(&mut changed), course(&mut plain));
+    assert_eq!(commands_to_rest(&mut changed), commands_to_rest(&mut plain));
     plain.give(Action::Move(to(X, 0)));
     changed.give(Action::Move(to(X, 0)));
-    assert_eq!(course(&mut changed), course(&mut plain));
+    assert_eq!(commands_to_rest(&mut changed), commands_to_rest(&mut plain));
     let proftime = |period| changed.give(Action::SetParameters([change("proftime", Value::Int(period))].into()));
     let refused = [0, 6].map(proftime);
     assert_eq!(changed.refusal(refused[0]), "x: proftime is 0; 1 to 5 is allowed");

@@ -173,7 +173,7 @@ fn goals_and_streams_need_a_position_loop() {
         let number = rig.give(action);
         assert_eq!(rig.refusal(number), sentence);
     }
-    let limits = rig.machine.parameters(X).unwrap().usual_limits();
+    let limits = rig.machine.parameters(X).unwrap().default_goal_limits();
     for order in [
         Order::Position { target: Position::whole(100), limits, reference: Default::default() },
         Order::Velocity { velocity: 100.0, limits },
@@ -188,7 +188,7 @@ fn goals_and_streams_need_a_position_loop() {
     let said: Vec<_> = rig.events[told..].iter().filter(|event| event.kind == Kind::Warning).collect();
     assert_eq!(said.len(), 1, "a stream is refused once, not in each cycle");
     let sentence = sentence.replacen("x:", "x: streamed setpoints are not followed:", 1);
-    assert_eq!(crate::text::sentence(said[0], rig.machine.config()), sentence);
+    assert_eq!(crate::text::message(said[0], rig.machine.config()), sentence);
     assert_eq!((rig.state("x"), rig.int("x.actual.position")), ("STANDSTILL", 0));
 }
 
@@ -316,7 +316,7 @@ fn outputs_end_with_what_they_stand_for() {
     rig.enable();
     let shows = |rig: &mut Rig, asked: Switching| {
         let axis = &rig.machine.state.axes[1];
-        let (wiring, allowed) = (axis.wiring().unwrap_or_default(), axis.allowed(asked));
+        let (wiring, allowed) = (axis.speed_outputs().unwrap_or_default(), axis.allowed(asked));
         let mut outputs = rig.outputs().clone();
         let Machine { state, signals, .. } = &mut rig.machine;
         signals.publish_switching(&mut state.board, wiring, allowed, &mut outputs);

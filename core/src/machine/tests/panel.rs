@@ -93,7 +93,7 @@ fn an_edge_cannot_clear_what_goes_on() {
     let mut cell = with_io();
     cell.global.parameters.i_errclr = 1;
     let mut rig = ready(cell);
-    rig.plant.drive(0).unwrap().lose();
+    rig.plant.drive(0).unwrap().disconnect();
     rig.run(5);
     rig.plant.set_digital(0, true);
     rig.run(7_000);
@@ -498,9 +498,9 @@ fn parameters_of_the_machine_have_layers() {
 #[test]
 fn outputs_tell_the_sign_of_a_unipolar_reference() {
     use crate::drive::Interface;
-    use crate::sim::{Sign, VelocityLag};
+    use crate::sim::{SignOutputs, VelocityLag};
     for posdrct in [1, 2, -1] {
-        for (revers, sign) in [(20, Sign::Direction(1)), (-20, Sign::Enables(1, 2))] {
+        for (revers, sign) in [(20, SignOutputs::Direction(1)), (-20, SignOutputs::Enables(1, 2))] {
             let mut cell = with_io();
             cell.axes[1].interface = Interface::Velocity;
             (cell.axes[1].parameters.macs.posdrct, cell.axes[1].parameters.macs.revers) = (posdrct, revers);
@@ -508,7 +508,7 @@ fn outputs_tell_the_sign_of_a_unipolar_reference() {
             // The lag is that of the loop: v / Kv.
             let model = Model::Velocity(VelocityLag::new(5_000_000, 1_000_000).unwrap()).wired(posdrct.abs() == 2);
             let mut rig = Rig::with(cell, [model, Model::Ideal]);
-            rig.plant.install(0, &Mechanics { sign: Some(sign), ..Mechanics::default() });
+            rig.plant.attach_mechanics(0, &Mechanics { sign: Some(sign), ..Mechanics::default() });
             rig.run(10);
             assert_eq!((rig.int("q"), rig.int("r")), (0, 0), "off");
             rig.enable();

@@ -99,7 +99,7 @@ fn latches_that_found_no_room_are_told() {
     let mut outputs = rig.machine.outputs();
     rig.machine.cycle(&inputs, Default::default(), &mut outputs);
     let event = rig.machine.events().iter().find(|event| event.kind == Kind::Warning).unwrap();
-    let sentence = crate::text::sentence(event, rig.machine.config());
+    let sentence = crate::text::message(event, rig.machine.config());
     assert_eq!(sentence, "machine: 4 latches of this cycle had no room");
 }
 
@@ -154,7 +154,7 @@ fn a_note_of_a_bus_names_axis_and_node_and_says_how_much_it_matters() {
     ] {
         let sequence = rig.give(note);
         let answers: Vec<_> = rig.events.iter().filter(|event| event.command == sequence).collect();
-        let told: Vec<_> = answers.iter().map(|event| crate::text::sentence(event, rig.machine.config())).collect();
+        let told: Vec<_> = answers.iter().map(|event| crate::text::message(event, rig.machine.config())).collect();
         assert_eq!((told, answers[0].severity), (vec![sentence.to_owned()], severity));
     }
 }

@@ -62,7 +62,7 @@ fn marks(rig: &Rig, sequence: u64) -> Vec<Event> {
 }
 
 fn sentence(rig: &Rig, event: &Event) -> String {
-    crate::text::sentence(event, rig.machine.config())
+    crate::text::message(event, rig.machine.config())
 }
 
 fn position(rig: &Rig) -> f64 {
@@ -215,7 +215,7 @@ fn each_edge_is_taken_by_who_asks_for_it() {
     ] {
         let mut rig = rig();
         if edge == Falling {
-            rig.tamper = mark_is_high;
+            rig.modify_inputs = mark_is_high;
         }
         let goal = rig.give(Action::Probe(Probe { edge, ..probe(0) }));
         rig.run(50);
@@ -414,7 +414,7 @@ fn a_probe_needs_an_axis_that_can_move() {
 #[test]
 fn a_probe_whose_input_is_active_is_refused_before_motion() {
     let mut rig = rig();
-    rig.tamper = mark_is_high;
+    rig.modify_inputs = mark_is_high;
     let refused = rig.give(Action::Probe(probe(0)));
     let remedy = "move the axis off it, or set probe_active_input to allow";
     assert_eq!(
@@ -431,7 +431,7 @@ fn a_probe_whose_input_is_active_is_refused_before_motion() {
     run_to_rest(&mut rig);
     assert_eq!(ends(&rig, goal), [(Code::NONE, 20_000)], "the goal before it goes on");
 
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     let accepted = rig.give(Action::Probe(probe(0)));
     assert!(rig.was_accepted(accepted), "the axis has left the mark");
 }
@@ -450,7 +450,7 @@ fn the_edge_says_which_level_of_the_input_is_active() {
         (Both, false, None),
     ] {
         let mut rig = rig();
-        rig.tamper = if level { mark_is_high } else { |_| {} };
+        rig.modify_inputs = if level { mark_is_high } else { |_| {} };
         let goal = rig.give(Action::Probe(Probe { edge, ..probe(0) }));
         assert_eq!(rig.answer(goal).is_ok(), sentence.is_none(), "{edge:?} {level}");
         if let Some(sentence) = sentence {
@@ -459,7 +459,7 @@ fn the_edge_says_which_level_of_the_input_is_active() {
     }
     // Another input, and sources without a level: the drive of the axis and its index.
     let mut rig = rig();
-    rig.tamper = mark_is_high;
+    rig.modify_inputs = mark_is_high;
     for source in [OTHER, Object::Encoder(0), Object::Axis(X)] {
         let goal = rig.give(Action::Probe(Probe { source, ..probe(0) }));
         assert!(rig.was_accepted(goal), "{source:?}");
@@ -473,7 +473,7 @@ fn the_edge_says_which_level_of_the_input_is_active() {
 fn an_edge_in_the_cycle_of_the_probe_leaves_its_input_active() {
     let mut rig = rig();
     latch(&mut rig, MARK, Edge::Rising, 1);
-    rig.tamper = mark_is_high;
+    rig.modify_inputs = mark_is_high;
     let goal = rig.give(Action::Probe(probe(0)));
     assert!(rig.refusal(goal).starts_with("x: probe input is already active"));
 }
@@ -482,13 +482,13 @@ fn an_edge_in_the_cycle_of_the_probe_leaves_its_input_active() {
 fn an_active_input_may_be_allowed_and_the_next_edge_counts() {
     let mut rig = rig();
     set(&mut rig, "probe_active_input", 1);
-    rig.tamper = mark_is_high;
+    rig.modify_inputs = mark_is_high;
     let goal = rig.give(Action::Probe(probe(1_000)));
     assert!(rig.was_accepted(goal));
     rig.run(50);
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     rig.run(50);
-    rig.tamper = mark_is_high;
+    rig.modify_inputs = mark_is_high;
     latch(&mut rig, MARK, Edge::Rising, 350_000);
     rig.run(1);
     assert_eq!(marks(&rig, goal)[0].position, Position::from_f64(3_732.5));
@@ -514,14 +514,14 @@ fn a_filter_does_not_hide_that_an_input_is_active() {
         rig
     };
     let mut rig = filtered();
-    rig.tamper = mark_is_high;
+    rig.modify_inputs = mark_is_high;
     rig.run(2);
     assert_eq!(rig.int("mark"), 0, "the filter holds it back");
     let goal = rig.give(Action::Probe(probe(0)));
     assert!(rig.refusal(goal).contains("mark is 1"));
     rig.run(10);
     assert_eq!(rig.int("mark"), 1);
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     rig.run(1);
     assert_eq!(rig.int("mark"), 1, "the filter holds it back");
     let goal = rig.give(Action::Probe(probe(0)));

@@ -31,7 +31,7 @@ fn an_enable_in_the_cycle_of_an_error_switches_nothing_on() {
         config.axes[1].parameters.error_reaction = reaction;
         let mut rig = Rig::of(config);
         rig.enable();
-        rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         let enable = rig.give(Action::Enable(AxisSet::one(X)));
         assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", 10_221), "{reaction}");
         let powerless = reaction < 2;
@@ -63,7 +63,7 @@ fn a_following_error_stops_all_axes_each_by_its_own_reaction_in_the_same_cycle()
         rig.run(1);
         assert_eq!((rig.int(&format!("{failed}.error")), rig.int(&format!("{other}.error"))), (10_201, 10_224));
         assert!(errors(&rig).iter().all(|event| event.cycle == cycle));
-        let sentence = crate::text::sentence(errors(&rig)[1], rig.machine.config());
+        let sentence = crate::text::message(errors(&rig)[1], rig.machine.config());
         assert_eq!(sentence, format!("{other}: stopped, because {failed} has a following error"));
         assert_eq!(
             (rig.state("x"), rig.state("y"), rig.state("line")),
@@ -268,7 +268,7 @@ fn a_window_that_is_never_reached_is_told_of_once_and_the_goal_waits_on() {
     }
     let told: Vec<_> = rig.events.iter().filter(|event| event.code == Code::IN_POSITION_TIMEOUT).collect();
     assert_eq!(told.len(), 1);
-    let sentence = crate::text::sentence(told[0], rig.machine.config());
+    let sentence = crate::text::message(told[0], rig.machine.config());
     assert_eq!(sentence, "x: the goal waits for its target window: -0.03 mm from the target, 0.01 mm is allowed");
     assert!(rig.done(goal).is_empty());
     rig.run_until("x.state", 1);

@@ -115,7 +115,7 @@ fn a_reset_that_waits_goes_on_waiting_where_the_power_goes() {
 fn what_never_stands_is_reset_all_the_same() {
     let mut rig = Rig::of(of_reaction(0));
     rig.enable();
-    rig.tamper = |inputs| inputs.drive[0].count += (inputs.cycle & 1) as i64;
+    rig.modify_inputs = |inputs| inputs.drive[0].count += (inputs.cycle & 1) as i64;
     rig.plant.drive(0).unwrap().inject_fault(0x8611);
     rig.run(1_000);
     let sequence = reset(&mut rig);
@@ -126,7 +126,7 @@ fn what_never_stands_is_reset_all_the_same() {
     rig.plant.drive(0).unwrap().jump(5_000);
     rig.run(10);
     assert_eq!(rig.int("x.error"), 10_201);
-    rig.tamper = |inputs| inputs.drive[0].count += 7 * inputs.cycle as i64;
+    rig.modify_inputs = |inputs| inputs.drive[0].count += 7 * inputs.cycle as i64;
     rig.run(100);
     let sequence = reset(&mut rig);
     rig.run(4_990);
@@ -143,7 +143,7 @@ fn a_reset_waits_for_news_of_a_drive() {
     rig.plant.drive(0).unwrap().jump(5_000);
     rig.run(100);
     assert_eq!((rig.int("x.error"), rig.int("x.enabled")), (10_201, 0));
-    rig.tamper = |inputs| inputs.drive[0].fresh = inputs.cycle % 8 == 0;
+    rig.modify_inputs = |inputs| inputs.drive[0].fresh = inputs.cycle % 8 == 0;
     rig.run(8 - rig.machine.next_cycle() % 8 + 1);
     let sequence = reset(&mut rig);
     rig.run(6);
@@ -164,7 +164,7 @@ fn a_stop_ends_a_reset_though_the_power_goes_in_its_cycle() {
                 rig.enable();
                 rig.give(Action::Move(at(X, 50_000.0)));
                 rig.run(150);
-                rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+                rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
                 rig.run(1);
                 let sequence = reset(&mut rig);
                 rig.run(10);
@@ -189,7 +189,7 @@ fn a_stop_ends_a_reset_though_the_power_goes_in_its_cycle() {
 
 /// 6 mm of error with a limit of 1 mm, as long as this is active.
 fn push_away(rig: &mut Rig) {
-    rig.tamper = |inputs| inputs.drive[0].count -= 6_000;
+    rig.modify_inputs = |inputs| inputs.drive[0].count -= 6_000;
 }
 
 /// An error with a persistent cause returns after each clear, and the reset ends with it.
@@ -216,7 +216,7 @@ fn a_following_error_that_lasts_comes_back_with_the_reset() {
                 rig.run(5);
                 assert_eq!((rig.state("x"), rig.int("x.error"), rig.int("x.enabled")), (held, 10_201, 1));
             }
-            rig.tamper = |_| {};
+            rig.modify_inputs = |_| {};
             rig.run(100);
             let sequence = reset(&mut rig);
             rig.run(200);
@@ -236,7 +236,7 @@ fn a_brake_that_holds_a_following_error_opens_with_the_reset() {
     config.axes[1].brake = Some(BrakeConfig { output: 0, closes_with_one: false, release_ns, engage_ns });
     let mut rig = Rig::of(config);
     let brake = SimBrake { output: 0, closes_with_one: false, opens_ns: 10_000_000, closes_ns: 0 };
-    rig.plant.install(0, &Mechanics { brake: Some(brake), ..Mechanics::default() });
+    rig.plant.attach_mechanics(0, &Mechanics { brake: Some(brake), ..Mechanics::default() });
     rig.give(Action::Enable(x()));
     rig.run(100);
     rig.plant.drive(0).unwrap().jump(-6_000);

@@ -4,7 +4,7 @@ use super::feedback::moving_zero;
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, to};
 use crate::code::Code;
 use crate::command::{
-    AbortTrigger, Action, BufferMode, Engage, GearOut, LeaveAt, Level, Move, MoveMode, OutAn, Phase, PhaseShift,
+    AbortTrigger, Action, BufferMode, Engage, GearOut, DisengageAt, Level, Move, MoveMode, OutAn, Phase, PhaseShift,
     PhaseSide, Probe, ProbeEdge, SetPosition, ShiftPosition, Synchronize, TouchProbe,
 };
 use crate::config::{IoConfig, IoKind, MachineConfig, TableConfig};
@@ -151,7 +151,7 @@ fn latches_are_recorded_in_the_coordinate_of_their_cycle() {
 
 /// For a follower of x the shown master position continues, and so it does for a follower of a sum that includes x.
 #[test]
-fn masters_count_on() {
+fn shown_master_positions_continue() {
     let mut rig = Rig::enabled();
     give(&mut rig, Action::Synchronize(couple(Y, Leader::AxisCommand(X), 1, 2)));
     give(&mut rig, Action::Move(Move { acceleration: 1e6, ..at(X, 50_000.0) }));
@@ -261,7 +261,7 @@ fn what_refers_to_the_coordinate_is_named_and_nothing_changes() {
         ),
         (vec![line(), velocity(), Action::Synchronize(waits)], 300, "a coupling that waits to engage"),
         (
-            vec![line(), gear(SyncMode::Velocity), leave(LeaveAt::Axis(1 << 40))],
+            vec![line(), gear(SyncMode::Velocity), leave(DisengageAt::Axis(1 << 40))],
             300,
             "a gear_out that waits for a place of the axis",
         ),
@@ -334,7 +334,7 @@ fn no_position_leaves_its_range() {
 
 /// Source of the motion of x that continues in another coordinate.
 #[derive(Clone, Copy, Debug)]
-enum Way {
+enum MotionSource {
     Velocity,
     Stream,
     Gear(SyncMode),
@@ -348,7 +348,7 @@ proptest! {
     #[test]
     fn another_coordinate_is_no_motion(
         way in prop::sample::select(vec![
-            Way::Velocity, Way::Stream, Way::Gear(SyncMode::Velocity), Way::Gear(SyncMode::Position),
+            MotionSource::Velocity, MotionSource::Stream, MotionSource::Gear(SyncMode::Velocity), MotionSource::Gear(SyncMode::Position),
         ]),
         profile in 0_i64..3, delay in 0_u32..3, velocity in -90_000.0..90_000.0_f64,
         moments in prop::collection::vec((1_u64..200, any::<bool>(), -1_000_000_i64..1_000_000), 1..4),
@@ -371,18 +371,18 @@ proptest! {
                     moved.give(action);
                     plain.run(1);
                 }
-                (Way::Stream, None) => [moved, plain].into_iter().for_each(|rig| rig.stream(X, velocity)),
+                (MotionSource::Stream, None) => [moved, plain].into_iter().for_each(|rig| rig.stream(X, velocity)),
                 _ => [moved, plain].into_iter().for_each(|rig| rig.run(1)),
             }
         };
         for rig in &mut rigs {
             rig.enable();
             rig.give(Action::Synchronize(couple(Y, Leader::AxisCommand(X), 3, 7)));
-            let leads = if matches!(way, Way::Gear(_)) { LINE } else { X };
-            if !matches!(way, Way::Stream) {
+            let leads = if matches!(way, MotionSource::Gear(_)) { LINE } else { X };
+            if !matches!(way, MotionSource::Stream) {
                 rig.give(Action::Move(Move { jerk: 1e7, ..at(leads, velocity) }));
             }
-            if let Way::Gear(mode) = way {
+            if let MotionSource::Gear(mode) = way {
                 rig.give(Action::Synchronize(Synchronize { mode, ..couple(X, TO_LINE, 355, 1_130) }));
             }
         }
@@ -415,7 +415,7 @@ proptest! {
             }
         }
         // The virtual line, too, whose new coordinate its followers do not see.
-        if let Way::Gear(_) = way {
+        if let MotionSource::Gear(_) = way {
             step(&mut rigs, Some(set(LINE, 77)));
             for _ in 0..20 {
                 step(&mut rigs, None);

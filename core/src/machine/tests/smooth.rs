@@ -2,7 +2,7 @@
 //! travel, every 2000 from 300 on.
 
 use super::direction::set;
-use super::marks::World;
+use super::marks::BeltAndRoll;
 use super::rig::{Rig, X, at, config, couple, to};
 use crate::code::Code;
 use crate::command::{Action, Synchronize};
@@ -26,7 +26,7 @@ fn world(place: i64, speed: i64, changes: &[(&str, i64)]) -> Rig {
     let mut config = config(0);
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     for target in [5_000, place] {
         rig.give(Action::Move(to(X, target)));
@@ -56,7 +56,7 @@ fn run(rig: &mut Rig, speed: i64, cycles: usize) {
 
 /// Measured values of a smooth start.
 #[derive(Debug)]
-struct Seen {
+struct StartMeasurement {
     /// Travel of the belt during the wait, and on the curve.
     waited: i64,
     led: i64,
@@ -71,10 +71,10 @@ struct Seen {
 
 /// Couples, and runs until the coupling is in sync; `change` gives a new speed of the belt and the number of cycles on
 /// the curve after which it applies.
-fn start(rig: &mut Rig, ratio: i64, speed: i64, change: Option<(u32, i64)>) -> Seen {
+fn start(rig: &mut Rig, ratio: i64, speed: i64, change: Option<(u32, i64)>) -> StartMeasurement {
     let goal = give(rig, speed, by_marks(ratio));
     assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
-    let mut seen = Seen { waited: 0, led: 0, acceleration: 0.0, velocity: 0.0, back: 0.0, apart: 0 };
+    let mut seen = StartMeasurement { waited: 0, led: 0, acceleration: 0.0, velocity: 0.0, back: 0.0, apart: 0 };
     let mut before = rig.real("x.command.velocity") / 1e3;
     let (mut now, mut age) = (speed, 0);
     for _ in 0..3_000 {
@@ -153,7 +153,7 @@ fn the_number_of_marks_goes_by_the_acceleration() {
 /// Returns the messages of the events that report a fallback from the smooth start.
 fn fallbacks(rig: &Rig) -> Vec<String> {
     let told = rig.events.iter().filter(|event| event.code == Code::SMOOTH_START_FALLBACK);
-    told.map(|event| crate::text::sentence(event, rig.machine.config())).collect()
+    told.map(|event| crate::text::message(event, rig.machine.config())).collect()
 }
 
 /// A belt at rest, or a roll at rest without a mark so far: start 5 applies at once, with an event.
@@ -173,7 +173,7 @@ fn without_a_speed_or_a_mark_it_is_start_five() {
     let mut config = config(0);
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 1_007)]);
     run(&mut rig, 10, 100);
@@ -262,9 +262,9 @@ fn it_begins_from_any_motion() {
 /// Proves: MACS-MARK-15
 #[test]
 fn a_pair_between_two_increments_is_met() {
-    let mut world = World::new(500.5, &[("syncmstart", 7)]);
+    let mut world = BeltAndRoll::new(500.5, &[("syncmstart", 7)]);
     world.rig.give(Action::Move(at(X, 3_000.0)));
-    world.see();
+    world.record_position();
     world.run(800, 10);
     world.couple();
     while world.rig.int("x.sync.waiting") != 0 || world.rig.int("x.in_sync") == 0 {
@@ -316,7 +316,7 @@ fn the_wait_ends_as_any_wait_does() {
         |rig, _| assert!(rig.give(Action::Halt(AxisSet::one(X))) > 0),
         |rig, goal| assert!(rig.give(Action::Cancel { goal }) > 0),
         |rig, _| rig.plant.drive(0).unwrap().inject_fault(0x8611),
-        |rig, _| rig.tamper = |inputs| inputs.encoder.iter_mut().for_each(|encoder| encoder.valid = false),
+        |rig, _| rig.modify_inputs = |inputs| inputs.encoder.iter_mut().for_each(|encoder| encoder.valid = false),
     ];
     for (place, end) in ways.iter().enumerate() {
         let mut rig = world(300, 10, &[]);
@@ -373,7 +373,7 @@ fn a_filter_begins_with_the_speed_that_is_known() {
 
 /// A machine restored from any point of a recording gives the same results: during the wait, and on the curve.
 #[test]
-fn it_is_restored() {
+fn smooth_start_is_restored() {
     for cycles in [5, 80, 130] {
         let mut rig = world(1_000, 10, &[]);
         give(&mut rig, 10, by_marks(2));

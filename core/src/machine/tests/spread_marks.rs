@@ -1,12 +1,12 @@
 //! Mark corrections that are spread over a time, or over a distance of the master, with further pairs of marks during
 //! the correction.
 
-use super::marks::World;
+use super::marks::BeltAndRoll;
 
 /// Returns a world whose labels are in register, and in which all products are then moved by `by` inc (of the belt);
 /// runs up to the cycle in which a pair detects this.
-fn shifted(changes: &[(&str, i64)], by: f64) -> World {
-    let mut world = World::new(500.0, &[&[("syncmstart", 6)], changes].concat());
+fn shifted(changes: &[(&str, i64)], by: f64) -> BeltAndRoll {
+    let mut world = BeltAndRoll::new(500.0, &[&[("syncmstart", 6)], changes].concat());
     world.couple();
     world.run(6_001, 10);
     assert!(world.rig.int("x.sync.error").abs() <= 2, "{}", world.rig.int("x.sync.error"));

@@ -115,7 +115,7 @@ proptest! {
         if let Ok(state) = postcard::from_bytes(&bytes)
             && let Ok(machine) = Machine::restore(config, state)
         {
-            (rig.machine, rig.plain) = (machine, None);
+            (rig.machine, rig.full_cycle_machine) = (machine, None);
             rig.run(20);
             if follows {
                 rig.give(Action::Synchronize(couple(X, Leader::AxisActual(Y), 1, 1)));

@@ -219,7 +219,7 @@ fn a_following_error_stops_the_axis_by_its_reaction_in_the_same_cycle() {
         let error = rig.events.iter().find(|event| event.kind == Kind::Error).expect("an error");
         assert_eq!((error.cycle, error.code), (cycle, Code::FOLLOWING_ERROR), "reaction {reaction}");
         assert_eq!(
-            crate::text::sentence(error, rig.machine.config()),
+            crate::text::message(error, rig.machine.config()),
             "x: following error 1.001 mm exceeds max_following_error 1 mm"
         );
         assert_eq!((rig.state("x"), rig.done(goal)[0].code), ("ERROR_STOP", Code::FOLLOWING_ERROR));
@@ -282,7 +282,7 @@ fn a_drive_that_is_lost_or_fails_stops_the_axis_in_the_same_cycle() {
     rig.run(10);
     assert_eq!((rig.done(reset)[0].code, rig.state("x")), (Code::NONE, "DISABLED"));
     rig.enable();
-    rig.plant.drive(0).unwrap().lose();
+    rig.plant.drive(0).unwrap().disconnect();
     rig.run(1);
     assert_eq!((rig.state("x"), rig.int("x.error"), rig.int("x.drive_state")), ("ERROR_STOP", 88, 0));
     let reset = rig.give(Action::ResetErrors(x()));

@@ -5,7 +5,7 @@ use crate::code::Code;
 use crate::command::{Action, Commands, Setpoint, Setpoints};
 use crate::event::Kind;
 use crate::object::AxisSet;
-use crate::text::sentence;
+use crate::text::message;
 
 fn for_ms(velocity: f64, ms: u64) -> Setpoint {
     Setpoint { velocity, duration: Some(ms * 1_000_000) }
@@ -13,7 +13,7 @@ fn for_ms(velocity: f64, ms: u64) -> Setpoint {
 
 fn warnings(rig: &Rig) -> Vec<String> {
     let said = rig.events.iter().filter(|event| event.kind == Kind::Warning);
-    said.map(|event| sentence(event, rig.machine.config())).collect()
+    said.map(|event| message(event, rig.machine.config())).collect()
 }
 
 /// `setpoint_timeout` is 100 ms; 20 mm/s are reached from rest, and stopped, within 40 ms.

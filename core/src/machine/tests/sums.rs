@@ -223,9 +223,9 @@ fn a_member_that_is_lost_stops_the_follower_in_its_cycle() {
         rig.run(100);
         assert_eq!((rig.state("x"), rig.int("sum.valid")), ("SYNCHRONIZED_MOTION", 1));
         if by_drive {
-            rig.plant.drive(1).unwrap().lose();
+            rig.plant.drive(1).unwrap().disconnect();
         } else {
-            rig.tamper = |inputs| inputs.encoder[0].valid = false;
+            rig.modify_inputs = |inputs| inputs.encoder[0].valid = false;
         }
         rig.run(1);
         assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", i64::from(Code::LEADER_LOST.0)));
@@ -323,7 +323,7 @@ fn a_function_reads_a_sum() {
         let seen = (raw(&rig, BELT) - before) >> 32;
         assert_eq!((i128::from(rig.int("m")), rig.int("f.error")), (seen, 0));
     }
-    rig.tamper = |inputs| inputs.encoder[0].valid = false;
+    rig.modify_inputs = |inputs| inputs.encoder[0].valid = false;
     rig.run(2);
     assert!(!rig.machine.state.leads.get(Leader::Sink(0)).valid);
 }

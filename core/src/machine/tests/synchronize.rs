@@ -209,7 +209,7 @@ fn a_disabled_axis_cannot_be_coupled_and_a_lost_drive_cannot_lead() {
     rig.run(3);
     let off = rig.give(Action::Synchronize(couple(Y, TO_LINE, 1, 1)));
     assert!(rig.refusal(off).contains("not enabled"));
-    rig.plant.drive(1).unwrap().lose();
+    rig.plant.drive(1).unwrap().disconnect();
     rig.run(1);
     let lost = rig.give(Action::Synchronize(couple(X, Leader::AxisActual(Y), 1, 1)));
     assert!(rig.refusal(lost).contains("lost"));

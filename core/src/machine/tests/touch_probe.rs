@@ -73,7 +73,7 @@ fn ends(rig: &Rig, sequence: u64) -> Vec<Code> {
 }
 
 fn sentence(rig: &Rig, event: &Event) -> String {
-    crate::text::sentence(event, rig.machine.config())
+    crate::text::message(event, rig.machine.config())
 }
 
 /// Moves x at 50 mm/s with 1 m/s^2: from 51 ms on its actual position in cycle k is 50 inc (k - 1) - 1250 inc, and it
@@ -183,7 +183,7 @@ fn whatever_moves_the_axis_its_place_at_the_latch_is_recorded() {
 #[test]
 fn an_axis_that_is_off_is_recorded_too() {
     let mut rig = Rig::of(cell());
-    rig.tamper = |inputs| inputs.drive[0].count = 10 * inputs.cycle.cast_signed();
+    rig.modify_inputs = |inputs| inputs.drive[0].count = 10 * inputs.cycle.cast_signed();
     let probe = arm(&mut rig, once(MARK));
     rig.run(20);
     assert_eq!(rig.state("x"), "DISABLED");
@@ -419,12 +419,12 @@ fn a_window_of_the_new_coordinate_stays() {
 fn a_latch_without_a_position_is_told_and_not_recorded() {
     let mut rig = rig();
     let probe = arm(&mut rig, once(MARK));
-    rig.tamper = |inputs| inputs.drive[0].online = false;
+    rig.modify_inputs = |inputs| inputs.drive[0].online = false;
     latch(&mut rig, MARK, Edge::Rising, 0);
     rig.run(1);
     let told = |rig: &Rig| rig.events.iter().filter(|event| event.code == Code::TOUCH_PROBE_NO_POSITION).count();
     assert_eq!((told(&rig), records(&rig, probe).len(), ends(&rig, probe).len()), (1, 0, 0));
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     latch(&mut rig, MARK, Edge::Rising, 0);
     rig.run(1);
     assert_eq!((told(&rig), ends(&rig, probe)), (1, vec![Code::NONE]));
@@ -435,7 +435,7 @@ fn a_latch_without_a_position_is_told_and_not_recorded() {
 fn index_pulses_are_recorded_where_the_encoder_caught_them() {
     let mut rig = rig();
     let fixtures = crate::sim::Fixtures { index: Some(Index { every: 1_000, at: 30 }), ..Default::default() };
-    rig.plant.drive(0).unwrap().fit(fixtures);
+    rig.plant.drive(0).unwrap().install_fixtures(fixtures);
     let probe = arm(&mut rig, TouchProbe { edge: ProbeEdge::Index, ..each(Object::Axis(X)) });
     go(&mut rig);
     assert_eq!(places(&rig, probe), [30.0, 1_030.0, 2_030.0, 3_030.0]);

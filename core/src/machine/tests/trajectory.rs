@@ -308,7 +308,7 @@ fn the_path_tolerance_stops_all_axes_with_one_event() {
     );
     let Number::Position(error) = done.asked else { panic!("{done:?}") };
     assert!((2_001..2_200).contains(&error), "{error}");
-    let sentence = crate::text::sentence(&done, rig.machine.config());
+    let sentence = crate::text::message(&done, rig.machine.config());
     assert!(sentence.starts_with("x: off the path of its trajectory: position error 0.002"), "{sentence}");
     assert!(sentence.ends_with(" mm) exceeds tolerance 0.002 m (2 mm)"), "{sentence}");
     assert_eq!((rig.state("y"), rig.int("y.error"), rig.state("x")), ("STANDSTILL", 0, "STANDSTILL"));

@@ -93,7 +93,7 @@ fn where_it_is_not_it_cannot_go_at_once() {
     // Within the goal tolerance, and moved there within the limits.
     let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], Some(1_002.0)));
     assert!(rig.was_accepted(goal));
-    let hardest = hardest(&mut rig, 500);
+    let hardest = largest_acceleration(&mut rig, 500);
     assert_eq!((end(&mut rig, goal), at(&rig, "x")), (Code::NONE, (1_002, 0.0)));
     // As at the end of straight lines, the velocity change of the last step may be 1.5 times the limit of a cycle
     // (docs/known-limits.md).
@@ -107,7 +107,7 @@ fn where_it_is_not_it_cannot_go_at_once() {
 }
 
 /// Runs this number of cycles. Returns the largest acceleration of x (inc/s^2).
-fn hardest(rig: &mut Rig, cycles: usize) -> f64 {
+fn largest_acceleration(rig: &mut Rig, cycles: usize) -> f64 {
     let mut velocities = vec![rig.real("x.command.velocity")];
     for _ in 0..cycles {
         rig.run(1);
@@ -133,7 +133,7 @@ fn a_start_beside_the_command_is_worked_off() {
         rig.enable();
         let goal = rig.give(run(0, &[0, 10, 100, 200], &[(X, &plan(first))], None));
         assert!(rig.was_accepted(goal), "{first}: {}", rig.refusal(goal));
-        let hardest = hardest(&mut rig, 500);
+        let hardest = largest_acceleration(&mut rig, 500);
         assert_eq!(end(&mut rig, goal), Code::NONE);
         assert_eq!(at(&rig, "x"), (Position::from_f64(first + 50.0).nearest(), 0.0), "{first}");
         assert!(hardest <= 6_000.0 * (1.0 + 1e-5), "{first}: {hardest} inc/s^2");

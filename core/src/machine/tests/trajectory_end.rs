@@ -105,7 +105,7 @@ fn missed_tolerance_ends_the_goal_at_once() {
     let goal = rig.give(run(0, &[1_000], vec![Track { goal, ..track(X, &moving()) }]));
     rig.run(1_001);
     let [done] = rig.done(goal)[..] else { panic!("one end is expected") };
-    assert_eq!(done.code, Code::TRAJECTORY_GOAL_TOLERANCE, "{}", text::sentence(&done, rig.machine.config()));
+    assert_eq!(done.code, Code::TRAJECTORY_GOAL_TOLERANCE, "{}", text::message(&done, rig.machine.config()));
     rig.run(45);
     assert_eq!((command(&rig, "x"), rig.state("x")), (10_400.0, "STANDSTILL"));
 }
@@ -120,7 +120,7 @@ fn axis_that_lags_at_the_end_in_motion_misses_it() {
     assert!(rig.was_accepted(goal), "{}", rig.refusal(goal));
     rig.run(40);
     let [done] = rig.done(goal)[..] else { panic!("one end is expected") };
-    let sentence = text::sentence(&done, rig.machine.config());
+    let sentence = text::message(&done, rig.machine.config());
     assert_eq!(done.code, Code::TRAJECTORY_GOAL_TOLERANCE, "{sentence}");
     assert!(command(&rig, "line") < 900.0, "{}", command(&rig, "line"));
 }

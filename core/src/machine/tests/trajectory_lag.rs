@@ -29,7 +29,7 @@ fn reports(rig: &Rig, goal: u64) -> Vec<Event> {
 }
 
 fn said(rig: &Rig, goal: u64) -> Vec<String> {
-    reports(rig, goal).iter().map(|event| text::sentence(event, rig.machine.config())).collect()
+    reports(rig, goal).iter().map(|event| text::message(event, rig.machine.config())).collect()
 }
 
 fn command(rig: &Rig, axis: &str) -> f64 {

@@ -88,7 +88,7 @@ fn excessive_acceleration_stretches_the_time_of_all_axes_and_keeps_the_path() {
     let [event] = stretches(&rig, goal)[..] else { panic!("one event is expected") };
     assert_eq!(event.kind, Kind::Warning);
     assert_eq!(
-        text::sentence(&event, rig.machine.config()),
+        text::message(&event, rig.machine.config()),
         "x: the trajectory takes 1.8974 times the planned time: acceleration 3.6 m/s^2 (3600 mm/s^2) exceeds max_acceleration \
          1 m/s^2 (1000 mm/s^2) before point 0 (0.05 s)"
     );
@@ -102,7 +102,7 @@ fn excessive_velocity_stretches_by_its_share() {
     let goal = rig.give(run(&[0, 100, 200], vec![track(X, &points)], scaling(0.0, 1.5)));
     let [event] = stretches(&rig, goal)[..] else { panic!("one event is expected: {}", rig.refusal(goal)) };
     assert_eq!(
-        text::sentence(&event, rig.machine.config()),
+        text::message(&event, rig.machine.config()),
         "x: the trajectory takes 1.5 times the planned time: velocity 0.15 m/s (150 mm/s) exceeds max_velocity 0.1 m/s (100 mm/s) \
          before point 1 (0.1 s)"
     );

@@ -13,7 +13,7 @@ use crate::vocabulary::wf::{Jog, Mode, Request};
 /// Returns a rig with x on its positive limit switch.
 fn on_the_switch(config: MachineConfig) -> Rig {
     let mut rig = Rig::with(config, [Model::Ideal; 2]);
-    rig.plant.drive(0).unwrap().fit(Fixtures { positive: Some(-1_000_000), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { positive: Some(-1_000_000), ..Fixtures::default() });
     rig.enable();
     rig
 }
@@ -57,7 +57,7 @@ fn selected(rig: &Rig) -> (i64, i64) {
 }
 
 /// Returns both blocked rigs, the direction that each of them leaves free, and the code of its refusals.
-fn bars() -> [(Rig, i64, Code); 2] {
+fn blocked_rigs() -> [(Rig, i64, Code); 2] {
     [(on_the_switch(config(0)), -1, Code::LIMIT_VIOLATION), (forwards(), 1, Code::REVERSE_FORBIDDEN)]
 }
 
@@ -67,7 +67,7 @@ fn bars() -> [(Rig, i64, Code); 2] {
 /// Proves: AMC-SEL-09, MACS-LIM-09, MACS-DIR-06
 #[test]
 fn a_speed_that_is_turned_to_where_the_axis_may_not_go_stops_it_and_stays_selected() {
-    for (mut rig, open, code) in bars() {
+    for (mut rig, open, code) in blocked_rigs() {
         set(&mut rig, &[("speed_reference", open * 50_000), ("reference_select", 2)]);
         rig.run(300);
         assert_eq!(rig.real("x.command.velocity"), open as f64 * 50_000.0, "{code:?}");
@@ -91,7 +91,7 @@ fn a_speed_that_is_turned_to_where_the_axis_may_not_go_stops_it_and_stays_select
 /// Proves: MACS-LIM-09, MACS-DIR-06
 #[test]
 fn a_selection_that_leads_where_the_axis_may_not_go_is_refused() {
-    for (mut rig, open, code) in bars() {
+    for (mut rig, open, code) in blocked_rigs() {
         let far = -open * 500_000;
         let still = set(&mut rig, &[("speed_reference", -open * 50_000), ("reference_select", 2)]);
         assert_eq!((refused(&rig, still), selected(&rig)), (Some(code), (0, 0)));
@@ -121,7 +121,7 @@ fn a_place_that_is_barred_in_the_cycle_of_its_change_stops_the_axis() {
     let mut rig = Rig::enabled();
     set(&mut rig, &[("position_reference", -500_000), ("reference_select", 1)]);
     rig.run(300);
-    rig.tamper = |inputs| {
+    rig.modify_inputs = |inputs| {
         for drive in &mut inputs.drive {
             drive.inputs |= inputs::POSITIVE_LIMIT;
         }
@@ -132,10 +132,10 @@ fn a_place_that_is_barred_in_the_cycle_of_its_change_stops_the_axis() {
     rig.run(101);
     assert_eq!((rig.real("x.command.velocity"), rig.state("x")), (0.0, "STANDSTILL"));
     // A reference that was not in force yet leaves everything unchanged.
-    rig.tamper = |_| ();
+    rig.modify_inputs = |_| ();
     set(&mut rig, &[("speed_reference", -50_000), ("reference_select", 2)]);
     rig.run(300);
-    rig.tamper = |inputs| {
+    rig.modify_inputs = |inputs| {
         for drive in &mut inputs.drive {
             drive.inputs |= inputs::POSITIVE_LIMIT;
         }
@@ -155,7 +155,7 @@ fn a_stream_that_is_turned_to_where_the_axis_may_not_go_stops_it() {
         Rig::of(config).into_enabled()
     };
     let limit = (limited(), -1, Code::LIMIT_VIOLATION);
-    for (mut rig, open, code) in bars().into_iter().chain([limit]) {
+    for (mut rig, open, code) in blocked_rigs().into_iter().chain([limit]) {
         let open = open as f64;
         (0..45).for_each(|_| rig.stream(X, open * 20_000.0));
         assert_eq!((rig.real("x.command.velocity"), warnings(&rig).len()), (open * 20_000.0, 0), "{code:?}");

@@ -508,7 +508,7 @@ fn a_reset_and_the_power_end_it() {
         set(&mut rig, &[("pulsacc", 1_000_000), ("vmenctyp", 100)]);
         set(&mut rig, &[("vmenctyp", 0), ("pulsvel", 1_000)]);
         set(&mut rig, &[("vmenctyp", 100)]);
-        let all = AxisSet::first(3).with(&ALL);
+        let all = AxisSet::first(3).union(&ALL);
         let saved = rig.give(Action::SaveParameters(all));
         assert!(rig.was_accepted(saved));
         rig.run(100);
@@ -637,7 +637,7 @@ fn a_state_that_the_parameters_do_not_make_is_refused() {
 }
 
 #[derive(Clone, Debug)]
-enum Happening {
+enum RandomEvent {
     Set(Vec<(&'static str, i64)>),
     Move(u16, i64),
     Couple(u16),
@@ -645,7 +645,7 @@ enum Happening {
     Wait(u64),
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
+fn random_event() -> impl Strategy<Value = RandomEvent> {
     let value = prop_oneof![
         (-90_000_i64..90_000).prop_map(|value| ("pulsvel", value)),
         prop::sample::select(vec![-1_i64, 0, 10, 5_000, 300_000, 80_000_000]).prop_map(|value| ("pulsacc", value)),
@@ -655,11 +655,11 @@ fn happening() -> impl Strategy<Value = Happening> {
         prop::sample::select(vec![0_i64, 1, 22, 33]).prop_map(|value| ("vmencmtyp", value)),
     ];
     prop_oneof![
-        4 => prop::collection::vec(value, 1..4).prop_map(Happening::Set),
-        2 => (0_u16..3, -20_000_i64..20_000).prop_map(|(axis, place)| Happening::Move(axis, place)),
-        1 => (0_u16..3).prop_map(Happening::Couple),
-        1 => Just(Happening::Abort),
-        4 => (1_u64..60).prop_map(Happening::Wait),
+        4 => prop::collection::vec(value, 1..4).prop_map(RandomEvent::Set),
+        2 => (0_u16..3, -20_000_i64..20_000).prop_map(|(axis, place)| RandomEvent::Move(axis, place)),
+        1 => (0_u16..3).prop_map(RandomEvent::Couple),
+        1 => Just(RandomEvent::Abort),
+        4 => (1_u64..60).prop_map(RandomEvent::Wait),
     ]
 }
 
@@ -672,7 +672,7 @@ proptest! {
     /// Proves: MACS-VM-02, MACS-VM-03
     #[test]
     fn its_changes_add_up_and_keep_to_the_ramp(
-        happenings in prop::collection::vec(happening(), 1..40),
+        happenings in prop::collection::vec(random_event(), 1..40),
         restored in 0_usize..40,
     ) {
         let mut rig = enabled(cell());
@@ -683,11 +683,11 @@ proptest! {
             }
             let (mut action, mut cycles) = (None, 0);
             match happening {
-                Happening::Set(values) => action = Some(sets(&values)),
-                Happening::Move(axis, place) => action = Some(Action::Move(to(axis, place))),
-                Happening::Couple(axis) => action = Some(Action::Synchronize(couple(axis, VIRTUAL, 1, 1))),
-                Happening::Abort => action = Some(Action::Abort),
-                Happening::Wait(count) => cycles = count,
+                RandomEvent::Set(values) => action = Some(sets(&values)),
+                RandomEvent::Move(axis, place) => action = Some(Action::Move(to(axis, place))),
+                RandomEvent::Couple(axis) => action = Some(Action::Synchronize(couple(axis, VIRTUAL, 1, 1))),
+                RandomEvent::Abort => action = Some(Action::Abort),
+                RandomEvent::Wait(count) => cycles = count,
             }
             while action.is_some() || cycles > 0 {
                 match action.take() {

@@ -22,7 +22,7 @@ pub struct VelocityEncoder {
 
 impl VelocityEncoder {
     /// Returns true if the velocity loop has a separate encoder.
-    pub fn is_own(self) -> bool {
+    pub fn is_separate(self) -> bool {
         self.number >= 1
     }
 
@@ -31,7 +31,7 @@ impl VelocityEncoder {
     /// # Errors
     /// The key of the invalid parameter, and the reason.
     pub fn check(self, own: usize, has_two_drives: bool) -> Result<(), (&'static str, Code)> {
-        if !self.is_own() {
+        if !self.is_separate() {
             return Ok(());
         }
         if has_two_drives {
@@ -51,11 +51,11 @@ impl AxisParameters {
     /// Returns true if its velocity loop uses another encoder than its position loop.
     #[inline]
     pub fn has_velocity_encoder(&self) -> bool {
-        self.amplifier.encoder.is_own() && self.amplifier.has_velocity_loop()
+        self.amplifier.encoder.is_separate() && self.amplifier.has_velocity_loop()
     }
 
     /// Returns true if both loops have different directions of counting.
-    pub(crate) fn turns_loops_apart(&self) -> bool {
+    pub(crate) fn has_loop_directions(&self) -> bool {
         let sense = self.sense();
         sense.position != sense.velocity
     }

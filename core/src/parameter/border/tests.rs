@@ -45,7 +45,7 @@ fn what_is_shown_converts_back_into_the_value() {
     for scale in scales() {
         for row in ROWS {
             for value in samples(row) {
-                let shown = row.shown(&scale, value);
+                let shown = row.to_border(&scale, value);
                 let back = match (value, shown) {
                     (Value::Unset, shown) => {
                         assert_eq!(shown, BorderValue::Unset, "{}", row.key);
@@ -78,7 +78,7 @@ fn what_was_set_reads_as_it_was_written() {
         for row in ROWS.iter().filter(|row| row.border_type() == BorderType::Real) {
             for number in [0.1, 0.3, 0.7, 1.2, 2.5, 12.345, 90.0, 1.234_567_890_123_4] {
                 let Ok(value) = convert(row, &scale, &ParameterInput::Number(number)) else { continue };
-                let shown = row.shown(&scale, value);
+                let shown = row.to_border(&scale, value);
                 match value {
                     Value::Real(_) => assert_eq!(shown, BorderValue::Real(number), "{}", row.key),
                     // The nearest increment.
@@ -138,13 +138,13 @@ fn the_unit_of_a_bare_number_is_the_one_of_the_row() {
         (&turntable, "max_velocity", Value::Real(9000.0), std::f64::consts::FRAC_PI_2, "rad/s"),
         (&turntable, "amc.position_reference", Value::Int(9000), 90.0, "deg"),
     ] {
-        let BorderValue::Real(shown) = row(key).shown(scale, value) else { panic!("{key} is a number") };
+        let BorderValue::Real(shown) = row(key).to_border(scale, value) else { panic!("{key} is a number") };
         assert!((shown - number).abs() <= 1e-14, "{key}: {shown} for {number}");
         assert_eq!(row(key).border_unit(scale), unit, "{key}");
     }
-    assert_eq!(row("profile").shown(&spindle, Value::Int(2)), BorderValue::Name("jerk"));
-    assert_eq!(row("saia.clamp_sum").shown(&spindle, Value::Int(1)), BorderValue::Switch(true));
-    assert_eq!(row("error_reaction").shown(&spindle, Value::Int(5)), BorderValue::Integer(5));
+    assert_eq!(row("profile").to_border(&spindle, Value::Int(2)), BorderValue::Name("jerk"));
+    assert_eq!(row("saia.clamp_sum").to_border(&spindle, Value::Int(1)), BorderValue::Switch(true));
+    assert_eq!(row("error_reaction").to_border(&spindle, Value::Int(5)), BorderValue::Integer(5));
     let range = row("error_reaction").shown_range(&spindle);
     assert_eq!(range, Some(BorderRange::Integer { low: 0, high: 5, step: 1 }));
     let BorderRange::Real { low, high, step } = row("following_error_time").shown_range(&spindle).unwrap() else {

@@ -1,7 +1,7 @@
 //! Parameters of the Unidrive M advanced motion controller, menu 34 (spec/amc.md); a bare number is in the axis unit.
 
 use super::{Applies, BASE, Bare, Group, Measure, Range, Row, Storage, System, Value};
-use crate::table::{MOST, MOST_LENGTH};
+use crate::table::{MAX_NUMBERS, MAX_LENGTH};
 
 const NUMBER: Row = Row { system: System::Amc, group: Group::Menu, default: Value::Int(0), ..BASE };
 
@@ -42,10 +42,10 @@ pub(super) const ROWS: &[Row] = rows! {
         mnemonic: "Reference Select Trigger", number: "34.009", range: Range::Int(0, 7), storage: Storage::Volatile,
         description: "Each change of it is written to amc.reference_select.", source: "AMC-PAR-09, AMC-TRG-01" }
     "amc.cam_start_index": NUMBER, axis.vocabularies.amc.cam_start_index {
-        mnemonic: "Cam Start Index", number: "35.001", range: Range::Int(0, MOST as i64),
+        mnemonic: "Cam Start Index", number: "35.001", range: Range::Int(0, MAX_NUMBERS as i64),
         description: "Point of the table of amc.cam at which the cam starts, from 0.", source: "AMC-PAR-11, AMC-SEL-03" }
     "amc.cam_start_position": NUMBER, axis.vocabularies.amc.cam_start_position {
-        mnemonic: "Cam Start Position In Segment", number: "35.002", range: Range::Int(0, MOST_LENGTH),
+        mnemonic: "Cam Start Position In Segment", number: "35.002", range: Range::Int(0, MAX_LENGTH),
         description: "Increments of the master behind the point amc.cam_start_index at which the cam starts.",
         source: "AMC-PAR-11, AMC-SEL-03" }
     "amc.following_error_window": NUMBER, axis.vocabularies.amc.following_error_window {

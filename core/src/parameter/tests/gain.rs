@@ -25,10 +25,10 @@ proptest! {
             let mut p = parameters();
             row("wf.md22").change(&mut p, Value::Real(gain)).unwrap();
             prop_assert_eq!(gains(&p), [Value::Real(gain * KV), Value::Real(gain)]);
-            prop_assert!(p.is_sound() && p.gives(row("wf.md22")) && !p.gives(row("position_loop.kv")));
+            prop_assert!(p.is_sound() && p.is_given_by(row("wf.md22")) && !p.is_given_by(row("position_loop.kv")));
             row("position_loop.kv").change(&mut p, Value::Real(gain * KV)).unwrap();
             prop_assert_eq!(row("position_loop.kv").value(&p), Value::Real(gain * KV));
-            prop_assert!(p.is_sound() && p.gives(row("position_loop.kv")) && !p.gives(row("wf.md22")));
+            prop_assert!(p.is_sound() && p.is_given_by(row("position_loop.kv")) && !p.is_given_by(row("wf.md22")));
         }
     }
 }

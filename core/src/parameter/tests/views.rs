@@ -172,7 +172,7 @@ proptest! {
             prop_assert_eq!(row.value(&one), pick(row, *seed), "{}", row.key);
         }
         // Written by the rows that give the values, and read in any order, they are the same.
-        let given = || ROWS.iter().filter(|row| one.gives(row));
+        let given = || ROWS.iter().filter(|row| one.is_given_by(row));
         let (mut forth, mut back) = (parameters(), parameters());
         for row in given() {
             prop_assert_eq!(row.assign(&mut forth, row.value(&one)), Ok(()), "{} {:?}", row.key, row.value(&one));

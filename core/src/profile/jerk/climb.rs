@@ -140,7 +140,7 @@ impl<'a> Climb<'a> {
 
     pub(super) fn direct_way(&self) -> f64 {
         let (begin, ramp) = self.direct();
-        begin.ease.way + ramp.way()
+        begin.ease.way + ramp.distance()
     }
 
     /// Returns the choice that reaches `distance`, which exceeds the `direct` one; none if it would exceed a velocity
@@ -152,7 +152,7 @@ impl<'a> Climb<'a> {
         }
         let mut ahead = distance - direct;
         if self.acceleration < 0.0 && end < self.run_out {
-            if let Some(relief) = self.dip(distance) {
+            if let Some(relief) = self.braking_reduction(distance) {
                 return Some(Choice::Dip(relief));
             }
             ahead = -self.reach_with_dip(distance, -self.acceleration).miss;
@@ -171,7 +171,7 @@ impl<'a> Climb<'a> {
         }
         if self.acceleration < 0.0
             && self.end_velocity < self.run_out
-            && let Some(relief) = self.dip(distance)
+            && let Some(relief) = self.braking_reduction(distance)
         {
             return Choice::Dip(relief);
         }
@@ -183,7 +183,7 @@ impl<'a> Climb<'a> {
     /// Solves with a velocity above those of the start and the end; the target is `ahead` beyond the lowest such
     /// velocity.
     fn solve_over(&self, distance: f64, ahead: f64) -> Option<Choice> {
-        let low = self.low();
+        let low = self.lower_velocity();
         let begin = self.upwards();
         let top = self.top - low;
         let hold = (self.up.excess_to_hold(begin.acceleration) - (low - self.run_out))
@@ -214,7 +214,7 @@ impl<'a> Climb<'a> {
     }
 
     /// Returns the lower bound of the velocity between the ramps.
-    fn low(&self) -> f64 {
+    fn lower_velocity(&self) -> f64 {
         self.run_out.max(self.end_velocity)
     }
 
@@ -233,7 +233,7 @@ impl<'a> Climb<'a> {
     fn reach_above(&self, begin: &Begin, distance: f64, low: f64, more: f64) -> Reach {
         let [first, second] = self.ramps_above(begin, low, more);
         let ((slope, bend), (more_slope, more_bend)) = (first.slopes(), second.slopes());
-        reach(distance, [begin.ease.way, first.way(), second.way()], slope + more_slope, bend + more_bend)
+        reach(distance, [begin.ease.way, first.distance(), second.distance()], slope + more_slope, bend + more_bend)
     }
 
     /// Returns the ramps over a velocity `less` below the run-out velocity, down to the velocity limit.
@@ -248,12 +248,12 @@ impl<'a> Climb<'a> {
     fn reach_below(&self, begin: &Begin, distance: f64, less: f64) -> Reach {
         let [first, second] = self.ramps_below(begin, less);
         let slope = first.slope_back() - second.slopes().0;
-        reach(distance, [begin.ease.way, first.way(), second.way()], slope, f64::NAN)
+        reach(distance, [begin.ease.way, first.distance(), second.distance()], slope, f64::NAN)
     }
 
     /// Returns the reduction of the initial braking with which the plan reaches `distance`; none if the whole braking
     /// does not suffice.
-    fn dip(&self, distance: f64) -> Option<f64> {
+    fn braking_reduction(&self, distance: f64) -> Option<f64> {
         let all = -self.acceleration;
         let mut from = 0.0;
         for to in self.places().into_iter().chain([all]) {
@@ -304,7 +304,7 @@ impl<'a> Climb<'a> {
         let from = self.velocity + ease.change();
         let gain = self.down.per_jerk * (ramp.peak - begin) / ramp.peak;
         let slope = gain * (from - 0.5 * begin * (ramp.peak - begin) / self.down.rise);
-        reach(distance, [ease.way, ramp.way(), 0.0], slope, f64::NAN)
+        reach(distance, [ease.way, ramp.distance(), 0.0], slope, f64::NAN)
     }
 
     /// Adds the choice to a draft, with signs multiplied by `sign`; its last ramp is evaluated from the end.
@@ -322,7 +322,7 @@ impl<'a> Climb<'a> {
             }
             Choice::Over(more, cruise) => {
                 let begin = self.upwards();
-                (begin, self.ramps_above(&begin, self.low(), more), cruise)
+                (begin, self.ramps_above(&begin, self.lower_velocity(), more), cruise)
             }
             Choice::Below(less, cruise) => {
                 let begin = self.downwards();

@@ -39,7 +39,7 @@ impl State {
     }
 
     /// Returns the sign of its present or next velocity; 0 at rest.
-    fn side(&self) -> f64 {
+    fn direction_of_velocity(&self) -> f64 {
         let leading = if self.velocity == 0.0 { self.acceleration } else { self.velocity };
         if leading == 0.0 { 0.0 } else { 1.0_f64.copysign(leading) }
     }
@@ -108,7 +108,7 @@ impl Sides {
 
     /// Returns the direct way to a velocity: without change of sign, or to rest and from there.
     fn direct(&self, state: State, velocity: f64) -> (Climb<'_>, Option<Ramp<'_>>) {
-        let side = state.side();
+        let side = state.direction_of_velocity();
         if self.even || side * velocity >= 0.0 {
             let side = if side == 0.0 { velocity } else { side };
             (self.climb(state, velocity, f64::MAX, side), None)
@@ -119,7 +119,7 @@ impl Sides {
 }
 
 fn way(climb: &Climb<'_>, rest: Option<&Ramp<'_>>) -> f64 {
-    climb.direct_way() + rest.map_or(0.0, Ramp::way)
+    climb.direct_way() + rest.map_or(0.0, Ramp::distance)
 }
 
 /// As [`super::to_pass`].
@@ -159,7 +159,7 @@ pub(super) fn to_pass(
 /// Plans the way to a target `ahead`, which is above the end of the direct way to the end velocity, with velocity zero
 /// passed only at rest. Signs in the draft are multiplied by `sign`.
 fn upwards(draft: &mut Draft<'_>, sign: f64, mut state: State, mut end: f64, top: f64, sides: &Sides, mut ahead: f64) {
-    let is_below = state.side() < 0.0;
+    let is_below = state.direction_of_velocity() < 0.0;
     if is_below && end < 0.0 {
         let climb = sides.climb(state, end, 0.0, -1.0);
         if let Some(choice) = climb.solve(ahead, climb.direct_way()) {
@@ -175,7 +175,7 @@ fn upwards(draft: &mut Draft<'_>, sign: f64, mut state: State, mut end: f64, top
     if end < 0.0 {
         let ramp = sides.ramp_to(end);
         ramp.add_backward(draft, sign);
-        ahead -= ramp.way();
+        ahead -= ramp.distance();
         end = 0.0;
     }
     let climb = sides.climb(state, end, top, 1.0);
@@ -207,7 +207,7 @@ pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, jerks: 
 }
 
 /// As [`super::stopping_way`].
-pub(super) fn stopping_way(start: Motion, limits: &Limits, jerks: &Jerks) -> f64 {
+pub(super) fn stopping_distance(start: Motion, limits: &Limits, jerks: &Jerks) -> f64 {
     let sides = Sides::new(limits, jerks);
     let entry = sides.enter(start);
     let (climb, rest) = sides.direct(entry.state, 0.0);

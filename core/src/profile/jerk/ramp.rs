@@ -124,7 +124,7 @@ impl<'a> Ramp<'a> {
     }
 
     #[inline]
-    pub(super) fn way(&self) -> f64 {
+    pub(super) fn distance(&self) -> f64 {
         let (t1, t2, t3) = (self.rise_time, self.hold_time, self.fall_time);
         let (risen, held) = self.middle();
         let rise = t1 * (self.from + self.sign * t1 * (2.0 * self.begin + self.peak) * (1.0 / 6.0));

@@ -191,7 +191,7 @@ impl Case {
     fn check_stop(&self) -> Result<(), TestCaseError> {
         let plan = stop(self.start, &self.limits, MS);
         let way = distance(self.start.position, plan.end());
-        let told = stopping_way(self.start, &self.limits);
+        let told = stopping_distance(self.start, &self.limits);
         prop_assert!((way - told).abs() <= 1e-6 + 1e-12 * way.abs(), "way {way}, told {told}");
         let digits = Digits::of(&plan);
         for k in Self::cycles(&plan) {
@@ -378,6 +378,6 @@ proptest! {
         case.check_extreme(&case.plan(), true)?;
         case.check_extreme(&to_velocity(case.start, case.end_velocity, &case.limits, MS), false)?;
         case.check_extreme(&stop(case.start, &case.limits, MS), false)?;
-        prop_assert!(stopping_way(case.start, &case.limits).is_finite());
+        prop_assert!(stopping_distance(case.start, &case.limits).is_finite());
     }
 }

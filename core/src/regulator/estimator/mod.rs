@@ -90,7 +90,7 @@ pub enum EstimatorError {
 const INDEX: (f64, f64) = (1e-10, 1e3);
 
 /// Returns an error if the value is out of range; NaN is out of every range.
-fn judge(name: &'static str, value: f64, unit: &'static str, least: f64, most: f64) -> Result<(), EstimatorError> {
+fn check_range(name: &'static str, value: f64, unit: &'static str, least: f64, most: f64) -> Result<(), EstimatorError> {
     let error = EstimatorError::Range { name, value, unit, least, most };
     if (least..=most).contains(&value) { Ok(()) } else { Err(error) }
 }
@@ -118,15 +118,15 @@ impl VelocityEstimator {
     /// # Errors
     /// A value beyond its range.
     pub fn new(method: VelocityMethod, cycle: f64) -> Result<Self, EstimatorError> {
-        judge("cycle", cycle, "s", 1e-6, 1.0)?;
+        check_range("cycle", cycle, "s", 1e-6, 1.0)?;
         let law = match method {
             VelocityMethod::Difference => Law::Difference(Difference::default()),
             VelocityMethod::Filtered { time } => {
-                judge("time", time, "s", 0.0, 1e3)?;
+                check_range("time", time, "s", 0.0, 1e3)?;
                 Law::Filtered(Filtered::new(time / cycle))
             }
             VelocityMethod::AlphaBeta { bandwidth } => {
-                judge("bandwidth", bandwidth, "rad/s", 1e-3, 1e6)?;
+                check_range("bandwidth", bandwidth, "rad/s", 1e-3, 1e6)?;
                 Law::Observer(alpha_beta::gains(bandwidth * cycle), Track::default())
             }
             VelocityMethod::Kalman { model } => Law::Observer(kalman_gains(model, cycle)?, Track::default()),
@@ -200,7 +200,7 @@ fn kalman_gains(model: MotionModel, cycle: f64) -> Result<Gains, EstimatorError>
         MotionModel::ConstantAcceleration { jerk } => ("jerk", jerk, "inc/s^3", square * cycle),
     };
     let unit_index = inc / kalman::QUANTISATION;
-    judge(name, value, unit, INDEX.0 / unit_index, INDEX.1 / unit_index)?;
+    check_range(name, value, unit, INDEX.0 / unit_index, INDEX.1 / unit_index)?;
     let gains = match model {
         MotionModel::ConstantVelocity { .. } => kalman::constant_velocity(value * unit_index),
         MotionModel::ConstantAcceleration { .. } => kalman::constant_acceleration(value * unit_index),

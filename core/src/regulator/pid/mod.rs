@@ -78,12 +78,12 @@ pub struct Pid {
 
 /// The parts of an output.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Parts {
+struct OutputParts {
     loop_output: f64,
     forward: f64,
 }
 
-impl Parts {
+impl OutputParts {
     fn total(self) -> f64 {
         (self.loop_output + self.forward).clamp(-1.0, 1.0)
     }
@@ -116,7 +116,7 @@ impl Pid {
         (parts.total() + self.fade.step()).clamp(-1.0, 1.0)
     }
 
-    fn parts(&mut self, gains: &PidGains, input: PidInput, before: f64) -> Parts {
+    fn parts(&mut self, gains: &PidGains, input: PidInput, before: f64) -> OutputParts {
         let error = input.error;
         let share = self.share.step(gains.limit_time, input.velocity != 0.0, gains.period_ms as f64);
         let bound = gains.limit as f64 * share;
@@ -135,11 +135,11 @@ impl Pid {
         };
         let forward =
             gains.velocity as f64 / 1000.0 * input.velocity + gains.acceleration as f64 / 1000.0 * input.acceleration;
-        Parts { loop_output, forward }
+        OutputParts { loop_output, forward }
     }
 
     /// Called after an interruption; the sum remains. The next cycle takes a sample without an earlier error.
-    pub fn forget_past(&mut self) {
+    pub fn restart_after_gap(&mut self) {
         (self.before, self.wait) = (None, 0);
     }
 

@@ -241,8 +241,8 @@ proptest! {
             let before = regulator.sum;
             let law = regulator.law(&gains, error);
             regulator.step(&gains, error);
-            let part = gains.worth() * (regulator.sum - before);
-            let bound = before.abs() > gains.most();
+            let part = gains.output_per_ms() * (regulator.sum - before);
+            let bound = before.abs() > gains.sum_bound();
             prop_assert!(bound || law < 1.0 || part <= 1e-12, "{law} {part}");
             prop_assert!(bound || law > -1.0 || part >= -1e-12, "{law} {part}");
         }

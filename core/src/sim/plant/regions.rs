@@ -39,9 +39,9 @@ pub(super) type Held = SVector<f64, 3>;
 /// Halvings of a step to find an event: 2^-30 of it is 1 ps of 1 ms.
 const HALVINGS: u32 = 30;
 /// Maximum angle of a vibration between two checks for events (rad).
-const LOOK: f64 = 0.5;
+const MAX_ANGLE_PER_CHECK: f64 = 0.5;
 /// Maximum halvings of a cycle for that: 1024 checks.
-const MOST_LOOKS: u32 = 10;
+const MAX_CHECK_HALVINGS: u32 = 10;
 
 /// A region in which the equations are linear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -167,7 +167,7 @@ impl Equations {
 
 /// Exact steps over a part of a cycle, by region: the part in equal pieces, and repeated halves of a piece.
 #[derive(Clone, Debug)]
-pub(super) struct Ladder {
+pub(super) struct RegionSteps {
     /// Steps by region; the shortest first, each twice as long as the previous one. Empty for a region that is never
     /// entered.
     steps: [Vec<Step>; 8],
@@ -177,7 +177,7 @@ pub(super) struct Ladder {
     pub ticks: u32,
 }
 
-impl Ladder {
+impl RegionSteps {
     /// Creates the steps over `duration_s` in the regions that are entered; halved if an event may happen within.
     pub(super) fn new(
         equations: &Equations,
@@ -186,7 +186,7 @@ impl Ladder {
         enters: impl Fn(Region) -> bool,
     ) -> Self {
         let mut looks = 0;
-        while has_events && looks < MOST_LOOKS && equations.fastest() * duration_s > LOOK * f64::from(1 << looks) {
+        while has_events && looks < MAX_CHECK_HALVINGS && equations.fastest() * duration_s > MAX_ANGLE_PER_CHECK * f64::from(1 << looks) {
             looks += 1;
         }
         let (pieces, halvings) = (1_u32 << looks, if has_events { HALVINGS } else { 0 });

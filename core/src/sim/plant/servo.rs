@@ -13,17 +13,17 @@
 use super::data::{Load, Motor, MotorData, Reading};
 use super::train::{State, Train};
 use crate::sim::marks::mix;
-use crate::sim::motor::FASTEST;
+use crate::sim::motor::MAX_VELOCITY;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Time constant of the loop of the drive, in dead times: 76 of 90 degrees of phase are left.
-const DELAYS: f64 = 4.0;
+const LOOP_TIME_CONSTANT: f64 = 4.0;
 /// Dead time of the loop in cycles: half a cycle for holding the setpoint, and one for its transfer.
 const CYCLES: f64 = 1.5;
 /// Ratio of the time constant of the integral to that of the loop: it costs 11 degrees.
-const SLOWER: f64 = 5.0;
+const INTEGRAL_RATIO: f64 = 5.0;
 /// Standard deviation of the mean of four numbers that are uniform in 0..1.
 const DEVIATION: f64 = 0.144_337_567_297_406_43;
 
@@ -77,7 +77,7 @@ pub(in crate::sim) struct Servo {
     train: Arc<Train>,
     state: State,
     /// Setpoints in their dead time, oldest first; their number is constant.
-    on_the_way: VecDeque<f64>,
+    delayed_setpoints: VecDeque<f64>,
     encoder: Encoder,
     /// Integral of the loop of the drive (rad).
     sum: f64,
@@ -102,12 +102,12 @@ impl Servo {
         let mut on_the_way = VecDeque::with_capacity(cycles + 1);
         on_the_way.resize(cycles, 0.0);
         let encoder = Encoder { reading: data.reading, part: 0.0, readings: 0 };
-        Self { state: train.rest(), data, inverted, train: Arc::new(train), on_the_way, encoder, sum: 0.0, cycle_ns }
+        Self { state: train.rest(), data, inverted, train: Arc::new(train), delayed_setpoints: on_the_way, encoder, sum: 0.0, cycle_ns }
     }
 
     /// Attaches a weight at rest, with which the whole train falls with an acceleration (inc/s^2), and no other weight;
     /// not for use in the cycle.
-    pub(in crate::sim) fn hang(&mut self, acceleration: f64) {
+    pub(in crate::sim) fn attach_weight(&mut self, acceleration: f64) {
         let Self { data, inverted, cycle_ns, .. } = *self;
         let weight = acceleration * TAU / data.reading.counts_per_turn * (data.inertia + data.load.inertia);
         *self = Self::with_weight(Motor { data, inverted }, weight, cycle_ns);
@@ -117,7 +117,7 @@ impl Servo {
     pub(in crate::sim) fn rest(&mut self) {
         self.state = self.train.rest();
         self.sum = 0.0;
-        self.on_the_way.iter_mut().for_each(|setpoint| *setpoint = 0.0);
+        self.delayed_setpoints.iter_mut().for_each(|setpoint| *setpoint = 0.0);
     }
 
     /// Returns true if it turns against its setpoint.
@@ -139,23 +139,23 @@ impl Servo {
     pub(in crate::sim) fn step(&mut self, setpoint: f64, held: bool) -> i64 {
         let limit = self.data.amplifier.limit;
         let setpoint = if setpoint.is_finite() { setpoint.clamp(-limit, limit) } else { 0.0 };
-        self.on_the_way.push_back(setpoint);
-        self.on_the_way.pop_front();
-        let old = self.on_the_way.front().copied().unwrap_or(setpoint);
-        let new = self.on_the_way.get(1).copied().unwrap_or(setpoint);
+        self.delayed_setpoints.push_back(setpoint);
+        self.delayed_setpoints.pop_front();
+        let old = self.delayed_setpoints.front().copied().unwrap_or(setpoint);
+        let new = self.delayed_setpoints.get(1).copied().unwrap_or(setpoint);
         let full = self.full();
         let angle = self.train.cycle(&mut self.state, [old * full, new * full], held);
         self.encoder.turn(angle)
     }
 
     /// Returns the setpoint of the loop of the drive for a velocity (inc/s).
-    pub(in crate::sim) fn close(&mut self, velocity: f64) -> f64 {
+    pub(in crate::sim) fn velocity_setpoint(&mut self, velocity: f64) -> f64 {
         let (inertia, all) = (self.train.inertia(), self.data.inertia + self.data.load.inertia);
         let (cycle_s, amplifier) = (self.cycle_ns as f64 / 1e9, self.data.amplifier);
         let late = CYCLES * cycle_s + amplifier.dead_time_ns as f64 / 1e9 + amplifier.stage.lag_s();
-        let bandwidth = 1.0 / (DELAYS * late);
-        let slow = bandwidth * inertia / all / SLOWER;
-        let velocity = if velocity.is_finite() { velocity.clamp(-FASTEST, FASTEST) } else { 0.0 };
+        let bandwidth = 1.0 / (LOOP_TIME_CONSTANT * late);
+        let slow = bandwidth * inertia / all / INTEGRAL_RATIO;
+        let velocity = if velocity.is_finite() { velocity.clamp(-MAX_VELOCITY, MAX_VELOCITY) } else { 0.0 };
         let asked = velocity * TAU / self.data.reading.counts_per_turn;
         let error = asked - self.train.velocity(&self.state);
         let sum = self.sum + error * cycle_s;
@@ -168,13 +168,13 @@ impl Servo {
     }
 
     /// Resets the loop of the drive.
-    pub(in crate::sim) fn open(&mut self) {
+    pub(in crate::sim) fn reset_loop(&mut self) {
         self.sum = 0.0;
     }
 
     /// Returns the torque, per mille of the rated one; for a winding, of that of its voltage at rest.
     pub(in crate::sim) fn effort(&self) -> f64 {
-        let asked = self.on_the_way.get(1).copied().unwrap_or_default() * self.full();
+        let asked = self.delayed_setpoints.get(1).copied().unwrap_or_default() * self.full();
         1000.0 * self.train.drive(&self.state, asked) / self.full()
     }
 

@@ -12,7 +12,7 @@
 //! Source   contract section 3
 
 use super::data::{Friction, MotorData};
-use super::regions::{DRIVE, Equations, Held, LOAD, Ladder, MOTOR, Region, TRAVEL, TWIST, Vector};
+use super::regions::{DRIVE, Equations, Held, LOAD, RegionSteps, MOTOR, Region, TRAVEL, TWIST, Vector};
 use nalgebra::SVector;
 
 /// Maximum searches for events in one part of a cycle; an event takes at most two.
@@ -53,7 +53,7 @@ impl Contact {
 
 /// State of the friction of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Grip {
+enum FrictionState {
     /// It has no dry friction.
     Free,
     /// It slides in positive direction.
@@ -66,13 +66,13 @@ enum Grip {
     Held,
 }
 
-impl Grip {
+impl FrictionState {
     fn stands(self) -> bool {
         matches!(self, Self::Sticks | Self::Held)
     }
 
     /// Returns true if a sliding body reverses with that velocity.
-    fn turns(self, velocity: f64) -> bool {
+    fn reverses(self, velocity: f64) -> bool {
         velocity * self.sign() < 0.0
     }
 
@@ -92,7 +92,7 @@ pub(super) struct State {
     values: Vector,
     contact: Contact,
     /// Friction states of motor and load.
-    grips: [Grip; 2],
+    grips: [FrictionState; 2],
 }
 
 /// One of the bodies; accelerations are torques divided by its inertia (rad/s^2).
@@ -114,27 +114,27 @@ impl Body {
         Self { weight: over(torque), sliding: over(sliding), holding: over(holding) }
     }
 
-    fn grip_at_rest(&self) -> Grip {
-        if self.holding > 0.0 { Grip::Sticks } else { Grip::Free }
+    fn grip_at_rest(&self) -> FrictionState {
+        if self.holding > 0.0 { FrictionState::Sticks } else { FrictionState::Free }
     }
 
     /// Returns the friction state of a body at rest with that acceleration.
-    fn grip_against(&self, pull: f64) -> Grip {
+    fn grip_against(&self, pull: f64) -> FrictionState {
         match () {
-            () if pull.abs() <= self.holding => Grip::Sticks,
-            () if pull > 0.0 => Grip::Forwards,
-            () => Grip::Backwards,
+            () if pull.abs() <= self.holding => FrictionState::Sticks,
+            () if pull > 0.0 => FrictionState::Forwards,
+            () => FrictionState::Backwards,
         }
     }
 
     /// Returns the accelerations that do not depend on its neighbours.
-    fn held(&self, grip: Grip) -> f64 {
+    fn held(&self, grip: FrictionState) -> f64 {
         self.weight - self.sliding * grip.sign()
     }
 
     /// Returns true if it leaves its region with that velocity and acceleration.
-    fn leaves(&self, grip: Grip, velocity: f64, pull: f64) -> bool {
-        grip.turns(velocity) || grip == Grip::Sticks && pull.abs() > self.holding
+    fn leaves(&self, grip: FrictionState, velocity: f64, pull: f64) -> bool {
+        grip.reverses(velocity) || grip == FrictionState::Sticks && pull.abs() > self.holding
     }
 }
 
@@ -144,7 +144,7 @@ pub(super) struct Train {
     equations: Equations,
     bodies: [Body; 2],
     /// Steps from the beginning of a cycle until a setpoint takes effect in it, and of the rest.
-    parts: [Ladder; 2],
+    parts: [RegionSteps; 2],
 }
 
 impl Train {
@@ -162,7 +162,7 @@ impl Train {
         let has_events = own.is_dry() || load.is_dry() || has_gap;
         let enters = |region: Region| (region.pressed || has_gap) && (!region.load_stands || load_sticks);
         let durations = [part_ns, cycle_ns.saturating_sub(part_ns)].map(|part| part as f64 / 1e9);
-        Self { equations, bodies, parts: durations.map(|part| Ladder::new(&equations, part, has_events, enters)) }
+        Self { equations, bodies, parts: durations.map(|part| RegionSteps::new(&equations, part, has_events, enters)) }
     }
 
     /// Returns the state at rest, with the twist of the coupling by the weight of the load.
@@ -183,8 +183,8 @@ impl Train {
         state.values[TRAVEL] = 0.0;
         let grip = &mut state.grips[0];
         if held {
-            (*grip, state.values[MOTOR]) = (Grip::Held, 0.0);
-        } else if *grip == Grip::Held {
+            (*grip, state.values[MOTOR]) = (FrictionState::Held, 0.0);
+        } else if *grip == FrictionState::Held {
             *grip = self.bodies[0].grip_at_rest();
         }
         for (part, asked) in self.parts.iter().zip(asked) {
@@ -194,7 +194,7 @@ impl Train {
     }
 
     /// Executes one part of a cycle.
-    fn run(&self, part: &Ladder, state: &mut State, asked: f64) {
+    fn run(&self, part: &RegionSteps, state: &mut State, asked: f64) {
         let mut searches = 0;
         for _ in 0..part.pieces {
             let mut left = part.ticks;
@@ -211,7 +211,7 @@ impl Train {
 
     /// Advances by the longest possible step of at most `left` ticks, or up to an event within it. Returns the ticks,
     /// and whether it had to search.
-    fn advance(&self, part: &Ladder, state: &mut State, asked: f64, left: u32) -> (u32, bool) {
+    fn advance(&self, part: &RegionSteps, state: &mut State, asked: f64, left: u32) -> (u32, bool) {
         let held = self.held(state, asked);
         let region = Region {
             pressed: state.contact != Contact::Open,
@@ -221,7 +221,7 @@ impl Train {
         let (mut taken, mut searched) = (0, false);
         for level in (0..=left.max(1).ilog2()).rev() {
             let next = State { values: part.step(region, level, &state.values, &held), ..*state };
-            let happens = self.happens(&next, asked);
+            let happens = self.has_left_region(&next, asked);
             if happens && level > 0 {
                 searched = true;
                 continue;
@@ -248,7 +248,7 @@ impl Train {
     }
 
     /// Returns the acceleration of each body without its dry friction.
-    fn pulls(&self, state: &State, asked: f64) -> [f64; 2] {
+    fn accelerations(&self, state: &State, asked: f64) -> [f64; 2] {
         let Equations { spring, damping, half_gap, .. } = self.equations;
         let twist = self.twist(state) - half_gap * state.contact.side();
         let rate = state.values[MOTOR] - state.values[LOAD];
@@ -261,7 +261,7 @@ impl Train {
     }
 
     /// Returns true if a state has left its region.
-    fn happens(&self, state: &State, asked: f64) -> bool {
+    fn has_left_region(&self, state: &State, asked: f64) -> bool {
         let (twist, half_gap) = (self.twist(state), self.equations.half_gap);
         let parts = match state.contact {
             Contact::Always => false,
@@ -269,7 +269,7 @@ impl Train {
             Contact::Ahead => twist < half_gap,
             Contact::Behind => twist > -half_gap,
         };
-        let ([motor, load], pulls) = (self.bodies, self.pulls(state, asked));
+        let ([motor, load], pulls) = (self.bodies, self.accelerations(state, asked));
         parts
             || motor.leaves(state.grips[0], state.values[MOTOR], pulls[0])
             || load.leaves(state.grips[1], state.values[LOAD], pulls[1])
@@ -281,13 +281,13 @@ impl Train {
             state.contact = Contact::of(self.twist(state), self.equations.half_gap);
         }
         let [motor, load] = self.bodies;
-        if state.grips[0] == Grip::Sticks || state.grips[0].turns(state.values[MOTOR]) {
+        if state.grips[0] == FrictionState::Sticks || state.grips[0].reverses(state.values[MOTOR]) {
             state.values[MOTOR] = 0.0;
-            state.grips[0] = motor.grip_against(self.pulls(state, asked)[0]);
+            state.grips[0] = motor.grip_against(self.accelerations(state, asked)[0]);
         }
-        if state.grips[1] == Grip::Sticks || state.grips[1].turns(state.values[LOAD]) {
+        if state.grips[1] == FrictionState::Sticks || state.grips[1].reverses(state.values[LOAD]) {
             state.values[LOAD] = 0.0;
-            state.grips[1] = load.grip_against(self.pulls(state, asked)[1]);
+            state.grips[1] = load.grip_against(self.accelerations(state, asked)[1]);
         }
     }
 

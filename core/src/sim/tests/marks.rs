@@ -38,7 +38,7 @@ fn a_mark_rises_at_its_first_edge_either_way() {
     let down = [(0.8, Rising), (0.75, Falling), (0.3, Rising), (0.25, Falling)];
     assert_eq!((edges(&plain(), 0, 200), edges(&plain(), 200, 0)), (up.to_vec(), down.to_vec()));
     // It is detected at its beginning, but not at its end.
-    assert_eq!([49, 50, 59, 60].map(|place| plain().is_seen(place)), [false, true, true, false]);
+    assert_eq!([49, 50, 59, 60].map(|place| plain().is_detected(place)), [false, true, true, false]);
     assert_eq!(edges(&plain(), 40, 50), [(0.0, Rising)]);
     assert_eq!(edges(&plain(), 50, 60), [(0.0, Falling)]);
     assert_eq!(edges(&plain(), 60, 50), [(1.0, Rising)]);
@@ -47,7 +47,7 @@ fn a_mark_rises_at_its_first_edge_either_way() {
     // Without a width there is an edge, and no level.
     let thin = Marks { width: Position::ZERO, ..plain() };
     assert_eq!((edges(&thin, 0, 100), edges(&thin, 100, 0)), (vec![(0.5, Rising)], vec![(0.5, Rising)]));
-    assert!(!thin.is_seen(50));
+    assert!(!thin.is_detected(50));
 }
 
 /// A distance of 1000 inc that stretches by 10 % and back, in four marks: 1100, 1000, 900, 1000.
@@ -64,7 +64,7 @@ fn a_web_stretches_and_comes_back() {
     let doubled = Marks { extra: 1.0, ..marks };
     let places = begins(&doubled, 1, 1_200);
     assert!(places.len() == 2 && (places[0] - 550.0).abs() < 1e-6 && (places[1] - 1_100.0).abs() < 1e-6, "{places:?}");
-    assert_eq!(begins(&Marks { lost: 1.0, ..marks }, -3_500, 5_500), []);
+    assert_eq!(begins(&Marks { missing_share: 1.0, ..marks }, -3_500, 5_500), []);
 }
 
 /// Of 100,000 marks 2 % are missing and 1 % are followed by an extra one, within four standard deviations (177 and
@@ -72,7 +72,7 @@ fn a_web_stretches_and_comes_back() {
 #[test]
 fn as_many_are_lost_and_extra_as_was_said() {
     let marks =
-        Marks { lost: 0.02, extra: 0.01, jitter: Position::whole(5), width: Position::ZERO, seed: 7, ..plain() };
+        Marks { missing_share: 0.02, extra: 0.01, jitter: Position::whole(5), width: Position::ZERO, seed: 7, ..plain() };
     let places = begins(&marks, -5_000_000, 5_000_000);
     let beside = |place: &f64| (place - 50.0 + 25.0).rem_euclid(100.0) - 25.0;
     let (own, extra): (Vec<_>, Vec<_>) = places.iter().map(beside).partition(|beside| *beside < 25.0);
@@ -99,7 +99,7 @@ fn marks_that_could_overlap_are_not_sound() {
         (Marks { stretch: stretch(0.1, 1), ..plain() }, false),
         (Marks { width: Position::whole(-1), ..plain() }, false),
         (Marks { jitter: Position::whole(-1), ..plain() }, false),
-        (Marks { lost: 1.01, ..plain() }, false),
+        (Marks { missing_share: 1.01, ..plain() }, false),
         (Marks { extra: f64::NAN, ..plain() }, false),
         (Marks { every: Position::ZERO, width: Position::ZERO, ..plain() }, false),
     ] {
@@ -117,7 +117,7 @@ fn plant(marks: Marks) -> Plant {
     let mut plant = Plant::new(&config, &[]);
     assert!(!plant.print(0, Carrier::Encoder(0), marks), "it latches nothing");
     assert!(!plant.print(2, Carrier::Encoder(0), marks), "there is none");
-    assert!(!plant.print(1, Carrier::Encoder(0), Marks { lost: 2.0, ..marks }));
+    assert!(!plant.print(1, Carrier::Encoder(0), Marks { missing_share: 2.0, ..marks }));
     assert!(plant.print(1, Carrier::Encoder(0), marks));
     plant
 }
@@ -179,7 +179,7 @@ fn more_than_fit_are_counted() {
 fn a_bus_that_is_off_tells_of_none() {
     let mut plant = plant(plain());
     read(&mut plant);
-    assert!(plant.lose_bus(0));
+    assert!(plant.switch_off_bus(0));
     plant.jump_encoder(0, 155);
     let inputs = read(&mut plant);
     assert_eq!((inputs.latch.len(), inputs.latches_lost, inputs.digital(1)), (0, 0, false));
@@ -190,7 +190,7 @@ fn a_bus_that_is_off_tells_of_none() {
 fn a_drive_carries_marks_by_its_place() {
     let mut drive = switched_on(Model::Ideal, 0);
     drive.read();
-    drive.fit(Fixtures { start: 40, ..Fixtures::default() });
+    drive.install_fixtures(Fixtures { start: 40, ..Fixtures::default() });
     let io = vec![IoConfig { name: "label".into(), kind: IoKind::DigitalInput, latch: true }];
     let mut plant = Plant::new(&MachineConfig { cycle_ns: MS, io, ..MachineConfig::default() }, &[]);
     plant.drives.push(Some(drive));
@@ -242,7 +242,7 @@ fn index_and_marks_follow_the_counts_that_a_scenario_gives() {
 fn the_index_of_a_drive_follows_the_counts_that_a_scenario_gives() {
     let mut drive = switched_on(Model::Ideal, 0);
     drive.read();
-    drive.fit(Fixtures { start: 40, index: Some(Index { every: 100, at: 30 }), ..Fixtures::default() });
+    drive.install_fixtures(Fixtures { start: 40, index: Some(Index { every: 100, at: 30 }), ..Fixtures::default() });
     let mut see = |given: Option<i64>, slip: i64| {
         if let Some(raw) = given {
             drive.replace_count(raw);
@@ -268,7 +268,7 @@ fn any_marks() -> impl Strategy<Value = Marks> {
             // Within the free distance between two marks.
             let room = every * (1.0 - stretch.map_or(0.0, |stretch: Stretch| stretch.share)) / 2.0;
             let [every, first, width, jitter] = [every, first, width * room, jitter * room].map(Position::from_f64);
-            Marks { every, first, width, jitter, stretch, lost, extra, seed }
+            Marks { every, first, width, jitter, stretch, missing_share: lost, extra, seed }
         },
     )
 }
@@ -299,12 +299,12 @@ proptest! {
                 prop_assert_eq!(edge == other, !has_width);
             }
             if has_width {
-                let mut level = marks.is_seen(at);
+                let mut level = marks.is_detected(at);
                 for (_, edge) in &passed {
                     prop_assert_eq!(*edge == Edge::Rising, !level);
                     level = !level;
                 }
-                prop_assert_eq!(level, marks.is_seen(to));
+                prop_assert_eq!(level, marks.is_detected(to));
             }
             at = to;
         }

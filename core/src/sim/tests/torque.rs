@@ -120,7 +120,7 @@ fn what_is_held_has_its_torque_and_does_not_turn() {
 fn a_hanging_load_pulls_all_the_time() {
     let brake = SimBrake { output: 0, closes_with_one: false, opens_ns: 0, closes_ns: 0 };
     let mut drive = ready(motor(data()));
-    drive.hang(&Mechanics { load: -200_000.0, brake: Some(brake), ..Mechanics::default() });
+    drive.attach_mechanics(&Mechanics { load: -200_000.0, brake: Some(brake), ..Mechanics::default() });
     let mut outputs = Outputs { digital: vec![0], ..Outputs::default() };
     let mut with_brake = |drive: &mut SimDrive, output: DriveOutput, opens: bool, cycles: usize| {
         outputs.set_digital(0, opens);
@@ -142,7 +142,7 @@ fn a_hanging_load_pulls_all_the_time() {
     assert_eq!(with_brake(&mut drive, off, false, 100).count, further);
     // Nearly 20 rad/s^2 on 5e-4 kg m^2 are 10 mNm: 10 per mille.
     let mut drive = ready(motor(data()));
-    drive.hang(&Mechanics { load: -200_000.0, ..Mechanics::default() });
+    drive.attach_mechanics(&Mechanics { load: -200_000.0, ..Mechanics::default() });
     let torque = 1000.0 * 200_000.0 * std::f64::consts::TAU / 62_832.0 * 5e-4;
     let carried = run(&mut drive, asks(torque), 1000).count;
     assert!((-1..=0).contains(&carried), "{carried}");
@@ -170,7 +170,7 @@ fn jumps_and_new_counts_are_those_of_any_drive() {
     let jumped = run(&mut drive, asks(0.0), 1);
     assert_eq!((jumped.count, jumped.velocity), (40, 40_000.0));
     run(&mut drive, asks(500.0), 100);
-    drive.renew_counts();
+    drive.restart_counts();
     let renewed = run(&mut drive, asks(0.0), 1);
     // 100 rad/s for 1 ms.
     assert!((renewed.count - 1000).abs() <= 1 && renewed.epoch == 1, "{renewed:?}");
@@ -183,7 +183,7 @@ fn an_index_passes_with_the_motor() {
     let fixtures =
         Fixtures { index: Some(Index { every: 1000, at: 300 }), home: Some((200, 400)), ..Default::default() };
     let mut drive = ready(motor(data()));
-    drive.fit(fixtures);
+    drive.install_fixtures(fixtures);
     let mut seen = Vec::new();
     for _ in 0..100 {
         let input = run(&mut drive, asks(100.0), 1);
@@ -219,10 +219,10 @@ fn an_encoder_of_the_axis_may_sit_on_the_load() {
     data.coupling = Some(Coupling { stiffness: 100.0, damping: 0.05, backlash: 0.0 });
     data.load.torque = -0.4;
     let drive = SimDrive::new(motor(data), 0, MS);
-    assert_eq!((drive.place(), drive.turned()), (0, 0));
+    assert_eq!((drive.place(), drive.encoder_position()), (0, 0));
     data.reading.at_load = true;
     let drive = SimDrive::new(motor(data), 0, MS);
-    assert_eq!((drive.place(), drive.turned()), (0, counts(-0.004)));
+    assert_eq!((drive.place(), drive.encoder_position()), (0, counts(-0.004)));
 }
 
 /// Noise is in the reading only, and moves neither position nor index.

@@ -63,7 +63,7 @@ fn half_the_way_of_its_leader_is_the_way_that_it_takes_by_itself() {
 fn a_leader_from_above_goes_the_same_curve_the_other_way() {
     let mut down = from_rest(ratio(1, 2), -1_024, 256);
     assert_eq!(down.step(Position::whole(-512)).0, Position::whole(-48));
-    assert!(down.keeps_sense(1.0) && !down.keeps_sense(-1.0));
+    assert!(down.keeps_sign(1.0) && !down.keeps_sign(-1.0));
     assert_eq!(down.step(Position::whole(-512)).0, Position::whole(-208));
 }
 
@@ -95,17 +95,17 @@ fn the_even_way_from_rest_has_its_bend_in_the_middle() {
     assert!(shape.least.abs() < 1e-12 && (shape.most - 3.0).abs() < 1e-12, "{shape:?}");
     // Without a distance of the slave: it has to move back first.
     let back = from_rest(ratio(3, 1), 1_000, 0);
-    assert!(back.shape().least < -0.5 && !back.keeps_sense(1.0) && !back.keeps_sense(-1.0), "{:?}", back.shape());
+    assert!(back.shape().least < -0.5 && !back.keeps_sign(1.0) && !back.keeps_sign(-1.0), "{:?}", back.shape());
 }
 
 #[test]
 fn a_length_that_is_enough_is_found() {
     // 10 * 2^17 = 1310720 is the first; of the lengths below, 983040 and then 1146880 do not fit.
-    assert_eq!(enough_length(10, |length| length >= 1_234_567), Some(1_310_720));
-    assert_eq!(enough_length(10, |length| length >= Gear::MAX_CHANGE), Some(Gear::MAX_CHANGE));
-    assert_eq!(enough_length(10, |_| false), None);
-    assert_eq!(enough_length(10, |length| length >= 11), Some(12));
-    assert_eq!(enough_length(1, |length| length >= 3), Some(3));
+    assert_eq!(sufficient_length(10, |length| length >= 1_234_567), Some(1_310_720));
+    assert_eq!(sufficient_length(10, |length| length >= Gear::MAX_CHANGE), Some(Gear::MAX_CHANGE));
+    assert_eq!(sufficient_length(10, |_| false), None);
+    assert_eq!(sufficient_length(10, |length| length >= 11), Some(12));
+    assert_eq!(sufficient_length(1, |length| length >= 3), Some(3));
 }
 
 #[test]
@@ -143,7 +143,7 @@ proptest! {
     #[test]
     fn an_answer_is_enough_and_no_quarter_too_long(asked in 1_i64..1 << 31, least in 1_i64..1 << 31) {
         let questions = std::cell::Cell::new(0);
-        let found = enough_length(asked, |length| {
+        let found = sufficient_length(asked, |length| {
             questions.set(questions.get() + 1);
             length >= least
         });
@@ -241,7 +241,7 @@ proptest! {
     ) {
         let way = Position::from_f64(ratio.to_f64() * length as f64 * part);
         let mut of = approach(ratio, length, Begin { place: -way, slope: 0.0, bend: 0.0 });
-        prop_assert!(of.keeps_sense(ratio.to_f64()), "{:?}", of.shape());
+        prop_assert!(of.keeps_sign(ratio.to_f64()), "{:?}", of.shape());
         let rises = ratio.numerator() > 0;
         of.step(Position::from_f64(at * length as f64));
         for step in steps {

@@ -70,7 +70,7 @@ fn nothing_is_lost_from_table_to_table() {
             (table, cam) = (next, handed);
             let (sign, of) = if is_back { (-1, shape(next)) } else { (1, shape(old)) };
             origin += sign * Position::whole(of.length).raw();
-            before += sign * Position::whole(of.way).raw();
+            before += sign * Position::whole(of.travel).raw();
             (changes, backwards) = (changes + 1, backwards + usize::from(is_back));
         }
         assert_eq!(cam.place.raw(), scaled(lead.raw(), master) - origin, "{k}");
@@ -123,14 +123,14 @@ fn another_table_moves_the_slave_by_what_both_differ_there() {
 fn a_master_of_more_than_a_length_is_not_borne() {
     let tables = xy(&KNIFE);
     let fast = Cam::new(0, (ratio(2, 1), Ratio::ONE), Position::ZERO, &tables).expect("a cam");
-    assert!(fast.bears(Position::whole(-10_000), &tables));
-    assert!(!fast.bears(Position::whole(10_001), &tables));
-    assert!(!fast.bears(Position::ZERO + Position::whole(1 << 40), &[]));
+    assert!(fast.allows_change(Position::whole(-10_000), &tables));
+    assert!(!fast.allows_change(Position::whole(10_001), &tables));
+    assert!(!fast.allows_change(Position::ZERO + Position::whole(1 << 40), &[]));
 }
 
 #[test]
 fn a_lead_far_away_is_somewhere_in_the_table() {
-    let shape = CamShape { length: 1000, way: 0, is_cyclic: true };
+    let shape = CamShape { length: 1000, travel: 0, is_cyclic: true };
     let place =
         |position, scale, shape| Cam::place_of(Position::whole(position), scale, Position::whole(7), shape).floor();
     assert_eq!(place(2300, Ratio::ONE, shape), 307);
@@ -226,11 +226,11 @@ fn total(table: &Table, x: i128) -> i128 {
     let (periods, x) = (x.div_euclid(length), x.rem_euclid(length));
     let points: Vec<(i128, i128)> = match table.form() {
         Form::Xy => std::iter::zip(table.x(), table.y()).map(|(x, y)| (i128::from(*x) << 32, i128::from(*y))).collect(),
-        _ => return periods * (i128::from(shape.way) << 32) + even_value(table, x, length),
+        _ => return periods * (i128::from(shape.travel) << 32) + even_value(table, x, length),
     };
     let after = points.iter().position(|(place, _)| *place > x).expect("within");
     let ((from, y), (to, end)) = (points[after - 1], points[after]);
-    periods * (i128::from(shape.way) << 32) + (y << 32) + ((end - y) * (x - from)).div_euclid((to - from) >> 32)
+    periods * (i128::from(shape.travel) << 32) + (y << 32) + ((end - y) * (x - from)).div_euclid((to - from) >> 32)
 }
 
 fn even_value(table: &Table, x: i128, length: i128) -> i128 {
@@ -245,7 +245,7 @@ proptest! {
 
     /// For any ratios, table and reversals: the travel depends only on the position, to 2^-32.
     #[test]
-    fn nothing_adds_up(
+    fn rounding_does_not_accumulate(
         tables in any_tables(),
         (master, slave) in (any_ratio(), any_ratio()),
         start in 0.0_f64..1.0,
@@ -258,7 +258,7 @@ proptest! {
         let (mut way, mut lead) = (Position::ZERO, Position::ZERO);
         for step in steps {
             let change = Position::from_f64((step * length as f64 / master.to_f64()).clamp(-2e9, 2e9));
-            prop_assume!(cam.bears(change, &tables));
+            prop_assume!(cam.allows_change(change, &tables));
             way += cam.step(change, &tables);
             lead += change;
         }
@@ -291,7 +291,7 @@ proptest! {
         }
         let length = Position::whole(shape.length).raw();
         let there = Cam::new(0, (Ratio::ONE, slave), lead, &tables).expect("a cam");
-        let total = lead.raw().div_euclid(length) * Position::whole(shape.way).raw() + there.value.raw() - first.raw();
+        let total = lead.raw().div_euclid(length) * Position::whole(shape.travel).raw() + there.value.raw() - first.raw();
         let scaled = (total * i128::from(slave.numerator())).div_euclid(i128::from(slave.denominator()));
         prop_assert_eq!(way.raw(), scaled);
     }
@@ -328,6 +328,6 @@ proptest! {
 
     #[test]
     fn a_product_modulo_is_that_of_the_numbers(a in 0_i128..1 << 60, b in any::<i64>(), m in 1_i128..1 << 60) {
-        prop_assert_eq!(times_modulo(a % m, b.into(), m), ((a % m) * i128::from(b)).rem_euclid(m));
+        prop_assert_eq!(multiply_modulo(a % m, b.into(), m), ((a % m) * i128::from(b)).rem_euclid(m));
     }
 }

@@ -36,7 +36,7 @@ fn what_is_owed_comes_back_in_ten_tau() {
             MasterFilter { lag: Lag { velocity: 0.0, owed: Position::whole(1_000_000) }, ..Default::default() };
         let back = filter.step(Position::ZERO, &keeping(tau), MS);
         assert_eq!(back.to_f64(), 1_000_000.0 * per_ms);
-        assert_eq!(filter.owed() + back, Position::whole(1_000_000));
+        assert_eq!(filter.lag_distance() + back, Position::whole(1_000_000));
     }
 }
 
@@ -48,7 +48,7 @@ fn what_is_owed_comes_back_in_ten_tau() {
 fn the_first_step_of_a_filter_that_keeps() {
     let mut filter = MasterFilter::default();
     assert_eq!(filter.step(Position::whole(100), &keeping(10_000.0), MS), Position::from_f64(10.9));
-    assert!((filter.owed().to_f64() - 89.1).abs() < 1e-8);
+    assert!((filter.lag_distance().to_f64() - 89.1).abs() < 1e-8);
 }
 
 /// Proves: MACS-SYNC-11
@@ -58,7 +58,7 @@ fn beyond_its_limit_it_becomes_faster_and_comes_back() {
     let mut filter = MasterFilter::default();
     // From rest 100 inc per ms: 95 are owed, 0.475 of that is given.
     filter.step(Position::whole(100), &filtering, MS);
-    assert!(filter.owed().to_f64() > 50.0);
+    assert!(filter.lag_distance().to_f64() > 50.0);
     assert_eq!(filter.tau(&filtering), 19_000.0);
     for _ in 0..13 {
         filter.step(Position::whole(100), &filtering, MS);
@@ -97,7 +97,7 @@ fn by_marks_the_limit_is_judged_anew_every_tau() {
     for _ in 0..20 {
         given += filter.step(Position::whole(100), &filtering, MS);
     }
-    assert_eq!((filter.owed(), filter.tau(&filtering)), (Position::ZERO, 5_000.0));
+    assert_eq!((filter.lag_distance(), filter.tau(&filtering)), (Position::ZERO, 5_000.0));
     assert!(given < Position::whole(2_000));
     // It has settled about at the end of the next tau: from then on tau increases by 1 ms per ms.
     let mut taus = vec![];
@@ -140,7 +140,7 @@ proptest! {
             let change = Position::from_raw(change);
             way += change;
             given += filter.step(change, &filtering, cycle);
-            prop_assert_eq!(given + filter.owed(), way);
+            prop_assert_eq!(given + filter.lag_distance(), way);
             prop_assert!(filter.is_sound());
         }
     }
@@ -153,7 +153,7 @@ proptest! {
         for _ in 0..12_000 {
             filter.step(change, &filtering, MS);
         }
-        prop_assert_eq!(filter.owed(), Position::ZERO);
+        prop_assert_eq!(filter.lag_distance(), Position::ZERO);
         prop_assert_eq!(filter.step(change, &filtering, MS), change);
     }
 }

@@ -34,7 +34,7 @@ fn how_uneven_a_lead_is_says_the_lead() {
             .filter(|cycle| {
                 // Twice the counts of an encoder: 14, 16, 14, 16.
                 let lead = Lead { uneven, ..lead(14 + 2 * (cycle % 2)) };
-                slave = follower.step(slave, (lead, &[]), T, Reserve::default(), Rule::Always);
+                slave = follower.step(slave, (lead, &[]), T, Reserve::default(), ReversingRule::Always);
                 *cycle >= 3000 && follower.phase() != Phase::Synchronized
             })
             .count()
@@ -52,7 +52,7 @@ fn on_the_run_the_slave_catches_up_what_it_lost_while_it_sped_up() {
     for k in 0..2000 {
         master += 20;
         let before = slave;
-        slave = follower.step(slave, (lead(20), &[]), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(20), &[]), T, Reserve::default(), ReversingRule::Always);
         assert!(slave.velocity <= 5e4 + 1e-6 && slave.velocity >= 0.0, "cycle {k}: {}", slave.velocity);
         // 1e5 inc/s^2; only the start of the leader itself, in the first cycle, may add a count.
         let uneven = if k == 0 { 1.0 / T } else { 0.0 };
@@ -71,7 +71,7 @@ fn in_velocity_mode_what_is_lost_stays_lost() {
     let (mut master, mut behind) = (0, None);
     for _ in 0..1000 {
         master += 20;
-        slave = follower.step(slave, (lead(20), &[]), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(20), &[]), T, Reserve::default(), ReversingRule::Always);
         if follower.phase() == Phase::Synchronized {
             let now = Position::whole(master) - slave.position;
             assert_eq!(*behind.get_or_insert(now), now);
@@ -91,7 +91,7 @@ fn a_slave_at_rest_is_coupled_at_once_and_follows_every_fraction() {
         let step = (k / 10 + 30).rem_euclid(120);
         let step = (step - 60).abs() - 30;
         master += step;
-        slave = follower.step(slave, (lead(step), &[]), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(step), &[]), T, Reserve::default(), ReversingRule::Always);
         assert_eq!(slave.position.floor(), (master * 355).div_euclid(113), "cycle {k}");
         assert_eq!(follower.phase(), Phase::Synchronized);
     }
@@ -106,7 +106,7 @@ fn a_leader_that_is_too_fast_is_left_and_caught_again() {
     for k in 0..5000 {
         let step = if (1000..1200).contains(&k) { 150 } else { 10 };
         master += step;
-        slave = follower.step(slave, (lead(step), &[]), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(step), &[]), T, Reserve::default(), ReversingRule::Always);
         assert!(slave.velocity.abs() <= 1e5 + 1e-6);
         if phases.last() != Some(&follower.phase()) {
             phases.push(follower.phase());
@@ -124,7 +124,7 @@ fn an_offset_is_worked_off_and_kept() {
     let mut follower = Follower::new(1.0, gear(ratio), SyncMode::Position, Motion::default(), offset, BOUNDS);
     let mut slave = Motion::default();
     for _ in 0..1000 {
-        slave = follower.step(slave, (lead(3), &[]), T, Reserve::default(), Rule::Always);
+        slave = follower.step(slave, (lead(3), &[]), T, Reserve::default(), ReversingRule::Always);
     }
     assert_eq!(slave.position, Position::whole(3000 - 777));
 }
@@ -134,7 +134,7 @@ fn shortly(
     follower: &Follower,
     slave: Motion,
     (lead, tables): (Lead, &[Arc<Table>]),
-    rule: Rule,
+    rule: ReversingRule,
 ) -> Option<(Motion, Follower)> {
     let mut other = *follower;
     let following = match *follower.transmission() {
@@ -173,7 +173,7 @@ proptest! {
         let mut uneven = numerator.abs() as f64 / 500.0 / T;
         for _ in 0..3000 {
             let before = slave.velocity;
-            slave = follower.step(slave, (lead(leader_step), &[]), T, Reserve::default(), Rule::Always);
+            slave = follower.step(slave, (lead(leader_step), &[]), T, Reserve::default(), ReversingRule::Always);
             prop_assert!(slave.velocity.abs() <= BOUNDS.velocity + 1e-3);
             prop_assert!((slave.velocity - before).abs() <= BOUNDS.acceleration * T + uneven + 1e-3);
             // The speed of the leader is constant: it is uneven only in its first cycle.
@@ -192,7 +192,7 @@ proptest! {
         speed in -90_i64..90,
         leaps in prop::collection::vec(-3_i64..=3, 100),
         uneven in prop_oneof![Just(0.0), Just(1.0), 0.1..4.0_f64],
-        rule in prop_oneof![Just(Rule::Always), Just(Rule::WithMaster), Just(Rule::Never)],
+        rule in prop_oneof![Just(ReversingRule::Always), Just(ReversingRule::WithMaster), Just(ReversingRule::Never)],
         slow in 1_i64..50,
         is_cam in any::<bool>(),
     ) {
@@ -219,7 +219,7 @@ proptest! {
             }
         }
         // At corners of a cam it may not be able to follow.
-        let may_follow = !is_cam && step.abs() < 90.0 && (rule != Rule::Never || step >= 0.0);
+        let may_follow = !is_cam && step.abs() < 90.0 && (rule != ReversingRule::Never || step >= 0.0);
         prop_assert!(steady > 0 || slow == 1 || !may_follow, "it never followed");
     }
 }

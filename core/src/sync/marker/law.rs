@@ -35,7 +35,7 @@ const CONSTANT_DIVISOR: f64 = 300.0;
 
 /// Inputs of the law.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked<'p> {
+pub struct LawInputs<'p> {
     /// Parameters of synchronization of the axis.
     pub sync: &'p Synchronization,
     /// Parameters of marks of the axis.
@@ -46,7 +46,7 @@ pub struct Asked<'p> {
     pub ratio: f64,
 }
 
-impl Asked<'_> {
+impl LawInputs<'_> {
     fn has(&self, option: i64) -> bool {
         self.marks.options & option != 0
     }
@@ -170,7 +170,7 @@ impl Law {
     }
 
     /// Returns MMarkerDist: average distance between marks of the master (inc); the nominal one before the first mark.
-    pub fn distance(&self, asked: &Asked<'_>) -> f64 {
+    pub fn distance(&self, asked: &LawInputs<'_>) -> f64 {
         if self.master.distance > 0.0 { self.master.distance } else { asked.distance().unwrap_or_default() }
     }
 
@@ -185,7 +185,7 @@ impl Law {
     }
 
     /// Returns STARTKORRREST: remaining start correction (inc of the slave).
-    pub fn start_left(&self) -> f64 {
+    pub fn remaining_start_correction(&self) -> f64 {
         self.start_left
     }
 
@@ -196,7 +196,7 @@ impl Law {
     }
 
     /// Returns MMarkCorr: correction of the gear as a share of the velocity of the master.
-    pub fn gear_correction(&self, asked: &Asked<'_>) -> f64 {
+    pub fn gear_correction(&self, asked: &LawInputs<'_>) -> f64 {
         match asked.distance().filter(|_| asked.corrects_gear() && self.master.distance > 0.0) {
             Some(nominal) => (nominal - self.master.distance) / self.master.distance,
             None => 0.0,
@@ -204,7 +204,7 @@ impl Law {
     }
 
     /// Adds a mark of the master at that distance from the one before (inc).
-    pub fn take_master(&mut self, measured: f64, asked: &Asked<'_>) {
+    pub fn take_master(&mut self, measured: f64, asked: &LawInputs<'_>) {
         let (Some(nominal), Some(time)) = (asked.distance(), asked.filter_time()) else { return };
         self.master.begin(nominal);
         let reference = (!asked.corrects_gear()).then_some(nominal);
@@ -214,7 +214,7 @@ impl Law {
     }
 
     /// Adds a mark of the slave at that distance from the one before (inc).
-    pub fn take_slave(&mut self, measured: f64, asked: &Asked<'_>) {
+    pub fn take_slave(&mut self, measured: f64, asked: &LawInputs<'_>) {
         let (time, nominal) = (asked.marks.slave_filter_time as f64, asked.marks.slave_distance as f64);
         if time > 0.0 && nominal > 0.0 && asked.distance().is_some() {
             self.slave.begin(nominal);
@@ -224,14 +224,14 @@ impl Law {
 
     /// Sets the start condition: its whole error (inc of the slave), which is split over SYNCOFFTIME. Without a filter
     /// it is included in the normal correction.
-    pub fn start(&mut self, total: f64, asked: &Asked<'_>) {
+    pub fn start(&mut self, total: f64, asked: &LawInputs<'_>) {
         let total = if asked.filter_time().is_some() { asked.bound(total) } else { 0.0 };
         (self.start_left, self.start_step) = (total, total / asked.marks_in_offset_time());
     }
 
     /// Returns KORREKTUR of a pair with error `error` (inc of the slave), without corrections that are commanded but
     /// not moved yet.
-    pub fn correct(&mut self, error: f64, asked: &Asked<'_>) -> f64 {
+    pub fn correct(&mut self, error: f64, asked: &LawInputs<'_>) -> f64 {
         let slave_tau = asked.tau_of(asked.marks.slave_filter_time as f64);
         let slave_jitter = if asked.marks.slave_filter_time > 0 { self.slave.jitter(slave_tau) } else { 0.0 };
         let Some(time) = asked.filter_time() else {
@@ -267,8 +267,8 @@ mod tests {
         Marks { filter_time: 2_000, ..Marks::default() }
     }
 
-    fn asked<'p>(sync: &'p Synchronization, marks: &'p Marks) -> Asked<'p> {
-        Asked { sync, marks, speed: 10.0, ratio: 1.0 }
+    fn asked<'p>(sync: &'p Synchronization, marks: &'p Marks) -> LawInputs<'p> {
+        LawInputs { sync, marks, speed: 10.0, ratio: 1.0 }
     }
 
     fn near(value: f64, expected: f64) {
@@ -283,7 +283,7 @@ mod tests {
         let (sync, dynamic, constant) = (sync(), marks(), Marks { options: 1, ..marks() });
         near(asked(&sync, &dynamic).tau_of(2_000.0), 13.333_333_333);
         near(asked(&sync, &constant).tau_of(2_000.0), 6.666_666_667);
-        near(Asked { speed: 0.01, ..asked(&sync, &dynamic) }.tau_of(2_000.0), 1.0);
+        near(LawInputs { speed: 0.01, ..asked(&sync, &dynamic) }.tau_of(2_000.0), 1.0);
         near(asked(&sync, &constant).tau_of(150.0), 1.0);
     }
 
@@ -337,8 +337,8 @@ mod tests {
         near(law.correct(0.0, &asked), 0.0);
         // Without a time all of it is corrected at once.
         let at_once = Synchronization { offset_time: 0, ..sync };
-        law.start(205.0, &Asked { sync: &at_once, ..asked });
-        near(law.correct(205.0, &Asked { sync: &at_once, ..asked }), 205.0);
+        law.start(205.0, &LawInputs { sync: &at_once, ..asked });
+        near(law.correct(205.0, &LawInputs { sync: &at_once, ..asked }), 205.0);
     }
 
     /// Proves: MACS-MARK-13, MACS-MARK-08, MACS-O-48
@@ -375,7 +375,7 @@ mod tests {
     fn a_side_that_goes_backwards_trembles_the_other_way_round() {
         let (sync, marks) = (sync(), marks());
         for (ratio, distance, error) in [(1.0, -515.0, 15.0), (-1.0, 515.0, 15.0), (-1.0, -515.0, -15.0)] {
-            let asked = Asked { ratio, ..asked(&sync, &marks) };
+            let asked = LawInputs { ratio, ..asked(&sync, &marks) };
             let mut law = Law::default();
             law.take_master(distance, &asked);
             near(law.correct(error, &asked), error / 13.333_333_333 / 20.0);
@@ -390,13 +390,13 @@ mod tests {
     fn values_of_the_filters_are_those_of_the_last_mark_and_pair() {
         let (sync, marks) = (sync(), marks());
         let asked = asked(&sync, &marks);
-        let shown = |law: &Law| [law.filter(), law.correction_filter(), law.start_left(), law.distance_error()];
+        let shown = |law: &Law| [law.filter(), law.correction_filter(), law.remaining_start_correction(), law.distance_error()];
         let mut law = Law::default();
         assert_eq!(shown(&law), [0.0; 4]);
         law.take_master(515.0, &asked);
         near(law.filter(), 13.333_333_333);
         law.start(205.0, &asked);
-        near(law.start_left(), 205.0);
+        near(law.remaining_start_correction(), 205.0);
         law.correct(205.0, &asked);
         for (value, expected) in
             shown(&law).into_iter().zip([13.333_333_333, 20.0, 205.0 * 0.95, -15.0 / 13.333_333_333])
@@ -404,11 +404,11 @@ mod tests {
             near(value, expected);
         }
         let own = Marks { options: 4, ..marks };
-        law.correct(0.0, &Asked { marks: &own, ..asked });
+        law.correct(0.0, &LawInputs { marks: &own, ..asked });
         near(law.correction_filter(), 13.333_333_333);
         // A filter that was switched off keeps no state.
         let off = Marks { filter_time: 0, ..marks };
-        law.correct(0.0, &Asked { marks: &off, ..asked });
+        law.correct(0.0, &LawInputs { marks: &off, ..asked });
         assert_eq!(shown(&law), [0.0; 4]);
     }
 
@@ -441,8 +441,8 @@ mod tests {
         near(law.correct(15.0, &asked), 15.0 / 13.333_333_333);
         let none = Marks { slave_filter_time: 0, ..marks };
         let mut law = Law::default();
-        law.take_slave(315.0, &Asked { marks: &none, ..asked });
-        near(law.correct(15.0, &Asked { marks: &none, ..asked }), 15.0);
+        law.take_slave(315.0, &LawInputs { marks: &none, ..asked });
+        near(law.correct(15.0, &LawInputs { marks: &none, ..asked }), 15.0);
     }
 
     /// Proves: MACS-MARK-18, MACS-O-50
@@ -462,13 +462,13 @@ mod tests {
         near(law.correct(-200.0, &asked), -2.0 - 40.0 / 20.0);
         // The sum of both, too.
         let at_once = Synchronization { offset_time: 0, ..sync };
-        let asked = Asked { sync: &at_once, ..asked };
+        let asked = LawInputs { sync: &at_once, ..asked };
         let mut law = Law::default();
         law.start(-200.0, &asked);
         near(law.correct(-200.0, &asked), -40.0);
         let none = Marks { largest: -1, ..marks };
         let law = Law { master: Average { distance: 505.0, ..Average::default() }, ..Law::default() };
-        assert_eq!(law.gear_correction(&Asked { marks: &none, ..asked }), 0.0);
+        assert_eq!(law.gear_correction(&LawInputs { marks: &none, ..asked }), 0.0);
     }
 
     /// With a distance of 0 there is neither a filter nor a time.

@@ -12,7 +12,7 @@
 mod law;
 mod side;
 
-pub use law::{Asked, Law};
+pub use law::{LawInputs, Law};
 pub use side::{Found, Group, Judged, Side};
 
 use crate::parameter::Marks;
@@ -24,7 +24,7 @@ pub const FROM_MARK: i64 = 2_000;
 
 /// Side of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Of {
+pub enum MarkSide {
     /// Side of the leader.
     Master,
     /// Side of the follower.
@@ -75,7 +75,7 @@ impl Start {
     }
 
     /// Whether the mark of the master is selected by distance.
-    fn goes_by_nearness(self) -> bool {
+    fn selects_by_distance(self) -> bool {
         matches!(self, Self::Forward | Self::Backward | Self::Nearest)
     }
 
@@ -114,7 +114,7 @@ pub struct Pair {
 #[derive(Clone, Copy, Debug)]
 pub struct Situation<'p> {
     /// Inputs of the law.
-    pub asked: Asked<'p>,
+    pub asked: LawInputs<'p>,
     /// Active offset (inc of the master).
     pub offset: f64,
     /// Commanded correction that is not moved yet (inc of the slave).
@@ -149,17 +149,17 @@ impl Marker {
     }
 
     /// Returns one side.
-    pub fn side(&self, of: Of) -> &Side {
+    pub fn side(&self, of: MarkSide) -> &Side {
         match of {
-            Of::Master => &self.master,
-            Of::Slave => &self.slave,
+            MarkSide::Master => &self.master,
+            MarkSide::Slave => &self.slave,
         }
     }
 
-    fn side_mut(&mut self, of: Of) -> &mut Side {
+    fn side_mut(&mut self, of: MarkSide) -> &mut Side {
         match of {
-            Of::Master => &mut self.master,
-            Of::Slave => &mut self.slave,
+            MarkSide::Master => &mut self.master,
+            MarkSide::Slave => &mut self.slave,
         }
     }
 
@@ -195,40 +195,40 @@ impl Marker {
     }
 
     /// Sets the travel of a side since its last mark (inc of the side).
-    pub fn know(&mut self, of: Of, since: Position) {
-        self.side_mut(of).know(since);
+    pub fn set_travel(&mut self, of: MarkSide, since: Position) {
+        self.side_mut(of).set_travel(since);
     }
 
     /// Adds a mark of a side, with its distance to the present position (inc of the side) and its time.
-    pub fn take(&mut self, of: Of, (before, instant_ns): (Position, u64), asked: &Asked<'_>) -> Found {
-        let found = self.side_mut(of).take(before, instant_ns, &judged(of, asked));
+    pub fn take(&mut self, of: MarkSide, (before, instant_ns): (Position, u64), asked: &LawInputs<'_>) -> Found {
+        let found = self.side_mut(of).take(before, instant_ns, &check_parameters(of, asked));
         if let Found::Mark { distance: Some(distance) } = found {
             match of {
-                Of::Master => self.law.take_master(distance, asked),
-                Of::Slave => self.law.take_slave(distance, asked),
+                MarkSide::Master => self.law.take_master(distance, asked),
+                MarkSide::Slave => self.law.take_slave(distance, asked),
             }
         }
         found
     }
 
     /// Counts extra marks of a side.
-    pub fn lose(&mut self, of: Of, count: u32) {
-        self.side_mut(of).lose(count);
+    pub fn count_extra(&mut self, of: MarkSide, count: u32) {
+        self.side_mut(of).count_extra(count);
     }
 
     /// Checks whether a mark of a side was missed in this cycle; returns true if so.
-    pub fn look(&mut self, of: Of, asked: &Asked<'_>) -> bool {
-        self.side_mut(of).look(&judged(of, asked))
+    pub fn check_missed(&mut self, of: MarkSide, asked: &LawInputs<'_>) -> bool {
+        self.side_mut(of).check_missed(&check_parameters(of, asked))
     }
 
     /// Returns the error of a pair (inc of the slave).
     fn error(&self, master: Position, slave: Position, situation: &Situation<'_>) -> f64 {
-        let of_master = (self.master.way() - master).to_f64() + situation.offset;
-        of_master * situation.asked.ratio - (self.slave.way() - slave).to_f64() - situation.under_way
+        let of_master = (self.master.travel() - master).to_f64() + situation.offset;
+        of_master * situation.asked.ratio - (self.slave.travel() - slave).to_f64() - situation.under_way
     }
 
     /// Returns the distance between marks of groups of the master (inc of the slave); 0: unknown.
-    fn period(&self, asked: &Asked<'_>) -> f64 {
+    fn period(&self, asked: &LawInputs<'_>) -> f64 {
         self.law.distance(asked) * asked.marks.per_master.max(1) as f64 * asked.ratio.abs()
     }
 
@@ -270,7 +270,7 @@ impl Marker {
             return None;
         }
         let of_master =
-            if start.goes_by_nearness() { self.master.groups().last() } else { self.master.groups().first() };
+            if start.selects_by_distance() { self.master.groups().last() } else { self.master.groups().first() };
         let (master, slave) = (*of_master?, *self.slave.groups().first()?);
         // SYNCMSTART may require one side first; earlier marks of the other side are no partners.
         match start {
@@ -320,11 +320,11 @@ impl Marker {
 }
 
 /// Returns the parameters for checking marks of a side.
-fn judged(of: Of, asked: &Asked<'_>) -> Judged {
-    let Asked { sync, marks, .. } = *asked;
+fn check_parameters(of: MarkSide, asked: &LawInputs<'_>) -> Judged {
+    let LawInputs { sync, marks, .. } = *asked;
     match of {
-        Of::Master => Judged { distance: sync.mark_distance, window: marks.master_window, group: marks.per_master },
-        Of::Slave => Judged { distance: marks.slave_distance, window: marks.slave_window, group: marks.per_slave },
+        MarkSide::Master => Judged { distance: sync.mark_distance, window: marks.master_window, group: marks.per_master },
+        MarkSide::Slave => Judged { distance: marks.slave_distance, window: marks.slave_window, group: marks.per_slave },
     }
 }
 

@@ -35,7 +35,7 @@ impl Judged {
     }
 
     /// Whether the distance is beyond the window.
-    fn is_behind(&self, way: f64) -> bool {
+    fn is_beyond_window(&self, way: f64) -> bool {
         self.is_watched() && way.abs() > (self.distance.saturating_add(self.window)) as f64
     }
 
@@ -96,7 +96,7 @@ impl Side {
     }
 
     /// Returns its travel until now.
-    pub fn way(&self) -> Position {
+    pub fn travel(&self) -> Position {
         self.way
     }
 
@@ -121,7 +121,7 @@ impl Side {
     }
 
     /// Sets the travel since the last mark of a group (inc).
-    pub fn know(&mut self, since: Position) {
+    pub fn set_travel(&mut self, since: Position) {
         let place = Some(self.way - since);
         (self.last, self.seen, self.is_found, self.count) = (place, place, true, 0);
     }
@@ -142,12 +142,12 @@ impl Side {
     }
 
     /// Counts extra marks.
-    pub(super) fn lose(&mut self, count: u32) {
+    pub(super) fn count_extra(&mut self, count: u32) {
         self.extra = self.extra.saturating_add(count.into());
     }
 
     /// Checks at the end of a cycle whether a mark was missed; returns true if so.
-    pub fn look(&mut self, judged: &Judged) -> bool {
+    pub fn check_missed(&mut self, judged: &Judged) -> bool {
         self.pass(self.way, judged)
     }
 
@@ -156,7 +156,7 @@ impl Side {
         let mut passed = 0;
         while let Some(last) = self.last {
             let way = (place - last).to_f64();
-            if !judged.is_behind(way) {
+            if !judged.is_beyond_window(way) {
                 break;
             }
             passed += 1;
@@ -245,9 +245,9 @@ mod tests {
         let mut side = Side::default();
         side.take(Position::ZERO, 0, &EACH);
         side.advance(Position::whole(31_000));
-        assert!(!side.look(&EACH));
+        assert!(!side.check_missed(&EACH));
         side.advance(Position::whole(1));
-        assert!(side.look(&EACH) && side.is_missed() && !side.look(&EACH));
+        assert!(side.check_missed(&EACH) && side.is_missed() && !side.check_missed(&EACH));
         side.advance(Position::whole(60_900 - 31_001));
         assert_eq!(side.take(Position::ZERO, 0, &EACH), Found::Mark { distance: None });
         assert_eq!((side.is_missed(), side.counts(), side.groups().len()), (false, (1, 0), 2));
@@ -307,7 +307,7 @@ mod tests {
                 if let Some(before) = mark {
                     side.take(Position::whole(before), 0, &judged);
                 }
-                side.look(&judged);
+                side.check_missed(&judged);
                 prop_assert!(side.is_sound() && side.groups().len() <= MOST_GROUPS);
             }
         }

@@ -62,7 +62,7 @@ fn parameters_say_whose_velocity_it_has() {
 
 /// It stops at once at its position, and starts again from rest.
 #[test]
-fn off_it_stands() {
+fn when_off_it_is_at_rest() {
     let (mut master, parameters, mut lead) = running(1_000_000, 1_000_000_000);
     (0..10).for_each(|_| master.step(&parameters, Position::ZERO, MS, &mut lead));
     let position = lead.position;

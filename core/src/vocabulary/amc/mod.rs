@@ -27,7 +27,7 @@ pub use check::{Problem, Setting, check};
 pub use parameters::Wiring;
 pub use signals::AmcSignal;
 
-use super::{CamPoint, Latched, Order, View};
+use super::{CamPoint, LatchView, Order, View};
 use crate::code::Code;
 use crate::parameter::amc::Parameters;
 use crate::position::Position;
@@ -56,7 +56,7 @@ pub struct Amc {
     /// Whether a software limit overrides the speed reference.
     limited: bool,
     /// Whether the axis cannot follow the speed reference: it rests until the reference changes.
-    barred: bool,
+    cannot_move: bool,
     /// Whether reference 5 is active and waits for the axis to come to rest.
     waits: bool,
 }
@@ -86,7 +86,7 @@ impl Amc {
     }
 
     /// Inverts the direction of counting of its axis, which is at rest.
-    pub(crate) fn turn_over(&mut self) {
+    pub(crate) fn invert_direction(&mut self) {
         self.stop = -self.stop;
     }
 
@@ -111,7 +111,7 @@ impl Amc {
         }
         self.follow_input(view);
         let mut step = Step::idle(written);
-        let past = self.take_event(view, &mut step);
+        let past = self.handle_event(view, &mut step);
         // M14: homing is complete and releases the axis.
         if before.homes() && step.select == HOME && !view.homing {
             step.select = STOP;
@@ -121,7 +121,7 @@ impl Amc {
         }
         self.select = step.select;
         self.waits &= self.select == HOME;
-        match self.refer(view, &before, past) {
+        match self.reference_order(view, &before, past) {
             Ok(order) => step.order = order,
             Err(problem) => {
                 (step.select, step.order) = self.order_failed(&before, view, problem.code);
@@ -145,7 +145,7 @@ impl Amc {
             return (self.select, None);
         }
         if self.select == SPEED {
-            (self.limited, self.barred) = (false, true);
+            (self.limited, self.cannot_move) = (false, true);
             return (SPEED, Some(Order::Stop { limits: view.largest_limits() }));
         }
         if matches!(code, Code::LIMIT_VIOLATION | Code::REVERSE_FORBIDDEN) {
@@ -163,7 +163,7 @@ impl Amc {
 
     /// Deactivates the reference. Returns a step that sets 34.007 to `written`.
     fn rest(&mut self, written: i64) -> Step {
-        (self.select, self.waits, self.barred) = (STOP, false, false);
+        (self.select, self.waits, self.cannot_move) = (STOP, false, false);
         Step::idle(written)
     }
 
@@ -173,7 +173,7 @@ impl Amc {
     }
 
     /// Returns true if reference 5 waits for the axis to come to rest.
-    pub(crate) fn waits(&self) -> bool {
+    pub(crate) fn waits_for_rest(&self) -> bool {
         self.waits
     }
 
@@ -206,9 +206,9 @@ impl Amc {
     }
 
     /// Handles a freeze event of this cycle. Returns the travel of the master since then, if it counts.
-    fn take_event(&self, view: &View<'_>, step: &mut Step) -> Position {
+    fn handle_event(&self, view: &View<'_>, step: &mut Step) -> Position {
         let freeze = view.wiring.amc.freeze;
-        let is_event = |latch: &&Latched| latch.rising && Some(latch.object) == freeze;
+        let is_event = |latch: &&LatchView| latch.rising && Some(latch.object) == freeze;
         // The first one of several is the event.
         let first = view.latches.iter().filter(is_event).max_by_key(|latch| latch.age_ns);
         let Some(latch) = first.filter(|_| !view.at_limit) else { return Position::ZERO };
@@ -216,11 +216,11 @@ impl Amc {
         match action {
             CAM_ON_FREEZE if self.select != CAM => {
                 step.select = CAM;
-                return past(view, latch);
+                return travel_since_freeze(view, latch);
             }
             GEAR_ON_FREEZE if self.select != GEAR => {
                 step.select = GEAR;
-                return past(view, latch);
+                return travel_since_freeze(view, latch);
             }
             _ => {}
         }
@@ -235,14 +235,14 @@ impl Amc {
     }
 
     /// Returns the order of the active reference, if it changes anything.
-    fn refer(&mut self, view: &View<'_>, before: &Self, past: Position) -> Result<Option<Order>, Problem> {
+    fn reference_order(&mut self, view: &View<'_>, before: &Self, past: Position) -> Result<Option<Order>, Problem> {
         let enters = self.select != before.select;
         let changed = enters || self.reference != before.reference;
         if self.select != SPEED || enters {
             self.limited = false;
         }
         let turns = self.select != SPEED || enters || self.speed != before.speed;
-        self.barred &= !turns;
+        self.cannot_move &= !turns;
         let circle = Circle::new(view.modulo);
         match self.select {
             STOP if enters => Ok(Some(self.begin_stop(view))),
@@ -257,7 +257,7 @@ impl Amc {
             }
             POSITION_RELATIVE if changed => self.add(view, circle.exact(Position::whole(self.reference)), enters),
             POSITION_PROFILE if enters => Ok(self.go(view)),
-            SPEED if self.barred => Ok(None),
+            SPEED if self.cannot_move => Ok(None),
             SPEED => Ok(self.run(view, turns)),
             CAM if enters => Ok(cam_start(view).map(|from| Order::Cam { from, past })),
             GEAR if enters => Ok(Some(Order::Gear { past })),
@@ -295,7 +295,7 @@ impl Amc {
 
     /// Returns true if a restored state is valid.
     pub(crate) fn is_sound(&self) -> bool {
-        let kept = (!self.waits || self.select == HOME) && (!self.barred || self.select == SPEED);
+        let kept = (!self.waits || self.select == HOME) && (!self.cannot_move || self.select == SPEED);
         (0..=POSITION_PROFILE).contains(&self.select) && kept && self.input.is_sound() && self.speed.is_finite()
     }
 }
@@ -308,7 +308,7 @@ fn cam_start(view: &View<'_>) -> Option<CamPoint> {
 }
 
 /// Returns the travel of the master from the freeze point to this sample (AMC-EVT-05, M11, AMC-EVT-07).
-fn past(view: &View<'_>, latch: &Latched) -> Position {
-    let way = |master| latch.way_since(master, view.leads.get(master), view.cycle_ns);
+fn travel_since_freeze(view: &View<'_>, latch: &LatchView) -> Position {
+    let way = |master| latch.travel_since(master, view.leads.get(master), view.cycle_ns);
     view.wiring.amc.master.map_or(Position::ZERO, way)
 }

@@ -43,7 +43,7 @@ impl Amc {
     pub(super) fn begin_stop(&mut self, view: &View<'_>) -> Order {
         self.stop = stop_reference(view);
         self.input = Circle::new(view.modulo).exact(self.stop);
-        if stops_by_profile(view) { Order::Stop { limits: view.largest_limits() } } else { Order::StandOnActual }
+        if stops_by_profile(view) { Order::Stop { limits: view.largest_limits() } } else { Order::HoldActualPosition }
     }
 
     /// Adds a change of position to PIP according to the rotary mode. Returns the order to move there.
@@ -93,7 +93,7 @@ impl Amc {
         let limits = Limits { velocity: view.parameters.max_velocity, ..view.largest_limits() };
         let was_limited = std::mem::replace(&mut self.limited, false);
         if let Some(limit) = limit_in(view, velocity)
-            && passes(view, velocity, limit, &limits)
+            && exceeds_limit(view, velocity, limit, &limits)
         {
             self.limited = true;
             if was_limited && !changed {
@@ -122,7 +122,7 @@ fn limit_in(view: &View<'_>, velocity: f64) -> Option<Position> {
 
 /// Returns true if a stop that begins a few cycles later, at the maximum speed possible by then, would end beyond the
 /// limit.
-fn passes(view: &View<'_>, velocity: f64, limit: Position, limits: &Limits) -> bool {
+fn exceeds_limit(view: &View<'_>, velocity: f64, limit: Position, limits: &Limits) -> bool {
     let sign = velocity.signum();
     let time = AHEAD_CYCLES * view.cycle_ns as f64 / 1e9;
     let now = (sign * view.present.velocity).max(0.0);

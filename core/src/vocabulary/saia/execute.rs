@@ -11,11 +11,11 @@ const TRIES: u32 = 3;
 
 /// Effects of the commands of a request on the motion.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Deed {
+pub(super) struct MotionEffects {
     /// The controller was switched off.
     pub off: bool,
     /// The actual position became the setpoint.
-    pub stand: bool,
+    pub hold_actual: bool,
     /// A stop ramp began.
     pub ramp: bool,
     /// A motion was started.
@@ -36,13 +36,13 @@ impl Saia {
         barred: Option<Refusal>,
     ) -> Result<Outcome, Refusal> {
         if self.phase == Phase::Power && view.on && request.commands.wakes() {
-            self.power_up(view);
+            self.initialise_enabled_axis(view);
         }
         self.wrap(view);
         let policy = view.parameters.vocabularies.saia.command_error;
         let mut outcome = Outcome::of(None);
         let mut places = outcome.errors.iter_mut();
-        let (mut deed, mut first) = (Deed::default(), None);
+        let (mut deed, mut first) = (MotionEffects::default(), None);
         for command in request.commands.iter() {
             match self.attempt(command, view, barred, &mut deed) {
                 Ok(()) => {}
@@ -72,7 +72,7 @@ impl Saia {
         command: Command,
         view: &View<'_>,
         barred: Option<Refusal>,
-        deed: &mut Deed,
+        deed: &mut MotionEffects,
     ) -> Result<(), Refusal> {
         let mut failure = None;
         for _ in 0..TRIES {
@@ -99,7 +99,7 @@ impl Saia {
     }
 
     /// Executes one command; an error changes nothing.
-    fn execute(&mut self, command: Command, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
+    fn execute(&mut self, command: Command, view: &View<'_>, deed: &mut MotionEffects) -> Result<(), Fault> {
         if self.phase == Phase::Power && command != Command::Initialise {
             return Err(Fault::new(Code::SAIA_NOT_INITIALISED));
         }
@@ -129,7 +129,7 @@ impl Saia {
             Command::SetZero => {
                 self.zero = self.place(self.position(view));
                 self.shares_zero = false;
-                self.note_jump();
+                self.handle_position_jump();
                 Ok(())
             }
             Command::LoadBreak => self.load_break(view, false),
@@ -162,15 +162,15 @@ impl Saia {
     }
 
     /// Returns the order that results from all commands; a start that is not possible yet waits for the step.
-    fn order(&mut self, view: &View<'_>, deed: Deed) -> Option<Order> {
+    fn order(&mut self, view: &View<'_>, deed: MotionEffects) -> Option<Order> {
         if deed.off {
             return Some(Self::off_order(view));
         }
-        if deed.stand {
-            return Some(Order::StandOnActual);
+        if deed.hold_actual {
+            return Some(Order::HoldActualPosition);
         }
         if deed.start {
-            return self.begin(view);
+            return self.waiting_order(view);
         }
         deed.ramp.then(|| Order::Stop { limits: self.stop_limits(view) })
     }

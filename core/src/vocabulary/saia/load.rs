@@ -1,6 +1,6 @@
 //! Commands that load buffers and limits: they cause no motion.
 
-use super::execute::Deed;
+use super::execute::MotionEffects;
 use super::pid::{Gains, Pid};
 use super::scale::{self, HIGHEST, LOWEST, Scaling};
 use super::{Break, Fault, Flags, Load, Parameters, Phase, Register, Saia};
@@ -46,7 +46,7 @@ fn position(register: Register, counts: i64) -> Result<i64, Fault> {
 
 impl Saia {
     /// AxInit: executes all of its steps, or none.
-    pub(super) fn initialise(&mut self, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
+    pub(super) fn initialise(&mut self, view: &View<'_>, deed: &mut MotionEffects) -> Result<(), Fault> {
         let p = &view.parameters.vocabularies.saia;
         let mut fresh = Self {
             phase: Phase::Off,
@@ -63,7 +63,7 @@ impl Saia {
         fresh.load_velocity(p, false)?;
         // Last, because only this step changes `deed`, and only on success.
         fresh.load_acceleration(view, false, deed)?;
-        fresh.keep_loop_of(self, view);
+        fresh.keep_controller_of(self, view);
         *self = fresh;
         Ok(())
     }
@@ -71,7 +71,7 @@ impl Saia {
     /// Initialises the module like `axinit` in the start-up of a program, for an axis that another command has switched
     /// on: it stays on, and the zero is that of the axis. A register that `axinit` would reject keeps the value after a
     /// reset.
-    pub(super) fn power_up(&mut self, view: &View<'_>) {
+    pub(super) fn initialise_enabled_axis(&mut self, view: &View<'_>) {
         let p = &view.parameters.vocabularies.saia;
         let position = super::actual(view).0.floor();
         let shares_zero = (LOWEST..=HIGHEST).contains(&position);
@@ -97,13 +97,13 @@ impl Saia {
         if let Ok((acceleration, usual)) = fresh.acceleration(view, false) {
             (fresh.buffer.acceleration, fresh.buffer.usual) = (acceleration, usual);
         }
-        fresh.keep_loop_of(self, view);
+        fresh.keep_controller_of(self, view);
         *self = fresh;
     }
 
     /// Keeps the state of a controller that closes the loop of the axis, until the axis is off.
-    fn keep_loop_of(&mut self, before: &Self, view: &View<'_>) {
-        if view.regulates {
+    fn keep_controller_of(&mut self, before: &Self, view: &View<'_>) {
+        if view.closes_loop {
             (self.pid, self.sample_rest) = (before.pid, before.sample_rest);
         }
     }
@@ -159,7 +159,7 @@ impl Saia {
     }
 
     /// Loads an acceleration, which switches the motor off and waits for a start at rest (SAIA-DET-04).
-    pub(super) fn load_acceleration(&mut self, view: &View<'_>, relative: bool, deed: &mut Deed) -> Result<(), Fault> {
+    pub(super) fn load_acceleration(&mut self, view: &View<'_>, relative: bool, deed: &mut MotionEffects) -> Result<(), Fault> {
         let (acceleration, usual) = self.acceleration(view, relative)?;
         self.turn_off(view, deed);
         (self.buffer.acceleration, self.buffer.usual) = (acceleration, usual);
@@ -172,7 +172,7 @@ impl Saia {
         let p = &view.parameters.vocabularies.saia;
         let base = self.base(Register::Accel, relative, self.working.acceleration)?;
         let Some(accel) = p.accel else {
-            let usual = view.parameters.usual_acceleration().min(view.parameters.usual_deceleration());
+            let usual = view.parameters.default_goal_acceleration().min(view.parameters.default_goal_deceleration());
             return Ok(if relative { (base, self.working.usual) } else { (scale::register_of_rate(usual), true) });
         };
         let change = Scaling::of(p).acceleration(accel);
@@ -245,15 +245,15 @@ impl Saia {
     }
 
     /// Switches the controller off: no output, no history, no waiting start.
-    pub(super) fn turn_off(&mut self, view: &View<'_>, deed: &mut Deed) {
+    pub(super) fn turn_off(&mut self, view: &View<'_>, deed: &mut MotionEffects) {
         self.phase = Phase::Off;
         self.flags.on_dest = true;
         self.stop_latch = true;
         self.starting = Default::default();
         self.off_at = Some(view.cycle);
-        if !view.regulates {
+        if !view.closes_loop {
             self.pid = Pid::default();
         }
-        *deed = Deed { off: true, ..Deed::default() };
+        *deed = MotionEffects { off: true, ..MotionEffects::default() };
     }
 }

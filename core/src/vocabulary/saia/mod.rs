@@ -322,7 +322,7 @@ impl Saia {
         set(Destination, int(self.working.destination));
         set(VelocityRegister, int(self.working.velocity));
         set(AccelerationRegister, int(self.working.acceleration));
-        set(Output, register(self.pid.code(view.parameters.vocabularies.saia.output_gain, self.pwm)));
+        set(Output, register(self.pid.converter_code(view.parameters.vocabularies.saia.output_gain, self.pwm)));
         set(Integral, register(self.pid.integral()));
         set(SaiaSignal::Error, self.errors.code.into());
         set(CommandErrors, self.errors.count);

@@ -1,6 +1,6 @@
 //! Starts and stops, and the resulting orders.
 
-use super::execute::Deed;
+use super::execute::MotionEffects;
 use super::scale::{HIGHEST, LOWEST};
 use super::{Fault, Load, Phase, Register, Saia, Starting};
 use crate::code::Code;
@@ -18,23 +18,23 @@ const STOP_RAMP: i32 = 1 << 10;
 
 impl Saia {
     /// Executes `fstop` (SAIA-FSM-09..13).
-    pub(super) fn stop(&mut self, view: &View<'_>, deed: &mut Deed) -> Result<(), Fault> {
+    pub(super) fn stop(&mut self, view: &View<'_>, deed: &mut MotionEffects) -> Result<(), Fault> {
         let bits = view.parameters.vocabularies.saia.mcw & STOP_BITS;
         // A motion of another command is stopped, too: a stop must always take effect.
         let moves = self.phase.moves() || (self.phase == Phase::Hold && view.free && !view.rests);
         match bits {
             STOP_OFF => self.turn_off(view, deed),
             STOP_HARD => {
-                *deed = Deed { off: deed.off, stand: self.phase != Phase::Off && view.free, ..Deed::default() };
-                self.settle();
+                *deed = MotionEffects { off: deed.off, hold_actual: self.phase != Phase::Off && view.free, ..MotionEffects::default() };
+                self.end_motion();
                 self.stop_latch = true;
             }
             STOP_RAMP => {
-                *deed = Deed { off: deed.off, ramp: moves && view.free, ..Deed::default() };
+                *deed = MotionEffects { off: deed.off, ramp: moves && view.free, ..MotionEffects::default() };
                 if moves && view.free {
                     self.phase = Phase::Ramp;
                 } else {
-                    self.settle();
+                    self.end_motion();
                 }
                 self.stop_latch = true;
             }
@@ -45,7 +45,7 @@ impl Saia {
     }
 
     /// Ends the motion; the controller stays as it is.
-    fn settle(&mut self) {
+    fn end_motion(&mut self) {
         if self.phase.moves() {
             self.phase = Phase::Hold;
             self.profile_done = true;
@@ -54,7 +54,7 @@ impl Saia {
     }
 
     /// Executes `fsstepf` and `fsstepb`: one count from the destination.
-    pub(super) fn single_step(&mut self, view: &View<'_>, by: i64, deed: &mut Deed) -> Result<(), Fault> {
+    pub(super) fn single_step(&mut self, view: &View<'_>, by: i64, deed: &mut MotionEffects) -> Result<(), Fault> {
         if self.phase.moves() || (view.on && !view.rests) {
             return Err(Fault::new(Code::SAIA_STEP_IN_MOTION));
         }
@@ -67,7 +67,7 @@ impl Saia {
     }
 
     /// Executes `fforw` and `fbackw`: a motion to the end of the range, which only a stop ends.
-    pub(super) fn jog(&mut self, view: &View<'_>, destination: i64, deed: &mut Deed) -> Result<(), Fault> {
+    pub(super) fn jog(&mut self, view: &View<'_>, destination: i64, deed: &mut MotionEffects) -> Result<(), Fault> {
         self.start(view, Load { destination, ..self.buffer }, Some(true), deed)
     }
 
@@ -78,7 +78,7 @@ impl Saia {
         view: &View<'_>,
         load: Load,
         jogs: Option<bool>,
-        deed: &mut Deed,
+        deed: &mut MotionEffects,
     ) -> Result<(), Fault> {
         if self.stop_latch && jogs.is_none() {
             // A18: without effect, and no error.
@@ -107,7 +107,7 @@ impl Saia {
         (self.stop_latch, self.acceleration_pending, self.profile_done) = (false, false, false);
         (self.started, self.flags.on_dest) = (true, false);
         self.starting.waits = true;
-        *deed = Deed { start: true, ramp: false, ..*deed };
+        *deed = MotionEffects { start: true, ramp: false, ..*deed };
         Ok(())
     }
 
@@ -137,7 +137,7 @@ impl Saia {
 
     /// Returns the order of a waiting start if the drive is on, otherwise the order to switch it on. A drive that was
     /// just switched off stays off for one cycle, and until its brake is closed.
-    pub(super) fn begin(&mut self, view: &View<'_>) -> Option<Order> {
+    pub(super) fn waiting_order(&mut self, view: &View<'_>) -> Option<Order> {
         if !self.starting.waits {
             return None;
         }

@@ -64,9 +64,9 @@ pub(super) struct Options {
 pub(super) struct Pid {
     sum: i32,
     /// Error at the last derivative sample (counts).
-    before: f64,
+    last_error: f64,
     /// Samples since the last derivative sample, and their duration (chip samples).
-    taken: i32,
+    samples: i32,
     since: f64,
     /// Derivative term, held until the next derivative sample.
     held: f64,
@@ -89,10 +89,10 @@ const MOST_SUM: i32 = (1 << 23) - 1;
 impl Pid {
     /// Executes a cycle of `length` chip samples with `count` samples; `error` (counts) is that at its end. Returns U
     /// of the last sample, within 16 bits.
-    pub(super) fn cycle(&mut self, gains: &Gains, options: Options, error: i64, (count, length): (u64, f64)) -> i32 {
+    pub(super) fn run_cycle(&mut self, gains: &Gains, options: Options, error: i64, (count, length): (u64, f64)) -> i32 {
         let error = error as f64;
         if std::mem::take(&mut self.forgets_past) {
-            (self.before, self.held, self.wait, self.last) = (word(error), 0.0, 0, None);
+            (self.last_error, self.held, self.wait, self.last) = (limit_to_16_bits(error), 0.0, 0, None);
         }
         self.elapsed += length;
         if count == 0 {
@@ -111,21 +111,21 @@ impl Pid {
 
     /// Executes one sample, `span` (chip samples) after the previous one. Returns U, within 16 bits.
     pub(super) fn step(&mut self, gains: &Gains, options: Options, error: f64, span: f64) -> i32 {
-        let error = word(error);
+        let error = limit_to_16_bits(error);
         self.sum = self.grow(gains, options, error.round() as i32);
         let limit = i64::from(gains.limit);
         self.integral = part(gains, options, self.sum).min(limit).max(-limit) as i32;
-        self.taken = self.taken.saturating_add(1);
+        self.samples = self.samples.saturating_add(1);
         self.since += span;
         if self.wait > 0 {
             self.wait -= 1;
         } else {
-            let change = (error - self.before) * (f64::from(self.taken) / self.since);
+            let change = (error - self.last_error) * (f64::from(self.samples) / self.since);
             self.held = f64::from(gains.derivative) * change;
-            (self.before, self.taken, self.since, self.wait) = (error, 0, 0.0, gains.interval);
+            (self.last_error, self.samples, self.since, self.wait) = (error, 0, 0.0, gains.interval);
         }
         let sum = f64::from(gains.proportional) * error + f64::from(self.integral) + self.held;
-        self.output = word(sum.round()) as i32;
+        self.output = limit_to_16_bits(sum.round()) as i32;
         self.output
     }
 
@@ -156,7 +156,7 @@ impl Pid {
     }
 
     /// Returns the code for the converter: the top 12 bits of U after the gain, or 8 for PWM (SAIA-EXT-06).
-    pub(super) fn code(&self, gain: f64, pwm: bool) -> i32 {
+    pub(super) fn converter_code(&self, gain: f64, pwm: bool) -> i32 {
         let scaled = (f64::from(self.output) * gain).round().clamp(f64::from(i16::MIN), f64::from(i16::MAX));
         (scaled as i32) >> (if pwm { 8 } else { 4 })
     }
@@ -165,10 +165,10 @@ impl Pid {
         let is_word = |value: i32| i16::try_from(value).is_ok();
         let sum = (-MOST_SUM - 1..=MOST_SUM).contains(&self.sum);
         let is_time = |time: f64| time.is_finite() && time >= 0.0;
-        let times = is_time(self.since) && is_time(self.elapsed) && (0..=256).contains(&self.taken);
+        let times = is_time(self.since) && is_time(self.elapsed) && (0..=256).contains(&self.samples);
         sum && times
             && self.held.is_finite()
-            && word(self.before) == self.before
+            && limit_to_16_bits(self.last_error) == self.last_error
             && self.last.is_none_or(f64::is_finite)
             && is_word(self.output)
             && is_word(self.integral)
@@ -177,7 +177,7 @@ impl Pid {
 }
 
 /// Limits a number to 16 bits.
-fn word(value: f64) -> f64 {
+fn limit_to_16_bits(value: f64) -> f64 {
     value.clamp(f64::from(i16::MIN), f64::from(i16::MAX))
 }
 

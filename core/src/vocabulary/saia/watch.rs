@@ -1,6 +1,6 @@
 //! Monitoring in each cycle, after the commands.
 
-use super::execute::Deed;
+use super::execute::MotionEffects;
 use super::pid::{Gains, Options};
 use super::scale::{self, HIGHEST, LOWEST};
 use super::{Parameters, Phase, Saia, Starting};
@@ -20,16 +20,16 @@ impl Saia {
         self.watch_index(view);
         self.watch_break(view);
         self.note_error_of_axis(view);
-        self.keep_pace(view);
+        self.update_phase(view);
         if self.supervise_error(view) {
-            let mut deed = Deed::default();
+            let mut deed = MotionEffects::default();
             let latch = self.stop_latch;
             self.turn_off(view, &mut deed);
             self.stop_latch = latch;
             return Some(Self::off_order(view));
         }
-        self.regulate(view);
-        self.begin(view)
+        self.run_unused_controller(view);
+        self.waiting_order(view)
     }
 
     /// Handles an order of [`step`](Self::step) that the axis rejected: a start after the drive was switched on.
@@ -52,21 +52,21 @@ impl Saia {
         let turns = position.saturating_sub(LOWEST).div_euclid(RANGE);
         self.zero = self.zero.saturating_add(turns.saturating_mul(RANGE));
         self.flags.wrapped |= self.working.by_velocity;
-        self.note_jump();
+        self.handle_position_jump();
     }
 
     /// Adjusts to a change of all positions by `by` (inc). No edge was counted, so a zero of the vocabulary keeps its
     /// place, and with it the break position.
-    pub(crate) fn take_shift(&mut self, by: i64) {
+    pub(crate) fn shift_positions(&mut self, by: i64) {
         match self.phase {
             Phase::Power => {}
-            _ if self.shares_zero => self.note_jump(),
+            _ if self.shares_zero => self.handle_position_jump(),
             _ => self.zero = self.zero.saturating_add(by),
         }
     }
 
     /// Adjusts to a new value of the actual position without motion, which passes no break position.
-    pub(crate) fn note_jump(&mut self) {
+    pub(crate) fn handle_position_jump(&mut self) {
         if let Some(breaks) = &mut self.breaks {
             breaks.side = None;
         }
@@ -96,7 +96,7 @@ impl Saia {
     }
 
     /// Updates the phase after changes of the drive, the profile and the owner of the axis.
-    fn keep_pace(&mut self, view: &View<'_>) {
+    fn update_phase(&mut self, view: &View<'_>) {
         let before = self.phase;
         if !view.owns || view.in_error {
             // Another owner has the axis: a waiting start is cancelled.
@@ -143,8 +143,8 @@ impl Saia {
     }
 
     /// Computes the output of the controller if the drive or another law closes the loop.
-    fn regulate(&mut self, view: &View<'_>) {
-        if view.regulates {
+    fn run_unused_controller(&mut self, view: &View<'_>) {
+        if view.closes_loop {
             return;
         }
         if self.is_off() || !view.on || self.starting.waits {
@@ -162,7 +162,7 @@ impl Saia {
     pub(crate) fn close_loop(&mut self, p: &Parameters, cycle_ns: u64, error: i64) -> f64 {
         let gains = if self.phase == Phase::Power { Gains::of(p) } else { self.gains };
         self.sample(p, &gains, cycle_ns, error);
-        let code = self.pid.code(p.output_gain, self.pwm);
+        let code = self.pid.converter_code(p.output_gain, self.pwm);
         f64::from(code) / if self.pwm { 128.0 } else { 2048.0 }
     }
 
@@ -173,7 +173,7 @@ impl Saia {
 
     /// Skips the time in which the axis was held and the controller was not stepped: the change of the error is no
     /// motion to be damped.
-    pub(crate) fn forget_loop_past(&mut self) {
+    pub(crate) fn skip_unsampled_time(&mut self) {
         self.pid.forget_past();
     }
 
@@ -181,6 +181,6 @@ impl Saia {
     fn sample(&mut self, p: &Parameters, gains: &Gains, cycle_ns: u64, error: i64) {
         let options = Options { clamp_sum: p.clamp_sum, chip_integral: p.chip_integral };
         let count = scale::samples(&mut self.sample_rest, cycle_ns);
-        self.pid.cycle(gains, options, error, (count, scale::in_samples(cycle_ns)));
+        self.pid.run_cycle(gains, options, error, (count, scale::in_samples(cycle_ns)));
     }
 }

@@ -24,7 +24,7 @@ impl Wf {
             self.last += 1;
         }
         self.set = self.end_of(self.last);
-        self.bound = self.active;
+        self.limiting_block = self.active;
         self.go_on(view)
     }
 
@@ -33,7 +33,7 @@ impl Wf {
         self.speed = self.value_of(self.active, view);
         Order::Position {
             target: self.set,
-            limits: self.limits_of(self.bound, view),
+            limits: self.limits_of(self.limiting_block, view),
             reference: Reference::PositionAbsolute,
         }
     }
@@ -53,33 +53,33 @@ impl Wf {
         }
         if self.ending || self.mode == Mode::Jog {
             if view.rests {
-                self.leave();
+                self.end_activity();
             }
             return None;
         }
         if view.parameters.vocabularies.wf.peh_from_start == 1 && self.is_late(view) {
             let window = view.parameters.vocabularies.wf.peh_window.unwrap_or(view.parameters.in_position_window);
-            return self.miss(self.set.nearest().saturating_sub(view.actual.position.floor()), window);
+            return self.raise_not_reached(self.set.nearest().saturating_sub(view.actual.position.floor()), window);
         }
-        let before = (self.active, self.bound);
+        let before = (self.active, self.limiting_block);
         while self.active < self.last && self.is_past(self.active, view) {
             self.active += 1;
         }
         if view.rests {
-            return self.arrive(view);
+            return self.end_profile(view);
         }
-        self.bound = self.binding_block(view);
-        if before == (self.active, self.bound) {
+        self.limiting_block = self.binding_block(view);
+        if before == (self.active, self.limiting_block) {
             return None;
         }
         Some(self.go_on(view))
     }
 
     /// Handles the end of the profile.
-    fn arrive(&mut self, view: &View<'_>) -> Option<Order> {
+    fn end_profile(&mut self, view: &View<'_>) -> Option<Order> {
         if view.command.position.floor() != self.set.nearest() {
             // Another command ended it.
-            self.leave();
+            self.end_activity();
             return None;
         }
         self.active = self.last;
@@ -98,11 +98,11 @@ impl Wf {
     fn binding_block(&self, view: &View<'_>) -> u8 {
         let mut bound = self.active;
         // Once it decelerates for a block, the limit stays until that block begins.
-        if self.bound > bound && self.velocity_of(self.bound, view) < self.velocity_of(bound, view) {
-            bound = self.bound;
+        if self.limiting_block > bound && self.velocity_of(self.limiting_block, view) < self.velocity_of(bound, view) {
+            bound = self.limiting_block;
         }
         for block in self.active.saturating_add(1)..=self.last {
-            if self.velocity_of(block, view) < self.velocity_of(bound, view) && self.must_slow_for(block, view) {
+            if self.velocity_of(block, view) < self.velocity_of(bound, view) && self.must_decelerate_for(block, view) {
                 bound = block;
             }
         }
@@ -110,7 +110,7 @@ impl Wf {
     }
 
     /// Returns true if the axis would reach a block too fast if it decelerated one cycle later.
-    fn must_slow_for(&self, block: u8, view: &View<'_>) -> bool {
+    fn must_decelerate_for(&self, block: u8, view: &View<'_>) -> bool {
         let now = view.command;
         let sign = f64::from(self.direction);
         let cycle_s = view.cycle_ns as f64 / 1e9;
@@ -124,7 +124,7 @@ impl Wf {
         let limits = self.limits_of(block, view);
         // With limited jerk, the distance for decelerating may exceed the stopping distance, but is at most twice as long,
         // because the mean velocity is at most twice as high.
-        if left > 2.0 * sign * profile::stopping_way(now, &limits) {
+        if left > 2.0 * sign * profile::stopping_distance(now, &limits) {
             return false;
         }
         let slowed = profile::to_velocity(now, sign * allowed, &limits, view.cycle_ns);

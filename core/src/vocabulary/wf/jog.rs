@@ -8,7 +8,7 @@
 use super::program::check_speed;
 use super::request::{FULL_SPEED, Mode, Request, Speed};
 use super::steps::Steps;
-use super::{Objection, State, Wf, is_moved, is_open};
+use super::{RefusalReason, State, Wf, is_moved, is_open};
 use crate::code::Code;
 use crate::event::Number;
 use crate::position::Position;
@@ -16,14 +16,14 @@ use crate::vocabulary::{Order, View};
 
 impl Wf {
     /// Applies the present inputs.
-    pub(super) fn jog(&mut self, view: &View<'_>) -> Result<Option<Order>, Objection> {
+    pub(super) fn jog(&mut self, view: &View<'_>) -> Result<Option<Order>, RefusalReason> {
         let direction = self.jog.direction();
         if direction == 0 {
             return Ok(self.stop(view));
         }
         self.check_enable()?;
         if !self.is_running() && is_moved(view) {
-            return Err(Objection::new(Code::WF_IN_MOTION));
+            return Err(RefusalReason::new(Code::WF_IN_MOTION));
         }
         let (row, speed) = view.parameters.vocabularies.wf.fixed_speed(self.fixed_speed);
         let programmed = check_speed(Speed::Value(speed), view).map_err(|objection| objection.about(row))?;
@@ -56,12 +56,12 @@ impl Wf {
         self.stop(view)
     }
 
-    fn jog_open(&mut self, view: &View<'_>, programmed: i64) -> Result<Order, Objection> {
+    fn jog_open(&mut self, view: &View<'_>, programmed: i64) -> Result<Order, RefusalReason> {
         let (state, speed) = self.limited(view, programmed).unwrap_or((State::Run, programmed));
         if state == State::Settle {
             let velocity = f64::from(self.direction) * programmed as f64 / FULL_SPEED * view.parameters.max_velocity;
             let numbers = (Number::Velocity(velocity), Number::Position(self.set.floor()));
-            return Err(Objection::new(Code::LIMIT_VIOLATION).with(numbers.0, numbers.1));
+            return Err(RefusalReason::new(Code::LIMIT_VIOLATION).with(numbers.0, numbers.1));
         }
         Ok(self.put_out(view, state, speed))
     }
@@ -71,7 +71,7 @@ impl Wf {
         let p = view.parameters;
         let limit = if self.direction > 0 { p.max_position } else { p.min_position };
         self.set = Position::whole(limit?);
-        Steps::of(p).due(present, self.way_left(view))
+        Steps::of(p).step_at(present, self.way_left(view))
     }
 
     pub(super) fn step_jog(&mut self, view: &View<'_>) -> Option<Order> {

@@ -83,13 +83,13 @@ pub struct Wf {
     end: u8,
     /// Closed loop: last block in the direction of the active one, and the limiting block.
     last: u8,
-    bound: u8,
+    limiting_block: u8,
     jog: Jog,
     /// Deceleration cam of the interface.
     cam: bool,
     fixed_speed: u8,
     /// Whether the controller enable request was withdrawn.
-    withdrawn: bool,
+    request_withdrawn: bool,
     /// Reset bit of this cycle, and that of the present request.
     reset: bool,
     resets: bool,
@@ -127,8 +127,8 @@ impl Wf {
         self.cam = request.cam.unwrap_or(self.cam);
         let mut order = None;
         if let Some(enable) = request.enable {
-            self.withdrawn = !enable;
-            if self.withdrawn {
+            self.request_withdrawn = !enable;
+            if self.request_withdrawn {
                 order = self.stop(view);
             }
         }
@@ -156,7 +156,7 @@ impl Wf {
             if self.mode != Mode::ActualValue {
                 return refuse(Code::WF_NOT_IN_THIS_MODE);
             }
-            self.preset = self.place(view) - value.exact() - offsets(view);
+            self.preset = self.distance_base(view) - value.exact() - offsets(view);
             self.synchronized = true;
         }
         if request.jog.is_some() || request.fixed_speed.is_some() {
@@ -178,12 +178,12 @@ impl Wf {
     }
 
     /// Takes a new zero of the axis: programmed positions refer to it (WF-IF-11, WF-REF-05).
-    pub(crate) fn take_zero(&mut self) {
+    pub(crate) fn set_zero(&mut self) {
         (self.synchronized, self.preset) = (true, Position::ZERO);
     }
 
     /// Marks the zero as no longer valid.
-    pub(crate) fn lose_zero(&mut self) {
+    pub(crate) fn invalidate_zero(&mut self) {
         self.synchronized = false;
     }
 
@@ -215,7 +215,7 @@ impl Wf {
             return None;
         }
         if !view.owns || !view.free {
-            self.leave();
+            self.end_activity();
             return None;
         }
         self.speed_valid |= self.is_running() && is_open(view) && elapsed(view, self.started) >= SPEED_VALID_NS;
@@ -235,7 +235,7 @@ impl Wf {
 
     /// Handles an order of [`step`](Self::step) that the axis rejected.
     pub(crate) fn order_failed(&mut self, _refusal: Refusal) {
-        self.leave();
+        self.end_activity();
         self.failed = true;
     }
 
@@ -258,7 +258,7 @@ impl Wf {
                 *place = word;
             }
         };
-        let enabled = enable(!self.withdrawn, view.on, self.reset, self.alarm);
+        let enabled = enable(!self.request_withdrawn, view.on, self.reset, self.alarm);
         let has_block = !matches!(self.state, State::Idle) && !self.has_no_blocks();
         set(S::Active, view.owns.into());
         set(S::Mode, self.mode as u64);
@@ -284,7 +284,7 @@ impl Wf {
         let legal = self.ends.iter().chain([&self.set]).all(|position| position.is_legal());
         // The preset is a difference of two legal positions and offsets.
         let near = self.preset.raw().unsigned_abs() < 1 << 98;
-        let places = [self.next, self.active, self.end, self.last, self.bound];
+        let places = [self.next, self.active, self.end, self.last, self.limiting_block];
         let inside = places.into_iter().all(|place| usize::from(place) <= MAX_BLOCKS);
         let speed = self.speed.is_finite() && (0.0..=FULL_SPEED * 2.0).contains(&self.speed);
         let speed = speed && self.switching.dac.is_finite();
@@ -312,7 +312,7 @@ impl Wf {
         self.jog = Jog::None;
         // In setup the set position follows the actual one (WF-SET-01).
         if self.has_no_blocks() && self.state != State::Alarm {
-            self.leave();
+            self.end_activity();
         }
     }
 
@@ -336,7 +336,7 @@ impl Wf {
 
     fn clear_alarm(&mut self) {
         self.alarm = 0;
-        self.leave();
+        self.end_activity();
     }
 
     /// Ends the motion; a reached position is kept.
@@ -355,7 +355,7 @@ impl Wf {
     /// Returns the stop. Open loop: off at once. Closed loop: with a ramp.
     fn standstill(&mut self, view: &View<'_>) -> Order {
         if is_open(view) {
-            self.leave();
+            self.end_activity();
             return Order::Speed { velocity: 0.0 };
         }
         let p = view.parameters;
@@ -365,7 +365,7 @@ impl Wf {
     }
 
     /// Ends all activity; another owner may move the axis.
-    fn leave(&mut self) {
+    fn end_activity(&mut self) {
         self.state = State::Idle;
         self.ending = false;
         self.considered = false;
@@ -376,7 +376,7 @@ impl Wf {
 
     /// Raises an alarm, which stops the axis through its errors.
     fn raise(&mut self, alarm: u8, code: Code, found: i64, allowed: i64) -> Option<Order> {
-        self.leave();
+        self.end_activity();
         self.state = State::Alarm;
         self.alarm = alarm;
         Some(Order::Fail { code, found: Number::Position(found), allowed: Number::Position(allowed) })
@@ -384,7 +384,7 @@ impl Wf {
 
     /// Takes an alarm that the axis itself raised; its drive is already off.
     pub(crate) fn note_alarm(&mut self, alarm: u8) {
-        self.leave();
+        self.end_activity();
         self.state = State::Alarm;
         self.alarm = alarm;
     }
@@ -397,8 +397,8 @@ impl Wf {
         let is_inside = error.unsigned_abs() <= window.unsigned_abs();
         match self.state {
             State::Settle if is_inside => self.state = State::Done,
-            State::Settle if self.is_late(view) => return self.miss(error, window),
-            State::Done if !is_inside => return self.miss(error, window),
+            State::Settle if self.is_late(view) => return self.raise_not_reached(error, window),
+            State::Done if !is_inside => return self.raise_not_reached(error, window),
             State::Done if self.active + 1 < self.end => {
                 self.active += 1;
                 return Some(self.begin(view));
@@ -409,7 +409,7 @@ impl Wf {
     }
 
     /// Raises alarm 22.
-    fn miss(&mut self, error: i64, window: i64) -> Option<Order> {
+    fn raise_not_reached(&mut self, error: i64, window: i64) -> Option<Order> {
         self.raise(22, Code::WF_POSITION_NOT_REACHED, error, window)
     }
 
@@ -492,14 +492,14 @@ fn offsets(view: &View<'_>) -> Position {
 
 /// Reason to refuse a request, without the axis.
 #[derive(Clone, Copy, Debug)]
-struct Objection {
+struct RefusalReason {
     code: Code,
     parameter: Option<u16>,
     asked: Number,
     limit: Number,
 }
 
-impl Objection {
+impl RefusalReason {
     fn new(code: Code) -> Self {
         Self { code, parameter: None, asked: Number::None, limit: Number::None }
     }

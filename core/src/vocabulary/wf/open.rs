@@ -52,10 +52,10 @@ impl Wf {
         }
         if view.parameters.vocabularies.wf.peh_from_start == 1 && self.is_late(view) {
             let window = view.parameters.vocabularies.wf.peh_window.unwrap_or(view.parameters.in_position_window);
-            return self.miss(self.following_error(view), window);
+            return self.raise_not_reached(self.following_error(view), window);
         }
         let present = self.speed as i64;
-        let (state, speed) = Steps::of(view.parameters).due(present, self.way_left(view))?;
+        let (state, speed) = Steps::of(view.parameters).step_at(present, self.way_left(view))?;
         let (state, speed) = match self.change_on_the_fly(view, present, speed) {
             true => self.enter_block(view),
             false => (state, speed),

@@ -13,14 +13,14 @@
 
 use super::program::check_speed;
 use super::request::{FULL_SPEED, Speed};
-use super::{Objection, State, Wf, is_moved, is_open};
+use super::{RefusalReason, State, Wf, is_moved, is_open};
 use crate::code::Code;
 use crate::parameter::Row;
 use crate::vocabulary::{Order, Travel, View};
 
 impl Wf {
     /// Applies the present inputs.
-    pub(super) fn travel(&mut self, view: &View<'_>) -> Result<Option<Order>, Objection> {
+    pub(super) fn travel(&mut self, view: &View<'_>) -> Result<Option<Order>, RefusalReason> {
         let direction = self.jog.direction();
         // Open loop: after the mark JOG has no further effect on the travel.
         let is_under_way = self.is_running() || self.state == State::Settle;
@@ -32,7 +32,7 @@ impl Wf {
         }
         self.check_enable()?;
         if is_moved(view) {
-            return Err(Objection::new(Code::WF_IN_MOTION));
+            return Err(RefusalReason::new(Code::WF_IN_MOTION));
         }
         let p = view.parameters;
         let velocity = |row, speed| {
@@ -83,18 +83,18 @@ impl Wf {
     /// Executes one step of the travel or of its stop.
     pub(super) fn step_travel(&mut self, view: &View<'_>) {
         if view.error == Code::WF_NO_ZERO_MARK {
-            self.leave();
+            self.end_activity();
             (self.state, self.alarm) = (State::Alarm, 9);
         } else if !view.owns || !view.free {
-            self.leave();
+            self.end_activity();
         } else if self.ending {
             if view.rests {
-                self.leave();
+                self.end_activity();
             }
         } else if !view.homing {
             // WF-REF-05
-            self.take_zero();
-            self.leave();
+            self.set_zero();
+            self.end_activity();
         } else if view.search_speed == 0.0 && is_open(view) {
             // WF-OLC-09: the mark was found.
             if self.is_running() {

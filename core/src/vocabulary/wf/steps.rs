@@ -39,7 +39,7 @@ impl Steps {
     }
 
     /// Returns the slowest of the reached steps if it is slower than the present speed; [`State::Settle`] is off.
-    pub(super) fn due(&self, present: i64, left: i64) -> Option<(State, i64)> {
+    pub(super) fn step_at(&self, present: i64, left: i64) -> Option<(State, i64)> {
         let mut due = None;
         let speeds = self.speeds.into_iter().chain([0]);
         for (place, (speed, state)) in speeds.zip(STATES).enumerate() {
@@ -53,6 +53,6 @@ impl Steps {
 
     /// Returns speed and state at the begin of a programmed speed.
     pub(super) fn begin(&self, programmed: i64, left: i64) -> (State, i64) {
-        self.due(programmed, left).unwrap_or((State::Run, programmed))
+        self.step_at(programmed, left).unwrap_or((State::Run, programmed))
     }
 }

@@ -319,7 +319,7 @@ impl Service for CanService {
         self.config.transport.to_string()
     }
 
-    fn idle(&mut self) {
+    fn poll_without_cycle(&mut self) {
         self.port.set_in_cycles(false);
         self.port.step();
     }

@@ -198,7 +198,7 @@ fn new_zero(event: &Event) -> Option<i64> {
 }
 
 fn ending(hub: &Hub, event: &Event) -> Ending {
-    let message = if event.code.is_none() { String::new() } else { text::sentence(event, hub.host.config()) };
+    let message = if event.code.is_none() { String::new() } else { text::message(event, hub.host.config()) };
     Ending { code: event.code, message, position: event.position, mark: None, shift: new_zero(event) }
 }
 

@@ -299,7 +299,7 @@ async fn run<A: GripperAction>(
                 Some(event) if matches!(event.kind, Kind::Refused | Kind::Done) => {
                     let is_wanted = stalled || event.code == Code::CANCELLED && handle.is_cancel_requested();
                     if !is_wanted {
-                        let sentence = text::sentence(&event, hub.host.config());
+                        let sentence = text::message(&event, hub.host.config());
                         let sentence = with_joint(sentence, &gripper.axis, &gripper.joint);
                         hub.refuse(format!("{name}: goal aborted: {sentence}"));
                     }

@@ -69,7 +69,7 @@ impl CommandEvents {
     pub(super) async fn accepted(self) -> Result<(), String> {
         let hub = Arc::clone(&self.hub);
         let answer = self.answer().await?;
-        if answer.kind == Kind::Accepted { Ok(()) } else { Err(text::sentence(&answer, hub.host.config())) }
+        if answer.kind == Kind::Accepted { Ok(()) } else { Err(text::message(&answer, hub.host.config())) }
     }
 
     /// Waits until the machine has accepted or refused the command.
@@ -209,7 +209,7 @@ impl Hub {
             let config = self.host.config();
             let sentence = refused.unwrap_or_else(|| match self.host.topic_commands() {
                 Some(commands) => commands.sentence(&event.event, config),
-                None => text::sentence(&event.event, config),
+                None => text::message(&event.event, config),
             });
             let message = messages::event(&event.event, self.clock.stamp(event.stamp_ns), config, sentence);
             if let (Kind::Error, Object::Axis(axis)) = (event.event.kind, event.event.source) {

@@ -33,7 +33,7 @@ impl TopicCommands {
 
     /// Returns the message text of an event; if the event refuses a message, the text names the topic.
     pub fn sentence(&self, event: &Event, config: &MachineConfig) -> String {
-        let sentence = text::sentence(event, config);
+        let sentence = text::message(event, config);
         match self.topic_of(event.command).filter(|_| event.kind == Kind::Refused) {
             Some(topic) => message_refused(&topic, &sentence),
             None => sentence,
@@ -69,10 +69,10 @@ mod tests {
             Event::new(Severity::Warn, kind, Object::Machine, Code::LIMIT_VIOLATION).of_command(command)
         };
         let refused = event(Kind::Refused, 7);
-        let plain = text::sentence(&refused, &config);
+        let plain = text::message(&refused, &config);
         assert_eq!(commands.sentence(&refused, &config), format!("{topic}: message refused: {plain}"));
         for other in [event(Kind::Refused, 8), event(Kind::Done, 7)] {
-            assert_eq!(commands.sentence(&other, &config), text::sentence(&other, &config));
+            assert_eq!(commands.sentence(&other, &config), text::message(&other, &config));
         }
         (100..100 + MOST as u64).for_each(|sequence| {
             commands.submit(topic, || Ok::<_, ()>(sequence)).unwrap();

@@ -3,7 +3,7 @@
 use super::MOST;
 use crate::document::Value;
 use lineshaft_core::code::not_built_here;
-use lineshaft_core::config::highest_velocity;
+use lineshaft_core::config::max_velocity_of_cycle;
 use lineshaft_core::parameter::{self, AxisParameters, Contradiction, Row};
 use lineshaft_core::text::{allowed_text, pair_text, value_text};
 use lineshaft_core::unit::{Scale, excerpt};
@@ -31,7 +31,7 @@ pub(crate) fn inverted_limits<'v, 'd: 'v>(
     set: impl Iterator<Item = (&'static Row, parameter::Value, &'v Value<'d>)>,
 ) {
     for (row, number, value) in set {
-        if parameters.sense().units && row.root().ends_with("_position") && !parameters.holds(row, number) {
+        if parameters.sense().units && row.root().ends_with("_position") && !parameters.has_value(row, number) {
             let sentence = format!("{} stands beside another key of the same limit: posdrct is below 0", row.key);
             value.refuse(sentence, Some("write one of them".to_owned()));
         }
@@ -42,7 +42,7 @@ pub(crate) fn inverted_limits<'v, 'd: 'v>(
 pub(crate) fn contradictions(parameters: &AxisParameters, given: Given<'_, '_>, scale: &Scale, cycle_ns: Option<u64>) {
     let file = File { given, scale };
     let mut checked = *parameters;
-    if let Some(highest) = cycle_ns.map(highest_velocity) {
+    if let Some(highest) = cycle_ns.map(max_velocity_of_cycle) {
         file.check_velocity(&checked, highest);
     }
     while let Err(contradiction) = checked.check() {

@@ -2,7 +2,7 @@
 
 use super::*;
 use lineshaft_core::drive::{Backend as _, inputs};
-use lineshaft_core::sim::{Fixtures, Index, Mechanics, Wire};
+use lineshaft_core::sim::{Fixtures, Index, Mechanics, SwitchWiring};
 
 const IO: &str = "io:\n  lamp: {type: do, backend: p, address: 0}\n  a: {type: di, backend: p, address: 0}\n  b: {type: di, backend: p, address: 1}\n";
 
@@ -28,9 +28,9 @@ fn switches_and_their_wires() {
             positive: Some(100_000),
         },
         wires: [
-            Some(Wire { switch: inputs::HOME, input: 1, normally_closed: false }),
+            Some(SwitchWiring { switch: inputs::HOME, input: 1, normally_closed: false }),
             None,
-            Some(Wire { switch: inputs::POSITIVE_LIMIT, input: 0, normally_closed: true }),
+            Some(SwitchWiring { switch: inputs::POSITIVE_LIMIT, input: 0, normally_closed: true }),
         ],
         ..Mechanics::default()
     };
@@ -100,7 +100,7 @@ fn with(keys: &str, machine: &str) -> String {
 #[test]
 fn a_brake_and_what_hangs_on_it() {
     use lineshaft_core::axis::BrakeConfig;
-    use lineshaft_core::sim::{Sign, SimBrake};
+    use lineshaft_core::sim::{SignOutputs, SimBrake};
     let sim = "    sim: {model: ideal, hanging_load: -9.81 m/s^2, brake_opens: 50 ms, brake_closes: 40 ms}\n";
     let brake = "    brake: {output: lamp, release_delay: 60 ms, engage_delay: 50 ms, inverted: true}\n";
     let read = good(&with(&format!("{brake}{sim}"), "{}"));
@@ -120,7 +120,7 @@ fn a_brake_and_what_hangs_on_it() {
     // The outputs select the direction of a drive without a signed reference.
     let velocity =
         with("    revers: 10\n", "{}").replace("address: 0}\n    max", "address: 0, interface: velocity}\n    max");
-    assert_eq!(good(&velocity).mechanics[0].sign, Some(Sign::Direction(0)));
+    assert_eq!(good(&velocity).mechanics[0].sign, Some(SignOutputs::Direction(0)));
     for (keys, expected) in [
         ("    brake: {}\n", "16:12: missing key `output` in brake"),
         ("    brake: {output: a}\n", "16:21: output is `a`, which is a di; a do is allowed"),

@@ -34,7 +34,7 @@ fn marks_are_in_units_of_their_way() {
             width: Position::whole(1),
             jitter: Position::from_f64(0.75),
             stretch: Some(Stretch { share: 0.001, period: 200 }),
-            lost: 0.02,
+            missing_share: 0.02,
             extra: 0.01,
             seed: 7,
         },

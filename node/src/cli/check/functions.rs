@@ -9,7 +9,7 @@ use lineshaft_core::config::SlotConfig;
 use lineshaft_core::event::{Number, Refusal};
 use lineshaft_core::function::{Field, Kind};
 use lineshaft_core::machine::Machine;
-use lineshaft_core::text::sentence;
+use lineshaft_core::text::message;
 
 /// Fields whose default is 0, which START accepts, with the effect of 0.
 const IDLE: [(Kind, &str, &str); 7] = [
@@ -103,7 +103,7 @@ fn refuse_start(trial: &Trial<'_, '_>, cell: &Cell) -> Vec<String> {
     // After the next refusal, a field may need a value other than its first one.
     for _ in 0..=2 * fields.len() {
         let Some(refusal) = trial.refusal(&set) else { break };
-        let text = sentence(&refusal.event(0), &cell.machine);
+        let text = message(&refusal.event(0), &cell.machine);
         let own = refusal.parameter.filter(|number| !trial.is_given(*number));
         let others = (0_u16..).zip(fields).map(|(number, _)| number).filter(|number| !trial.is_given(*number));
         let found = own.into_iter().chain(others).find(|number| trial.gives(&mut set, *number, &refusal));

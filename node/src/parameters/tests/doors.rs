@@ -95,7 +95,7 @@ fn law(row: &Row, rig: &Rig, object: &str, value: Value) -> bool {
     let mut parameters = axis.parameters;
     row.change(&mut parameters, value).is_ok()
         && parameters.check().is_ok()
-        && parameters.max_velocity <= highest_velocity(rig.config().cycle_ns)
+        && parameters.max_velocity <= max_velocity_of_cycle(rig.config().cycle_ns)
 }
 
 fn change(rig: &Rig, object: &str, row: &Row, value: Value) -> Change {
@@ -165,7 +165,7 @@ fn every_row_refuses_what_lies_beyond_its_range_at_every_door() {
         let text = |value| value_text(row, value, &scale);
         for value in beyond(row) {
             let said = rig.give_change(object, change(&rig, object, row, value)).expect_err(row.key);
-            let range = allowed_text(row, &scale, highest_of(row, rig.config().cycle_ns));
+            let range = allowed_text(row, &scale, max_of_row(row, rig.config().cycle_ns));
             assert_eq!(said, format!("{object}: {} is {}; {range} is allowed", row.key, text(value)));
             let written = written(row, value);
             for door in TEXT_DOORS.into_iter().filter(|door| has(*door, row)) {

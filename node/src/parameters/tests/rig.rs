@@ -8,7 +8,7 @@ use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Kind;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::{AxisParameters, Change, Row};
-use lineshaft_core::text::sentence;
+use lineshaft_core::text::message;
 
 /// Interface that reads text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,7 +156,7 @@ impl Rig {
         let refused = machine.events().iter().find(|event| event.kind == Kind::Refused);
         if let Some(event) = refused {
             assert_eq!(machine.parameter_image(), before, "a refusal changes nothing");
-            return Err(sentence(event, self.config()));
+            return Err(message(event, self.config()));
         }
         let accepted = machine.events().iter().filter(|event| event.kind == Kind::Accepted);
         assert_eq!(accepted.count(), 1);

@@ -301,7 +301,7 @@ impl Stage {
             match verb::applied_from_json(&applied.command, source, config, directory).map_err(bad)? {
                 Applied::Command(action) => commands.push(Command { sequence: applied.sequence, source, action }),
                 Applied::Stream(newer) => match &mut stream {
-                    Some(stream) => stream.take(&newer),
+                    Some(stream) => stream.merge(&newer),
                     None => stream = Some(newer),
                 },
             }

@@ -6,7 +6,7 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    AbortTrigger, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, LeaveAt, Level,
+    AbortTrigger, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, DisengageAt, Level,
     MasterPosition, MemoryValue, Move, MoveMode, OutAn, OutputValue, Probe, ProbeEdge, QueryTrajectory, RunFunction,
     SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, ShiftPosition, Synchronize as Coupling, TouchProbe,
 };
@@ -354,12 +354,12 @@ fn the_end_of_a_coupling_names_its_place() {
     let desk = Desk::new();
     let out = |at, disengage| Action::GearOut(GearOut { axis: 1, at, disengage });
     let head = r#"{"gear_out":{"axis":"turret","at":"#;
-    desk.is(&out(LeaveAt::Now, Some(Disengage::Stop)), &format!(r#"{head}"now"}}}}"#));
-    let kept = out(LeaveAt::Leader(-9_000), Some(Disengage::KeepVelocity));
+    desk.is(&out(DisengageAt::Now, Some(Disengage::Stop)), &format!(r#"{head}"now"}}}}"#));
+    let kept = out(DisengageAt::Leader(-9_000), Some(Disengage::KeepVelocity));
     let fields = r#""master_position","increments":-9000,"disengage":"keep_velocity""#;
     desk.is(&kept, &format!("{head}{fields}}}}}"));
     let fields = r#""position","disengage":"as_goal""#;
-    desk.is(&out(LeaveAt::Axis(0), None), &format!("{head}{fields}}}}}"));
+    desk.is(&out(DisengageAt::Axis(0), None), &format!("{head}{fields}}}}}"));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::{saia, trajectory, wf};
 use crate::program;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, LeaveAt, Level,
+    Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, DisengageAt, Level,
     MasterPosition, Move, MoveMode, OutAn, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints,
     Synchronize as Coupling, TouchProbe,
 };
@@ -613,9 +613,9 @@ fn phase<'a>(id: String, request: &Phase, config: &'a MachineConfig) -> Verb<'a>
 
 fn gear_out(request: GearOut, config: &MachineConfig) -> Verb<'_> {
     let (at, increments) = match request.at {
-        LeaveAt::Now => ("now", 0),
-        LeaveAt::Leader(place) => ("master_position", place),
-        LeaveAt::Axis(place) => ("position", place),
+        DisengageAt::Now => ("now", 0),
+        DisengageAt::Leader(place) => ("master_position", place),
+        DisengageAt::Axis(place) => ("position", place),
     };
     let disengage = match request.disengage {
         Some(Disengage::Stop) => None,

@@ -59,7 +59,7 @@ fn a_servo_gain_is_rounded_down_and_within_its_range() {
 #[test]
 fn a_design_that_is_refused_leaves_the_side_before() {
     let targets = Targets { phase_margin: 90.0, ..Targets::default() };
-    let wish = Wish { targets, ..wish() };
+    let wish = DesignSpec { targets, ..wish() };
     let found = Findings::find(subject(), &velocity_record(), &wish, &before()).unwrap();
     assert_eq!(found.after.unwrap_err(), "phase_margin is 90 deg; 20 to 85 deg is permitted");
     assert!(found.before.is_ok() && found.gains.is_empty());

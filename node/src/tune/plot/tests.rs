@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::tune::test_axes::{before, cascade, effort_record, subject, velocity_record, wish};
-use lineshaft_tune::{Loops, PositionLaw, Targets, Wish};
+use lineshaft_tune::{Loops, PositionLaw, Targets, DesignSpec};
 
 fn svg(found: &Findings, record: &Record) -> String {
     String::from_utf8(draw_plot(found, record, Target::Svg).unwrap()).unwrap()
 }
 
-fn of_velocities(wish: &Wish, loops: &Loops) -> String {
+fn of_velocities(wish: &DesignSpec, loops: &Loops) -> String {
     let record = velocity_record();
     svg(&Findings::find(subject(), &record, wish, loops).unwrap(), &record)
 }
@@ -91,7 +91,7 @@ fn unstable_loops_are_named_and_have_no_margins() {
 
 #[test]
 fn without_gains_the_loops_that_are_set_are_shown_with_their_margins() {
-    let refused = Wish { targets: Targets { phase_margin: 90.0, ..Targets::default() }, ..wish() };
+    let refused = DesignSpec { targets: Targets { phase_margin: 90.0, ..Targets::default() }, ..wish() };
     let svg = of_velocities(&refused, &before());
     assert!(svg.contains("before: phase margin") && !svg.contains("\nafter\n"));
 }
@@ -99,7 +99,7 @@ fn without_gains_the_loops_that_are_set_are_shown_with_their_margins() {
 #[test]
 fn without_any_loops_the_record_is_left() {
     let (_, loops) = cascade();
-    let refused = Wish { targets: Targets { phase_margin: 90.0, ..Targets::default() }, ..wish() };
+    let refused = DesignSpec { targets: Targets { phase_margin: 90.0, ..Targets::default() }, ..wish() };
     let svg = of_velocities(&refused, &loops);
     assert!(svg.contains("record (rev)") && !svg.contains("frequency (Hz)"));
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::tune::test_axes::{before, cascade, effort_record, subject, wish};
-use lineshaft_tune::{Deviation, Identified, Model, PositionLaw, Resonance, Targets, Wish, design};
+use lineshaft_tune::{Deviation, Identified, Model, PositionLaw, Resonance, Targets, DesignSpec, design};
 
 /// Returns a drive of 95493 inc/s with a lag of 6 ms and a delay of 1.5 ms.
 fn of_velocities() -> Identified {
@@ -139,7 +139,7 @@ fn unstable_loops_and_refused_designs_are_reported() {
     let mut loops = before();
     let PositionLaw::Pid { gains, .. } = &mut loops.position else { panic!() };
     gains.proportional = 20_000;
-    let wish = Wish { targets: Targets { phase_margin: 90.0, ..Targets::default() }, ..wish() };
+    let wish = DesignSpec { targets: Targets { phase_margin: 90.0, ..Targets::default() }, ..wish() };
     let identified = of_velocities();
     let found = Findings::of(subject(), identified, &wish, &loops, design(&identified.model, &wish));
     assert_eq!(

@@ -330,7 +330,7 @@ fn a_state_belongs_to_its_set() {
     let tables = [y(&[0, 1000])];
     let mut bench = fipw(&tables);
     bench.start(&by_way(2, &[]), 0);
-    let runs_by = |values: &[(&str, i64)]| bench.function.is_set(Words(&set(fipw::FIELDS, values)), bench.call_ns);
+    let runs_by = |values: &[(&str, i64)]| bench.function.runs_with(Words(&set(fipw::FIELDS, values)), bench.call_ns);
     assert!(runs_by(&by_way(2, &[])));
     for (name, value) in [("mult", 2), ("increments_per_rev", 101), ("mode", 26), ("master_offset", 1), ("sak", 1)] {
         assert!(!runs_by(&by_way(2, &[(name, value)])), "{name}");

@@ -94,7 +94,7 @@ proptest! {
         for (travel, inputs, mark) in calls {
             bench.travel = travel;
             bench.function.step(&bench.seen(inputs, mark));
-            prop_assert!(bench.function.is_sound());
+            prop_assert!(bench.function.is_valid_state());
         }
     }
 }

@@ -123,7 +123,7 @@ fn the_extended_control_tells_valid_marks_and_takes_other_values_while_it_runs()
         assert_eq!((out.outputs, out.deviation, out.correction), (0, 0, total));
         // The position of the mark is shifted by 50 units of 10 inc.
         let words = set(xfipw::FIELDS, &values(&[("corr_weight", weight), ("sync_shift", 50)]));
-        bench.function.renew(Words(&words));
+        bench.function.apply_values(Words(&words));
         assert_eq!(marked(&mut bench, 13_600, 0).deviation, -100);
     }
 }
@@ -215,7 +215,7 @@ fn a_correction_keeps_the_window_that_it_began_with() {
         marked(&mut bench, 13_600, 0);
         assert_eq!(bench.step(x - 13_600, 0).correction, there);
         let words = set(xfipw::FIELDS, &set_of([("corr_start", 19_000), ("corr_len", 1000)]));
-        bench.function.renew(Words(&words));
+        bench.function.apply_values(Words(&words));
         assert_eq!(bench.step(0, 0).correction, there);
         // The end of its own window; the next correction has the new window.
         assert_eq!([17_600 - x, 2399, 1].map(|way| bench.step(way, 0).correction), [400; 3]);

@@ -6,12 +6,12 @@ use crate::event::Kind;
 use crate::machine::tests::rig::{LINE, at, couple, to};
 use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader};
-use crate::text::sentence;
+use crate::text::message;
 use proptest::prelude::*;
 
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "a test has few of them")]
-enum Happening {
+enum RandomEvent {
     Set(u16, Vec<(&'static str, i64)>),
     Goal(Action),
     Latch(u32),
@@ -57,17 +57,17 @@ fn goal() -> impl Strategy<Value = Action> {
     ]
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
+fn random_event() -> impl Strategy<Value = RandomEvent> {
     let set = (prop::sample::select(&[X, Y][..]), prop::collection::vec(value(), 1..4));
     prop_oneof![
-        10 => set.prop_map(|(axis, values)| Happening::Set(axis, values)),
-        3 => goal().prop_map(Happening::Goal),
-        1 => (0_u32..1_000_000).prop_map(Happening::Latch),
-        1 => (-40_i64..40).prop_map(Happening::Belt),
-        1 => (0_usize..2, -60_i64..60).prop_map(|(drive, by)| Happening::Slip(drive, by)),
-        1 => (0_usize..2).prop_map(Happening::Fault),
-        1 => Just(Happening::Mirror),
-        10 => (0_u64..60).prop_map(Happening::Cycles),
+        10 => set.prop_map(|(axis, values)| RandomEvent::Set(axis, values)),
+        3 => goal().prop_map(RandomEvent::Goal),
+        1 => (0_u32..1_000_000).prop_map(RandomEvent::Latch),
+        1 => (-40_i64..40).prop_map(RandomEvent::Belt),
+        1 => (0_usize..2, -60_i64..60).prop_map(|(drive, by)| RandomEvent::Slip(drive, by)),
+        1 => (0_usize..2).prop_map(RandomEvent::Fault),
+        1 => Just(RandomEvent::Mirror),
+        10 => (0_u64..60).prop_map(RandomEvent::Cycles),
     ]
 }
 
@@ -117,7 +117,7 @@ proptest! {
     /// Proves: AMC-POS-01, AMC-SEL-09
     #[test]
     fn the_selector_never_jumps_never_fights_and_ends_at_rest(
-        is_fraction in any::<bool>(), happenings in prop::collection::vec(happening(), 1..60),
+        is_fraction in any::<bool>(), happenings in prop::collection::vec(random_event(), 1..60),
     ) {
         let mut config = wired();
         if is_fraction {
@@ -128,14 +128,14 @@ proptest! {
         let mut before = [None; 2];
         for happening in happenings {
             match happening {
-                Happening::Set(axis, values) => drop(rig.give(changes(axis, &values))),
-                Happening::Goal(action) => drop(rig.give(action)),
-                Happening::Latch(age) => drop(rig.plant.add_latch(latch(MARK, age, None))),
-                Happening::Belt(by) => rig.plant.jump_encoder(0, by),
-                Happening::Slip(drive, by) => rig.plant.drive(drive).unwrap().jump(by),
-                Happening::Fault(drive) => rig.plant.drive(drive).unwrap().inject_fault(0x8611),
-                Happening::Mirror => rig.mirror(),
-                Happening::Cycles(count) => {
+                RandomEvent::Set(axis, values) => drop(rig.give(changes(axis, &values))),
+                RandomEvent::Goal(action) => drop(rig.give(action)),
+                RandomEvent::Latch(age) => drop(rig.plant.add_latch(latch(MARK, age, None))),
+                RandomEvent::Belt(by) => rig.plant.jump_encoder(0, by),
+                RandomEvent::Slip(drive, by) => rig.plant.drive(drive).unwrap().jump(by),
+                RandomEvent::Fault(drive) => rig.plant.drive(drive).unwrap().inject_fault(0x8611),
+                RandomEvent::Mirror => rig.mirror(),
+                RandomEvent::Cycles(count) => {
                     for _ in 0..count {
                         rig.run(1);
                         check(&rig, &before)?;
@@ -162,7 +162,7 @@ proptest! {
         let was_coupled = rig.events.iter().any(|event| event.kind == Kind::Error);
         prop_assert!(was_coupled || (-20_000..=50_000).contains(&end), "{}", end);
         for event in &rig.events {
-            prop_assert!(!sentence(event, rig.machine.config()).contains("code "));
+            prop_assert!(!message(event, rig.machine.config()).contains("code "));
         }
     }
 }

@@ -20,7 +20,7 @@ pub(super) fn places(rig: &Rig) -> Places {
 }
 
 /// Checks the rule; `before` holds the positions of the last cycle and earlier.
-pub(super) fn limits_are_kept(rig: &Rig, before: Places) -> Result<(), TestCaseError> {
+pub(super) fn check_limits(rig: &Rig, before: Places) -> Result<(), TestCaseError> {
     let axes = rig.machine.state.axes.iter().zip(AXES);
     for ((axis, name), (before, now)) in axes.zip(before.into_iter().zip(places(rig))) {
         let (Some(before), Some(now)) = (before, now) else { continue };

@@ -30,7 +30,7 @@ impl Locks {
     }
 
     /// Checks the rule after a cycle.
-    pub(super) fn are_kept(&mut self, rig: &Rig) -> Result<(), TestCaseError> {
+    pub(super) fn check(&mut self, rig: &Rig) -> Result<(), TestCaseError> {
         let news = &rig.events[self.told..];
         for (index, (name, before)) in AXES.into_iter().zip(&mut self.before).enumerate() {
             let has_voltage = index == 0 || rig.int(&format!("{name}.output.control")) & VOLTAGE != 0;

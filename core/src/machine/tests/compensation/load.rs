@@ -28,7 +28,7 @@ fn error_at(points: &[(i64, i64)], place: i64) -> f64 {
 fn off(config: MachineConfig, method: i8) -> Vec<f64> {
     let mut rig = Rig::with(config, [Model::Ideal, Model::Ideal]);
     let home = Some((-500, 500));
-    rig.plant.drive(0).unwrap().fit(Fixtures { start: -8_000, home, ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { start: -8_000, home, ..Fixtures::default() });
     let mut screw = Screw { play: BACKLASH, nut: 0 };
     rig.enable();
     let goal = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(method) }));

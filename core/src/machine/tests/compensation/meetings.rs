@@ -13,7 +13,7 @@ fn a_zero_that_is_found_again_is_where_it_was() {
         let mut rig = Rig::of(cell(2, BACKLASH, Some(&[(-40_000, 0), (-1_000, 90), (40_000, 30)])));
         let index = Some(Index { every: 2_000, at: 300 });
         let home_switch = Some((-500, 500));
-        rig.plant.drive(0).unwrap().fit(Fixtures { start: -3_000, home: home_switch, index, ..Fixtures::default() });
+        rig.plant.drive(0).unwrap().install_fixtures(Fixtures { start: -3_000, home: home_switch, index, ..Fixtures::default() });
         rig.enable();
         let mut zeros = Vec::new();
         for place in [None, Some(-1_700), Some(-1_700), Some(-1_200)] {
@@ -37,7 +37,7 @@ fn a_zero_that_is_found_again_is_where_it_was() {
 #[test]
 fn homing_holds_what_there_is() {
     let mut rig = homed(cell(0, BACKLASH, Some(&PITCH)));
-    rig.plant.drive(0).unwrap().fit(Fixtures { start: 0, home: Some((30_000, 30_500)), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { start: 0, home: Some((30_000, 30_500)), ..Fixtures::default() });
     go(&mut rig, 20_000);
     let goal = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(19) }));
     while rig.done(goal).is_empty() {
@@ -61,7 +61,7 @@ fn pulses_are_counted_as_before_and_their_places_are_those_of_the_load() {
     let p = &mut config.axes[1].parameters;
     (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 0 }), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 0 }), ..Fixtures::default() });
     rig.enable();
     home(&mut rig, 35);
     for target in [30_000, 29_000, 31_000, -20_000, 500] {
@@ -134,7 +134,7 @@ fn an_absolute_encoder_knows_its_place_at_once() {
 /// Switched off and on again, and moved by hand in between: nothing moves by itself, and the direction of the last
 /// motion is retained.
 #[test]
-fn power_moves_nothing() {
+fn power_off_and_on_moves_nothing() {
     let mut rig = homed(cell(4, BACKLASH, Some(&PITCH)));
     go(&mut rig, 20_000);
     go(&mut rig, 10_000);
@@ -200,7 +200,7 @@ fn a_drive_that_homes_by_itself_has_the_sense_of_its_method() {
         let mut config = cell(1, BACKLASH, Some(&[(-50_000, 0), (-5_000, 100), (50_000, 100)]));
         config.axes[1].parameters.homing.in_drive = true;
         let mut rig = Rig::of(config);
-        rig.plant.drive(0).unwrap().fit(Fixtures { start: -3_000, home: Some((-500, 500)), ..Fixtures::default() });
+        rig.plant.drive(0).unwrap().install_fixtures(Fixtures { start: -3_000, home: Some((-500, 500)), ..Fixtures::default() });
         rig.enable();
         home(&mut rig, method);
         let first = rig.int("x.actual.position");

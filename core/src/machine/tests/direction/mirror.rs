@@ -15,7 +15,7 @@ use crate::sim::Model;
 use proptest::prelude::*;
 
 #[derive(Clone, Debug)]
-enum Deed {
+enum RandomCommand {
     Move(Move),
     Override(f64),
     Halt,
@@ -28,7 +28,7 @@ enum Deed {
     MoveLine(i64),
 }
 
-fn deed() -> impl Strategy<Value = Deed> {
+fn random_command() -> impl Strategy<Value = RandomCommand> {
     use MoveMode::{Absolute, Additive, Relative, Superimposed};
     let mode = prop::sample::select(vec![Absolute, Relative, Additive, Superimposed]);
     let buffer = prop::sample::select(vec![
@@ -40,64 +40,64 @@ fn deed() -> impl Strategy<Value = Deed> {
     ]);
     let rates = (prop_oneof![Just(0.0), 1e3..1e5_f64], prop_oneof![Just(0.0), 1e5..1e6_f64]);
     let moves = (mode, -40_000_i64..40_000, rates, buffer).prop_map(|(mode, target, (velocity, rate), buffer_mode)| {
-        Deed::Move(Move { mode, velocity, acceleration: rate, buffer_mode, ..to(X, target) })
+        RandomCommand::Move(Move { mode, velocity, acceleration: rate, buffer_mode, ..to(X, target) })
     });
-    let runs = (-90_000.0..90_000.0_f64).prop_map(|velocity| Deed::Move(at(X, velocity)));
+    let runs = (-90_000.0..90_000.0_f64).prop_map(|velocity| RandomCommand::Move(at(X, velocity)));
     prop_oneof![
         6 => moves,
         2 => runs,
-        1 => (0.0..100.0_f64).prop_map(Deed::Override),
-        1 => Just(Deed::Halt),
-        1 => Just(Deed::Disable),
-        2 => Just(Deed::Enable),
-        1 => (-300_i64..300).prop_map(Deed::Slip),
-        1 => (-90_000.0..90_000.0_f64).prop_map(Deed::Stream),
-        2 => (-3_i64..4).prop_map(Deed::Couple),
-        2 => (-20_000_i64..20_000).prop_map(Deed::MoveLine),
+        1 => (0.0..100.0_f64).prop_map(RandomCommand::Override),
+        1 => Just(RandomCommand::Halt),
+        1 => Just(RandomCommand::Disable),
+        2 => Just(RandomCommand::Enable),
+        1 => (-300_i64..300).prop_map(RandomCommand::Slip),
+        1 => (-90_000.0..90_000.0_f64).prop_map(RandomCommand::Stream),
+        2 => (-3_i64..4).prop_map(RandomCommand::Couple),
+        2 => (-20_000_i64..20_000).prop_map(RandomCommand::MoveLine),
     ]
 }
 
 /// Returns the same event for a machine whose x counts in the opposite direction.
-fn mirrored(deed: &Deed) -> Deed {
+fn mirrored(deed: &RandomCommand) -> RandomCommand {
     match deed {
-        Deed::Move(request) => {
+        RandomCommand::Move(request) => {
             let target = Length { nearest: -request.target.nearest, rest: -request.target.rest };
             let velocity = if request.mode == MoveMode::Velocity { 0.0 - request.velocity } else { request.velocity };
-            Deed::Move(Move { target, velocity, ..*request })
+            RandomCommand::Move(Move { target, velocity, ..*request })
         }
-        Deed::Stream(velocity) => Deed::Stream(0.0 - velocity),
-        Deed::Couple(numerator) => Deed::Couple(-numerator),
+        RandomCommand::Stream(velocity) => RandomCommand::Stream(0.0 - velocity),
+        RandomCommand::Couple(numerator) => RandomCommand::Couple(-numerator),
         other => other.clone(),
     }
 }
 
-fn does(rig: &mut Rig, deed: &Deed) {
+fn does(rig: &mut Rig, deed: &RandomCommand) {
     let x = AxisSet::one(X);
     let action = match deed {
-        Deed::Move(request) => Action::Move(*request),
-        Deed::Override(share) => {
+        RandomCommand::Move(request) => Action::Move(*request),
+        RandomCommand::Override(share) => {
             let (row, _) = Row::find("velocity_override").unwrap();
             Action::SetParameters([Change { axis: X, row, value: Value::Real(*share) }].into())
         }
-        Deed::Halt => Action::Halt(x),
-        Deed::Disable => Action::Disable(x),
-        Deed::Enable => Action::Enable(x),
+        RandomCommand::Halt => Action::Halt(x),
+        RandomCommand::Disable => Action::Disable(x),
+        RandomCommand::Enable => Action::Enable(x),
         // A slip of the drive is the same in both machines.
-        Deed::Slip(by) => return rig.plant.drive(0).unwrap().jump(*by),
-        Deed::Stream(velocity) => {
+        RandomCommand::Slip(by) => return rig.plant.drive(0).unwrap().jump(*by),
+        RandomCommand::Stream(velocity) => {
             return rig.stream(X, *velocity);
         }
-        Deed::Couple(numerator) => {
+        RandomCommand::Couple(numerator) => {
             let request = couple(X, Leader::AxisCommand(0), *numerator, 1);
             Action::Synchronize(Synchronize { velocity: 50_000.0, ..request })
         }
-        Deed::MoveLine(target) => Action::Move(to(0, *target)),
+        RandomCommand::MoveLine(target) => Action::Move(to(0, *target)),
     };
     rig.give(action);
 }
 
 /// Returns the content of an event without positions and velocities.
-fn gist(event: &Event) -> (u64, u32, String, bool) {
+fn event_content(event: &Event) -> (u64, u32, String, bool) {
     let has_number = event.asked != Number::None;
     (event.command, event.code.0, format!("{:?}", event.kind), has_number)
 }
@@ -121,7 +121,7 @@ fn same(one: &mut Rig, other: &mut Rig) -> Result<(), TestCaseError> {
     for name in ["x.command.velocity", "x.command.acceleration", "x.actual.velocity", "x.regulator.output"] {
         prop_assert_eq!(one.real(name), 0.0 - other.real(name), "{}", name);
     }
-    let gists = |rig: &mut Rig| rig.events.drain(..).map(|event| gist(&event)).collect::<Vec<_>>();
+    let gists = |rig: &mut Rig| rig.events.drain(..).map(|event| event_content(&event)).collect::<Vec<_>>();
     let (mine, others) = (gists(one), gists(other));
     prop_assert_eq!(mine, others);
     Ok(())
@@ -135,7 +135,7 @@ proptest! {
     fn inverted_units_are_the_mirror_image_to_the_last_bit(
         shape in 0_i64..2,
         here in any::<bool>(),
-        deeds in prop::collection::vec((deed(), 0_u64..150), 1..20),
+        deeds in prop::collection::vec((random_command(), 0_u64..150), 1..20),
     ) {
         let rig = |sign: i64| {
             // For a loop that is closed in the core the wiring is inverted as well.
@@ -173,11 +173,11 @@ fn inverted_units_are_the_mirror_image_with_limited_jerk() {
     };
     let (mut one, mut other) = (rig(1), rig(-1));
     let deeds = [
-        (Deed::Move(to(X, 12_345)), 100),
-        (Deed::Move(at(X, 43_314.466)), 76),
-        (Deed::Halt, 103),
-        (Deed::Move(to(X, -7_001)), 70),
-        (Deed::Move(to(X, 333)), 1_000),
+        (RandomCommand::Move(to(X, 12_345)), 100),
+        (RandomCommand::Move(at(X, 43_314.466)), 76),
+        (RandomCommand::Halt, 103),
+        (RandomCommand::Move(to(X, -7_001)), 70),
+        (RandomCommand::Move(to(X, 333)), 1_000),
     ];
     for (deed, cycles) in deeds {
         does(&mut one, &deed);

@@ -163,7 +163,7 @@ fn a_slave_that_runs_backwards_is_stopped_without_a_jump() {
 }
 
 #[derive(Clone, Debug)]
-enum Deed {
+enum RandomCommand {
     Move(Move),
     Set(&'static str, Value),
     Halt,
@@ -172,7 +172,7 @@ enum Deed {
     Stream(f64),
 }
 
-fn deed() -> impl Strategy<Value = Deed> {
+fn random_command() -> impl Strategy<Value = RandomCommand> {
     use MoveMode::{Absolute, Relative, Superimposed, Velocity};
     let mode = prop::sample::select(vec![Absolute, Relative, Relative, Superimposed, Velocity]);
     let rates = (-1e5..1e5_f64, prop_oneof![Just(0.0), 1e5..1e6_f64], prop_oneof![Just(0.0), 5e5..2e7_f64]);
@@ -192,14 +192,14 @@ fn deed() -> impl Strategy<Value = Deed> {
         (-90_000.0..90_000.0_f64).prop_map(|velocity| at(0, velocity))
     ];
     prop_oneof![
-        6 => moves.prop_map(Deed::Move),
-        2 => (0.0..100.0_f64).prop_map(|share| Deed::Set("velocity_override", Value::Real(share))),
-        1 => (0_i64..3).prop_map(|shape| Deed::Set("profile", Value::Int(shape))),
-        1 => (2e6..2e7_f64).prop_map(|jerk| Deed::Set("max_jerk", Value::Real(jerk))),
-        2 => Just(Deed::Halt),
-        2 => (-2_i64..4, -5_000_i64..5_000).prop_map(|(ratio, offset)| Deed::Couple(ratio, offset)),
-        3 => line.prop_map(Deed::Line),
-        1 => (-9e4..9e4_f64).prop_map(Deed::Stream),
+        6 => moves.prop_map(RandomCommand::Move),
+        2 => (0.0..100.0_f64).prop_map(|share| RandomCommand::Set("velocity_override", Value::Real(share))),
+        1 => (0_i64..3).prop_map(|shape| RandomCommand::Set("profile", Value::Int(shape))),
+        1 => (2e6..2e7_f64).prop_map(|jerk| RandomCommand::Set("max_jerk", Value::Real(jerk))),
+        2 => Just(RandomCommand::Halt),
+        2 => (-2_i64..4, -5_000_i64..5_000).prop_map(|(ratio, offset)| RandomCommand::Couple(ratio, offset)),
+        3 => line.prop_map(RandomCommand::Line),
+        1 => (-9e4..9e4_f64).prop_map(RandomCommand::Stream),
     ]
 }
 
@@ -211,7 +211,7 @@ proptest! {
     fn whatever_happens_it_never_goes_back(
         rule in 1_i64..3,
         posdrct in prop::sample::select(vec![1_i64, -1]),
-        deeds in prop::collection::vec((deed(), prop_oneof![0_u64..20, 0_u64..300]), 1..25),
+        deeds in prop::collection::vec((random_command(), prop_oneof![0_u64..20, 0_u64..300]), 1..25),
     ) {
         let mut config = config(0);
         let p = &mut config.axes[1].parameters;
@@ -222,16 +222,16 @@ proptest! {
         for (deed, cycles) in deeds {
             let was_coupled_before = rig.state("x") == "SYNCHRONIZED_MOTION";
             match deed {
-                Deed::Stream(velocity) => {
+                RandomCommand::Stream(velocity) => {
                     rig.stream(X, velocity);
                 }
-                Deed::Move(request) | Deed::Line(request) => drop(rig.give(Action::Move(request))),
-                Deed::Set(key, value) => {
+                RandomCommand::Move(request) | RandomCommand::Line(request) => drop(rig.give(Action::Move(request))),
+                RandomCommand::Set(key, value) => {
                     let (row, _) = Row::find(key).unwrap();
                     rig.give(Action::SetParameters([Change { axis: X, row, value }].into()));
                 }
-                Deed::Halt => drop(rig.give(Action::Halt(AxisSet::one(X)))),
-                Deed::Couple(ratio, offset) => {
+                RandomCommand::Halt => drop(rig.give(Action::Halt(AxisSet::one(X)))),
+                RandomCommand::Couple(ratio, offset) => {
                     let request = couple(X, Leader::AxisCommand(0), ratio, 1);
                     let offset = crate::position::Length::whole(offset);
                     rig.give(Action::Synchronize(Synchronize { offset, ..request }));

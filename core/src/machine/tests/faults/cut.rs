@@ -1,7 +1,7 @@
 //! Absolute encoders whose line is cut: they do not recover, so each needs a separate machine.
 
 use super::super::rig::{Rig, config};
-use super::{Numbers, Shown, X, answers, begin, by_errcond, errors, set, shown};
+use super::{Numbers, Shown, X, check_reaction, begin, by_errcond, errors, set, shown};
 use crate::axis::Wired;
 use crate::code::Code;
 use crate::drive::Interface;
@@ -36,7 +36,7 @@ fn a_cut_line_ends_in_the_reaction_of_its_interface_in_its_cycle() {
                 assert_eq!(errors(&rig, X), [], "{text}");
                 rig.plant.drive(0).expect("x").cut_encoder();
                 rig.run(1);
-                answers(&mut rig, Code::ENCODER_INVALID, expected(interface, errcond), &text);
+                check_reaction(&mut rig, Code::ENCODER_INVALID, expected(interface, errcond), &text);
                 assert_eq!(errors(&rig, X), [Code::ENCODER_INVALID], "{text}: told once");
                 assert_eq!(rig.real("x.command.velocity"), 0.0, "{text}");
                 (faults, cycles) = (faults + 1, cycles + rig.machine.next_cycle());

@@ -17,7 +17,7 @@ fn warnings(rig: &Rig) -> Vec<Event> {
 fn a_drive_that_fails_while_its_axis_is_off_is_told() {
     for (fails, code) in [
         ((|rig: &mut Rig| rig.plant.drive(0).unwrap().inject_fault(0x7305)) as fn(&mut Rig), Code::drive_fault(0x7305)),
-        (|rig| rig.plant.drive(0).unwrap().lose(), Code::DRIVE_LOST),
+        (|rig| rig.plant.drive(0).unwrap().disconnect(), Code::DRIVE_LOST),
     ] {
         let mut rig = Rig::new();
         rig.run(20);

@@ -9,12 +9,12 @@ pub(super) struct Page {
     pub says: BTreeMap<u32, String>,
     /// Rows of the reactions: text, place, and a keyword for each value of error_reaction.
     pub rows: Vec<(String, String, Vec<String>)>,
-    words: BTreeMap<String, Deed>,
+    words: BTreeMap<String, ExpectedReaction>,
 }
 
 /// Meaning of a keyword of the page.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Deed {
+pub(super) struct ExpectedReaction {
     pub at_once: BTreeSet<String>,
     pub at_rest: BTreeSet<String>,
     pub locks: bool,
@@ -49,7 +49,7 @@ impl Page {
         });
         let set = |cell: &str| cell.split(", ").map(str::to_owned).collect();
         let words = table(&text, "| word |").into_iter().map(|cells| {
-            let deed = Deed { at_once: set(cells[1]), at_rest: set(cells[2]), locks: cells[3] == "yes" };
+            let deed = ExpectedReaction { at_once: set(cells[1]), at_rest: set(cells[2]), locks: cells[3] == "yes" };
             (cells[0].to_owned(), deed)
         });
         Self { says, rows: rows.collect(), words: words.collect() }
@@ -64,7 +64,7 @@ impl Page {
     }
 
     /// Returns the reaction of an axis to an error of a code.
-    pub(super) fn deed(&self, code: Code, place: &str, errcond: i64, endswmod: i64) -> &Deed {
+    pub(super) fn expected_reaction(&self, code: Code, place: &str, errcond: i64, endswmod: i64) -> &ExpectedReaction {
         let rows = self.rows_of(code);
         let switch = format!("`endswmod` {endswmod}");
         let row = rows.iter().find(|row| [String::new(), switch.clone(), place.to_owned()].contains(&row.1));

@@ -2,7 +2,7 @@
 //! expected reaction is read from the page text of the code.
 
 use super::super::rig::{LINE, Rig, X, Y, at, config, couple, saia_verb, to};
-use super::page::{Deed, Page};
+use super::page::{ExpectedReaction, Page};
 use super::{DOOR, ESTOP, Fault, Numbers, set, ways};
 use crate::axis::Wired;
 use crate::code::{Class, Code, DRIVE_FAULT};
@@ -18,7 +18,7 @@ use crate::vocabulary::{self, Order, saia};
 use std::collections::BTreeSet;
 
 /// Defines the causes of errors, and a list of them.
-macro_rules! ways {
+macro_rules! error_causes {
     ($($way:ident),* $(,)?) => {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         enum Way {
@@ -29,7 +29,7 @@ macro_rules! ways {
     };
 }
 
-ways! {
+error_causes! {
     Slip,
     OfOther,
     Alarm,
@@ -56,7 +56,7 @@ ways! {
 use Way::*;
 
 /// Returns the causes that an axis with this interface can have; `None` is a virtual axis.
-fn ways_of(interface: Option<Interface>) -> &'static [Way] {
+fn causes_of(interface: Option<Interface>) -> &'static [Way] {
     match interface {
         Some(Interface::Position) => ALL,
         Some(Interface::Velocity) => &[Cut, Switch, DriveFault, DriveLost, Door, Estop],
@@ -106,7 +106,7 @@ impl Case {
         rig.plant.set_digital(ESTOP, true);
         rig.plant.set_digital(DOOR, true);
         if self.way == IntoSwitch {
-            rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+            rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         }
         rig.run(1);
         rig.enable();
@@ -173,7 +173,7 @@ impl Case {
     }
 
     /// Causes the error and runs its cycle. Returns the expected code.
-    fn bring(&self, rig: &mut Rig) -> Code {
+    fn cause_error(&self, rig: &mut Rig) -> Code {
         let (axis, name) = self.axis();
         let mut numbers = Numbers(3);
         let drive = rig.plant.drive(0).unwrap();
@@ -192,12 +192,12 @@ impl Case {
                 Code::SKEW
             }
             Switch => {
-                drive.stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+                drive.set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
                 Code::HARDWARE_LIMIT_POSITIVE
             }
             BothSwitches => {
                 let both = inputs::POSITIVE_LIMIT | inputs::NEGATIVE_LIMIT;
-                drive.stick(both, both);
+                drive.set_stuck_inputs(both, both);
                 Code::BOTH_LIMIT_SWITCHES
             }
             Cut => {
@@ -209,16 +209,16 @@ impl Case {
                 Code::drive_fault(0x8611)
             }
             DriveLost => {
-                drive.lose();
+                drive.disconnect();
                 Code::DRIVE_LOST
             }
             DriveOff => {
                 // State switched on only: the enable input of the drive was removed.
-                rig.tamper = |inputs| inputs.drive[0].status = 0x23 | inputs.drive[0].status & STATUS_WARNING;
+                rig.modify_inputs = |inputs| inputs.drive[0].status = 0x23 | inputs.drive[0].status & STATUS_WARNING;
                 Code::DRIVE_DISABLED
             }
             DriveSilent => {
-                rig.tamper = |inputs| inputs.drive[0].fresh = false;
+                rig.modify_inputs = |inputs| inputs.drive[0].fresh = false;
                 rig.run(10);
                 Code::DRIVE_STALE
             }
@@ -227,7 +227,7 @@ impl Case {
                 Code::STOPPED_WITH_OTHER
             }
             LeaderLost => {
-                rig.plant.drive(1).unwrap().lose();
+                rig.plant.drive(1).unwrap().disconnect();
                 Code::LEADER_LOST
             }
             Door => {
@@ -338,10 +338,10 @@ impl Case {
         self.begin(&mut rig);
         rig.events.clear();
         assert_eq!((rig.int(&format!("{name}.error")), rig.int("error")), (0, 0), "{text}");
-        let code = self.bring(&mut rig);
+        let code = self.cause_error(&mut rig);
         // A refusal by Lineshaft has no reaction of its own.
         let listed = if self.way == OwnCommand { Code::SAIA_VELOCITY_OUT_OF_RANGE } else { code };
-        let deed = page.deed(listed, self.place(), self.errcond, self.endswmod);
+        let deed = page.expected_reaction(listed, self.place(), self.errcond, self.endswmod);
         let text = format!("{text}, {}: {deed:?}", code.0);
         let error = i64::from(code.0);
         assert_eq!((rig.int(&format!("{name}.error")), rig.int("error")), (error, 1), "{text}");
@@ -393,12 +393,12 @@ impl Case {
         let told = rig.events.iter().filter(|event| event.source == Object::Axis(axis) && event.kind == Kind::Error);
         assert_eq!(told.map(|event| event.code).collect::<Vec<_>>(), [code], "{text}: told once");
         assert_eq!(rig.state(name) == "ERROR_STOP", deed.locks, "{text}");
-        self.let_go(&mut rig, deed, &text);
+        self.check_reset(&mut rig, deed, &text);
         code
     }
 
     /// Checks that commands are refused exactly if the axis is locked, and that the reset releases it.
-    fn let_go(&self, rig: &mut Rig, deed: &Deed, text: &str) {
+    fn check_reset(&self, rig: &mut Rig, deed: &ExpectedReaction, text: &str) {
         let (axis, name) = self.axis();
         let enable = rig.give(Action::Enable(AxisSet::one(axis)));
         rig.run(1);
@@ -416,12 +416,12 @@ impl Case {
             return;
         }
         let error = rig.int(&format!("{name}.error"));
-        rig.tamper = |_| {};
+        rig.modify_inputs = |_| {};
         let all = inputs::POSITIVE_LIMIT | inputs::NEGATIVE_LIMIT | inputs::HOME;
         for place in [0, 1] {
             let drive = rig.plant.drive(place).unwrap();
-            drive.stick(all, 0);
-            drive.find();
+            drive.set_stuck_inputs(all, 0);
+            drive.reconnect();
         }
         if self.way == Skew {
             let skew = rig.int("x.skew");
@@ -463,7 +463,7 @@ fn every_error_does_what_the_page_says_of_it() {
     let interfaces = [Some(Interface::Position), Some(Interface::Velocity), Some(Interface::OpenLoop), None];
     let (mut walked, mut count, mut failed) = (BTreeSet::new(), 0, Vec::new());
     for interface in interfaces {
-        for &way in ways_of(interface) {
+        for &way in causes_of(interface) {
             for (moving, errcond, endswmod) in [true, false]
                 .into_iter()
                 .flat_map(|moving| (0..6).flat_map(move |errcond| [0, 1].map(|endswmod| (moving, errcond, endswmod))))
@@ -496,7 +496,7 @@ fn the_page_has_a_row_for_every_code_that_is_an_error() {
         assert_eq!(!page.rows_of(row.code).is_empty(), is_error, "{}", row.name);
         for errcond in if is_error { 0..6 } else { 0..0 } {
             for (place, endswmod) in [("loop in the drive", 0), ("loop closed here", 1)] {
-                page.deed(row.code, place, errcond, endswmod);
+                page.expected_reaction(row.code, place, errcond, endswmod);
             }
         }
     }

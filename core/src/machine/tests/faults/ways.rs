@@ -24,7 +24,7 @@ pub(super) fn fail_to_home(rig: &mut Rig, numbers: &mut Numbers, fault: Fault) -
     set(rig, "homing.max_distance", MOST);
     let drive = rig.plant.drive(0).expect("x");
     // The axis is at 0; the switch and the index are ahead.
-    drive.fit(Fixtures {
+    drive.install_fixtures(Fixtures {
         index: Some(Index { every: REVOLUTION, at: 1 + numbers.below(1_999) as i64 }),
         home: Some((1_500, FAR)),
         ..Fixtures::default()
@@ -38,14 +38,14 @@ pub(super) fn fail_to_home(rig: &mut Rig, numbers: &mut Numbers, fault: Fault) -
     rig.run(1);
     match fault {
         Fault::LostIndex => rig.plant.drive(0).expect("x").lose_index(),
-        _ => rig.plant.drive(0).expect("x").stick(inputs::HOME, 0),
+        _ => rig.plant.drive(0).expect("x").set_stuck_inputs(inputs::HOME, 0),
     }
     let home = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(method) }));
     assert!(rig.was_accepted(home), "{fault:?}");
     if fault == Fault::StuckLimit {
         rig.run(5 + numbers.below(25));
         assert_eq!((rig.state("x"), rig.int("x.error")), ("HOMING", 0));
-        rig.plant.drive(0).expect("x").stick(inputs::HOME | inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(0).expect("x").set_stuck_inputs(inputs::HOME | inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run(1);
     } else {
         while (rig.int("x.actual.position") - from).abs() <= most {
@@ -55,7 +55,7 @@ pub(super) fn fail_to_home(rig: &mut Rig, numbers: &mut Numbers, fault: Fault) -
     }
     assert_eq!(rig.done(home).iter().map(|done| done.code).collect::<Vec<_>>(), [code], "its goal ends with it");
     assert_eq!(rig.int("x.homed"), 0);
-    rig.plant.drive(0).expect("x").stick(inputs::HOME | inputs::POSITIVE_LIMIT, 0);
+    rig.plant.drive(0).expect("x").set_stuck_inputs(inputs::HOME | inputs::POSITIVE_LIMIT, 0);
     code
 }
 

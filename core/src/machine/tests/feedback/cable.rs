@@ -16,7 +16,7 @@ fn alarm_7_is_acknowledged_after_its_cable_is_mended() {
     let mut rig = Rig::of(config);
     rig.enable();
     rig.run(100);
-    rig.tamper = |inputs| inputs.encoder[0].valid = false;
+    rig.modify_inputs = |inputs| inputs.encoder[0].valid = false;
     rig.run(1);
     assert_eq!((error(&rig), rig.int("x.wf.alarm")), (i64::from(Code::WF_ENCODER_CABLE.0), 7));
     let reset = Request { axis: X, reset: true, ..Request::default() };
@@ -24,7 +24,7 @@ fn alarm_7_is_acknowledged_after_its_cable_is_mended() {
     assert_eq!(rig.refusal(refused), "x: alarm 7: the encoder gives no value; its cable may be broken");
     rig.run(10);
     assert_eq!((rig.int("x.wf.alarm"), rig.state("x"), rig.int("x.wf.enable")), (7, "ERROR_STOP", 0));
-    rig.tamper = |_| ();
+    rig.modify_inputs = |_| ();
     rig.run(2);
     let sequence = rig.give(Action::vocabulary(reset));
     assert!(rig.was_accepted(sequence));

@@ -22,7 +22,7 @@ fn a_hundred_bad_words_are_replaced_and_the_next_one_is_a_position_error() {
         rig.run(2_000);
         let behind = rig.int("x.following_error");
         // The highest bit of the word inverts its sign.
-        rig.plant.drive(0).unwrap().disturb(1 << 24, words);
+        rig.plant.drive(0).unwrap().invert_bits(1 << 24, words);
         for _ in 0..100 {
             rig.run(1);
             assert_eq!(error(&rig), 0);
@@ -33,7 +33,7 @@ fn a_hundred_bad_words_are_replaced_and_the_next_one_is_a_position_error() {
         assert_eq!(error(&rig), i64::from(ends_in.0), "{words}");
         let warned: Vec<_> = rig.events.iter().filter(|event| event.code == Code::ENCODER_SUBSTITUTED).collect();
         assert_eq!(warned.len(), 1, "told once");
-        let sentence = crate::text::sentence(warned[0], rig.machine.config());
+        let sentence = crate::text::message(warned[0], rig.machine.config());
         assert_eq!(sentence, "x: a bad word of the encoder was replaced by an extrapolated one; 1 so far");
     }
 }
@@ -102,7 +102,7 @@ fn a_jump_is_an_error_in_its_cycle() {
             assert_eq!(event.cycle, cycle);
             let text =
                 format!("x: the encoder jumped by {} mm in one cycle; its axis moves 0.3 mm at most", by as f64 / 1e3);
-            assert_eq!(crate::text::sentence(event, rig.machine.config()), text);
+            assert_eq!(crate::text::message(event, rig.machine.config()), text);
         }
     }
     let mut config = config(0);

@@ -140,7 +140,7 @@ fn a_reset_tells_what_the_error_told() {
     rig.run(5);
     let told = |kind| {
         let event = rig.events.iter().find(|event| event.kind == kind && event.code == Code::FOLLOWING_ERROR).unwrap();
-        crate::text::sentence(event, rig.machine.config())
+        crate::text::message(event, rig.machine.config())
     };
     let sentence = "following error -20.001 mm exceeds max_following_error 20 mm";
     assert_eq!(told(Kind::Error), format!("x: {sentence}"));

@@ -17,7 +17,7 @@ fn monitored() -> Rig {
     let p = &mut config.axes[1].parameters;
     (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
     rig.give(Action::Move(at(X, 10_000.0)));
     rig.run(500);
@@ -34,7 +34,7 @@ fn an_axis_that_rests_on_its_mark_goes_back_and_forth() {
     let p = &mut config.axes[1].parameters;
     (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().fit(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
     let home = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(34) }));
     rig.run(3_000);
@@ -70,7 +70,7 @@ fn pulses_that_are_too_many_or_missing_are_alarm_8_at_the_next_mark() {
         if alarm {
             assert_eq!((rig.state("x"), rig.int("x.enabled"), rig.int("x.wf.alarm")), ("ERROR_STOP", 0, 8));
             let event = rig.events.iter().find(|event| event.kind == Kind::Error).expect("an error");
-            let sentence = crate::text::sentence(event, rig.machine.config());
+            let sentence = crate::text::message(event, rig.machine.config());
             assert!(sentence.starts_with("x: alarm 8: pulses of the encoder are missing or too many: "), "{sentence}");
             assert!(sentence.ends_with(" since the index, beyond 0.024 mm"), "{sentence}");
             // The reset bit acknowledges the alarm, and the supervision starts again.

@@ -57,7 +57,7 @@ fn a_hard_zero_waits_for_the_other_users() {
     assert_eq!(rig.int("belt.position"), 0);
     let told = rig.events.iter().find(|event| event.code == Code::ENCODER_NOT_SHARED).unwrap();
     let sentence = "x: y, which reads the same encoder, began to move, so that only this axis has its new zero";
-    assert_eq!(crate::text::sentence(told, rig.machine.config()), sentence);
+    assert_eq!(crate::text::message(told, rig.machine.config()), sentence);
 }
 
 /// Followers of a shared encoder do not follow its new zero.

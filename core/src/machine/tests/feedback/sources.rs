@@ -251,7 +251,7 @@ fn sources_that_are_not_there_are_refused() {
     assert_eq!(rig.refusal(in_drive), sentence);
     let mut config = shared_config();
     config.axes[1].parameters.encoder.encodertype = 1;
-    let wrong = |code| Err(ConfigError::NotBuilt { axis: "x".to_owned(), key: "encodertype", code });
+    let wrong = |code| Err(ConfigError::NotImplemented { axis: "x".to_owned(), key: "encodertype", code });
     assert_eq!(config.check(), wrong(Code::ENCODER_CHOSEN_TWICE));
     config.axes[1].parameters.encoder.encodertype = 30;
     assert_eq!(config.check(), wrong(Code::ENCODER_NO_TERMINAL));
@@ -263,7 +263,7 @@ fn a_restored_machine_reads_on() {
     let mut rig = corrected();
     rig.give(Action::Move(at(X, 50_000.0)));
     rig.run(300);
-    rig.plant.drive(0).unwrap().disturb(1 << 24, 60);
+    rig.plant.drive(0).unwrap().invert_bits(1 << 24, 60);
     rig.run(20);
     rig.mirror();
     rig.run(300);

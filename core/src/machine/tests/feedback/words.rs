@@ -28,7 +28,7 @@ fn parity_by_md16_sees_a_single_wrong_track() {
             md16 == 2,
             "40000 mod 16384 is 7232, which has an even number of ones in Gray"
         );
-        rig.plant.drive(0).unwrap().disturb(1, 1);
+        rig.plant.drive(0).unwrap().invert_bits(1, 1);
         rig.run(1);
         let expected = if seen { i64::from(Code::ENCODER_INVALID.0) } else { 0 };
         assert_eq!(error(&rig), expected, "md16 {md16}");

@@ -106,7 +106,7 @@ fn a_zero_that_leads_another_user_out_of_range_is_one_of_the_axis_alone() {
     assert_eq!(seen(&rig)[..3], [(1 << 62) - 30, 340, 300]);
     let told = rig.events.iter().find(|event| event.code == Code::ENCODER_NOT_SHARED).unwrap();
     assert_eq!(
-        crate::text::sentence(told, rig.machine.config()),
+        crate::text::message(told, rig.machine.config()),
         "x: with its new zero a position or limit of the encoder or of an axis that reads it would leave +-2^62 increments, so \
          that only this axis has it"
     );

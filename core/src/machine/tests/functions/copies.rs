@@ -27,7 +27,7 @@ fn ecopy_in_speed_control_runs_an_axis_on_its_ramp() {
     assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
     rig.run(1);
     assert_eq!((rig.int("c.sink"), rig.state("disc"), rig.int("disc.reference")), (0, "STANDSTILL", 8));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!((rig.int("c.sink"), rig.int("lamp")), (300_000, 1));
     rig.run(10);
@@ -43,10 +43,10 @@ fn ecopy_in_speed_control_runs_an_axis_on_its_ramp() {
     rig.give(with(0, Order::ValueNew, &[(live, -150_000)]));
     rig.run(80);
     assert_eq!((rig.int("c.sink"), rig.real("disc.command.velocity")), (-150_000, -9_000.0));
-    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 0;
     rig.run(60);
     assert_eq!((rig.int("c.sink"), rig.real("disc.command.velocity")), (0, 0.0));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(60);
     assert_eq!(rig.real("disc.command.velocity"), -9_000.0);
     rig.give(order(0, Order::Reset));
@@ -89,7 +89,7 @@ fn dcopy_in_speed_control_runs_an_axis_at_the_speed_of_another_function() {
     let started = rig.give_all(vec![start, order(1, Order::Start)]);
     assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
     rig.run(1);
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!((rig.int("turn.sink"), rig.int("c.sink")), (600_000, 600_000), "in the same cycle");
     rig.run(90);

@@ -18,12 +18,12 @@ fn a_function_tells_its_start_its_outputs_and_its_end() {
     let told = |rig: &mut Rig| {
         let events = std::mem::take(&mut rig.events);
         let states = events.into_iter().filter(|event| event.kind == Kind::State);
-        states.map(|event| (event.cycle, crate::text::sentence(&event, &config))).collect::<Vec<_>>()
+        states.map(|event| (event.cycle, crate::text::message(&event, &config))).collect::<Vec<_>>()
     };
     rig.run(3);
     rig.give(order(0, Order::Start));
     rig.run(3);
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(5);
     rig.give(order(0, Order::Reset));
     rig.run(3);
@@ -38,10 +38,10 @@ fn a_function_tells_its_start_its_outputs_and_its_end() {
     );
     rig.give(order(0, Order::Start));
     for cycle in 0..3000 {
-        rig.tamper = if cycle % 2 == 0 { |_| {} } else { |inputs| inputs.digital[0] = 1 };
+        rig.modify_inputs = if cycle % 2 == 0 { |_| {} } else { |inputs| inputs.digital[0] = 1 };
         rig.run(1);
     }
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     rig.run(8000);
     let flickers = told(&mut rig);
     assert!((8..=12).contains(&flickers.len()), "{flickers:?}");

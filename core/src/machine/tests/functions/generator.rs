@@ -40,7 +40,7 @@ fn an_axis_goes_as_a_generator_does_and_its_position_is_zeroed_and_watched() {
     assert_eq!((rig.int("gen.sink"), rig.int("x.reference"), rig.int("lamp")), (500, 8, 1));
     rig.run(3);
     assert_eq!((rig.int("gen.feedback2"), rig.int("bit")), (500, 1), "as it is before the first edge");
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!((rig.int("x.command.position"), rig.int("gen.feedback2"), rig.int("bit")), (501, 0, 0));
     assert_eq!((rig.int("lamp"), rig.int("gen.out1")), (0, 0));
@@ -55,12 +55,12 @@ fn an_axis_goes_as_a_generator_does_and_its_position_is_zeroed_and_watched() {
     rig.give(Action::set_memory(0, -1024.0));
     rig.run(19);
     assert_eq!((rig.int("gen.sink"), rig.int("x.command.position")), (1545, 1545), "9 + .. + 1, and 1 + .. + 10 back");
-    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 0;
     rig.run(9);
     assert_eq!((rig.int("gen.sink"), rig.int("lamp")), (1500, 0));
     rig.run(1);
     assert_eq!((rig.int("gen.sink"), rig.int("lamp")), (1500, 1));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     rig.give(order(0, Order::Reset));
     assert_eq!((rig.int("gen.sink"), rig.int("gen.active"), rig.int("lamp"), rig.int("bit")), (1499, 0, 1, 0));
@@ -76,7 +76,7 @@ fn an_axis_goes_as_a_generator_does_and_its_position_is_zeroed_and_watched() {
 fn zeroing_leaves_the_axis_its_zero() {
     let mut rig = generates();
     rig.give(order(0, Order::Start));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(2);
     assert_eq!((rig.int("gen.feedback2"), rig.int("x.actual.position")), (1, 501));
 }
@@ -91,7 +91,7 @@ fn it_counts_round_in_a_sink_of_16_bits() {
     rig.give(Action::set_memory(0, 1024.0));
     rig.give(Action::set_memory(1, 32_760.0));
     rig.give(order(0, Order::Start));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!((rig.int("gen.sink"), rig.int("d")), (-32_766, -32_766));
     rig.run(1999);
@@ -109,7 +109,7 @@ fn value_new_takes_the_sequence_and_no_other_bit() {
     assert!(rig.refusal(refused).ends_with("3 changes bits that count from START on; 2 would change none of them"));
     let taken = rig.give(with(0, Order::ValueNew, &[(ba, 2)]));
     assert!(rig.was_accepted(taken), "{:?}", rig.answer(taken));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!(rig.int("gen.sink"), 510, "a sequence begins with its velocity");
     let refused = rig.give(with(0, Order::ValueNew, &[(field(Type::Fgen, "cycle_time"), 2)]));
@@ -130,7 +130,7 @@ fn value_new_in_the_cycle_of_start_is_part_of_the_set_that_starts() {
     let ba = field(Type::Fgen, "ba");
     let last = rig.give_all(vec![order(0, Order::Start), with(0, Order::ValueNew, &[(ba, 2)])]);
     assert!(rig.was_accepted(last), "{:?}", rig.answer(last));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(1);
     assert_eq!(rig.int("gen.sink"), 510, "a sequence begins with its velocity");
     rig.run(1999);

@@ -30,7 +30,7 @@ fn end(rig: &Rig, goal: u64) -> Event {
 
 #[track_caller]
 fn sentence(rig: &Rig, event: &Event) -> String {
-    crate::text::sentence(event, rig.machine.config())
+    crate::text::message(event, rig.machine.config())
 }
 
 /// 64 inc are 4 + 8 + 12 + 16 + 12 + 8 + 4, starting in the cycle after START.
@@ -57,7 +57,7 @@ fn a_goal_starts_its_function_and_succeeds_where_its_order_ends() {
     rig.run(6);
     assert_eq!((end(&rig, goal).code, rig.int("x.command.position")), (Code::NONE, 0));
     // Without values it repeats the last set; a line that is constantly 1 does not prevent the start of a goal.
-    rig.tamper = input(E2);
+    rig.modify_inputs = input(E2);
     rig.run(1);
     let goal = rig.give(run(0, &[]));
     rig.run(6);
@@ -99,7 +99,7 @@ fn what_no_goal_can_be_is_refused_and_changes_nothing() {
     rig.run(700);
     assert_eq!((end(&rig, goal).code, rig.int("pos.sink")), (Code::NONE, 20_000));
     // An order of its input.
-    rig.tamper = input(E1);
+    rig.modify_inputs = input(E1);
     rig.run(20);
     refused(&mut rig, run(0, &[]), Code::FUNCTION_BUSY, busy);
     // Another command controls the axis.
@@ -150,7 +150,7 @@ fn an_input_that_stops_an_order_ends_its_goal_with_what_is_left() {
     let mut rig = indexed(&[]);
     let goal = rig.give(run(0, &[]));
     rig.run(100);
-    rig.tamper = input(E2);
+    rig.modify_inputs = input(E2);
     rig.run(3);
     let stopped = end(&rig, goal);
     let here = rig.int("pos.sink");
@@ -158,7 +158,7 @@ fn an_input_that_stops_an_order_ends_its_goal_with_what_is_left() {
     assert_eq!(sentence(&rig, &stopped), format!("pos: E2 has stopped its order, with {} inc left", 20_000 - here));
     // The order itself may be continued by its input.
     assert_eq!(rig.int("pos.remaining"), 20_000 - here);
-    rig.tamper = input(E1);
+    rig.modify_inputs = input(E1);
     rig.run(700);
     assert_eq!(rig.int("pos.sink"), 20_000);
 }

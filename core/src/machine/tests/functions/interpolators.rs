@@ -7,7 +7,7 @@ use crate::event::{Event, Kind};
 use crate::machine::tests::rig::{LINE, Rig, at};
 use crate::object::{Leader, Object};
 use crate::table::{Form, Table};
-use crate::text::sentence;
+use crate::text::message;
 use std::sync::Arc;
 
 fn curve(points: &[i64]) -> Arc<Table> {
@@ -100,7 +100,7 @@ fn answer_of_read_value_is_a_signal_and_an_event() {
     let answers = |rig: &Rig, sequence: u64| {
         let of_it = |event: &&Event| event.kind == Kind::Parameter && event.command == sequence;
         let told = rig.events.iter().filter(of_it);
-        let told = told.map(|event| (event.position.floor(), sentence(event, rig.machine.config())));
+        let told = told.map(|event| (event.position.floor(), message(event, rig.machine.config())));
         told.collect::<Vec<_>>()
     };
     assert_eq!(rig.int("f.output_value"), 0);

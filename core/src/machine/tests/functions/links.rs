@@ -65,7 +65,7 @@ fn a_bit_that_a_lower_slot_writes_is_an_input_of_a_higher_one_in_that_cycle() {
         rig.give_all((0..2).map(|slot| order(slot, Order::Start)).collect());
         rig.run(2);
         assert_eq!(rig.int("d"), 100);
-        rig.tamper = |inputs| inputs.digital[0] = 1;
+        rig.modify_inputs = |inputs| inputs.digital[0] = 1;
         rig.run(1);
         rig.int("d")
     };
@@ -92,7 +92,7 @@ fn an_actual_position_is_this_cycles_and_a_command_the_last_cycles() {
         assert_eq!(rig.int("y.command.position"), before[2] + way);
     }
     // A disturbance of the drive is visible in that cycle.
-    rig.tamper = |inputs| inputs.drive[0].count += 7;
+    rig.modify_inputs = |inputs| inputs.drive[0].count += 7;
     let before = rig.int("d");
     rig.run(1);
     assert_eq!((rig.int("d"), rig.int("d") - before), (rig.int("x.actual.position"), 27));
@@ -136,7 +136,7 @@ fn what_compensation_adds_is_no_difference_of_a_drive() {
         let offset = rig.int("g.sink") - rig.int("g.sak_share") - rig.int("x.actual.position");
         assert_eq!((rig.int("x.regulator.error"), rig.int("d")), (20, offset), "sak {sak}");
         // The drive is pushed ahead by 7 inc in addition.
-        rig.tamper = |inputs| inputs.drive[0].count += 7;
+        rig.modify_inputs = |inputs| inputs.drive[0].count += 7;
         rig.run(2);
         assert_eq!(rig.int("d"), offset - 7);
         offset
@@ -219,7 +219,7 @@ fn who_follows_a_sink_that_rests_stands() {
     let mut rig = Rig::of(cell(vec![turn, follow]));
     rig.give_all(vec![with(0, Order::Start, &[(field(Type::Digdreh, "speed"), 700)]), order(1, Order::Start)]);
     rig.run(1);
-    rig.tamper = |inputs| inputs.digital[0] = 1 << 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1 << 1;
     rig.run(3);
     assert_eq!((rig.int("t.sink"), rig.int("l")), (700, 700));
     rig.give(order(0, Order::Reset));
@@ -248,7 +248,7 @@ fn a_function_whose_source_is_lost_is_lost_to_the_axis_that_it_moves() {
     rig.give(order(0, Order::Start));
     rig.run(3);
     assert_eq!(rig.state("x"), "SYNCHRONIZED_MOTION");
-    rig.tamper = |inputs| inputs.encoder[0].valid = false;
+    rig.modify_inputs = |inputs| inputs.encoder[0].valid = false;
     rig.run(20);
     assert_eq!((rig.state("x"), rig.int("g.active")), ("ERROR_STOP", 1));
 }

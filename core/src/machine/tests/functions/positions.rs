@@ -46,7 +46,7 @@ fn an_axis_goes_by_orders_and_holds_what_reset_leaves() {
     let started = rig.give(order(0, Order::Start));
     assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
     assert_eq!((rig.int("pos.sink"), rig.int("lamp"), rig.int("x.reference")), (500, 1, 8));
-    rig.tamper = input(E1);
+    rig.modify_inputs = input(E1);
     rig.run(1);
     assert_eq!((rig.int("pos.sink"), rig.int("x.command.position"), rig.int("lamp")), (504, 504, 0));
     assert_eq!(rig.int("pos.remaining"), 19_996);
@@ -60,15 +60,15 @@ fn an_axis_goes_by_orders_and_holds_what_reset_leaves() {
     // Back, stopped in motion: from 33.333 down by 16.
     let taken = rig.give(with(0, Order::ValueNew, &[(field(Type::Epos, "travel"), -20_000)]));
     assert!(rig.was_accepted(taken), "{:?}", rig.answer(taken));
-    rig.tamper = input(0);
+    rig.modify_inputs = input(0);
     rig.run(1);
-    rig.tamper = input(E1);
+    rig.modify_inputs = input(E1);
     rig.run(100);
-    rig.tamper = input(E2);
+    rig.modify_inputs = input(E2);
     rig.run(3);
     let here = rig.int("x.command.position");
     assert_eq!((rig.int("lamp"), rig.int("pos.remaining")), (1, 500 - here));
-    rig.tamper = input(E1);
+    rig.modify_inputs = input(E1);
     rig.run(50);
     let here = rig.int("pos.sink");
     rig.give(order(0, Order::Reset));
@@ -89,12 +89,12 @@ fn the_zero_pulse_of_the_drive_is_the_zero_of_the_end() {
     config.axes[usize::from(X)].drive = Some(Capabilities::all(5));
     let mut rig = Rig::of(config);
     let index = Some(Index { every: 20_000, at: 300 });
-    rig.plant.drive(0).expect("the drive of x").fit(Fixtures { index, ..Fixtures::default() });
+    rig.plant.drive(0).expect("the drive of x").install_fixtures(Fixtures { index, ..Fixtures::default() });
     rig.enable();
     let coupled = rig.give(Action::Synchronize(couple(DISC, Leader::Sink(0), 1, 1)));
     assert!(rig.was_accepted(coupled));
     rig.give_all((0..3).map(|slot| order(slot, Order::Start)).collect());
-    rig.tamper = input(E1);
+    rig.modify_inputs = input(E1);
     let mut peak = 0;
     for _ in 0..200 {
         rig.run(1);
@@ -125,7 +125,7 @@ fn without_a_drive_there_is_no_reference() {
         assert!(rig.refusal(refused).ends_with("the sink is no axis with a drive, which alone has one"));
         let started = rig.give(with(place, Order::Start, &[(field(Type::Epos, "ba"), 0)]));
         assert!(rig.was_accepted(started), "{:?}", rig.answer(started));
-        rig.tamper = input(E1);
+        rig.modify_inputs = input(E1);
         rig.run(700);
         assert_eq!(rig.int("pos.sink"), 20_000, "relative is any sink's");
     }
@@ -147,14 +147,14 @@ fn a_carrier_runs_over_stations_until_its_input_goes() {
         rig.refusal(refused)
             .ends_with("0 is no travel with ba 16: a reference is left behind, and a multiple has a length")
     );
-    rig.tamper = input(E1);
+    rig.modify_inputs = input(E1);
     rig.run(5);
     // 4, 8, 12, 16, 16.667.
     assert_eq!((rig.int("pos.sink"), rig.int("bit"), rig.int("lamp")), (56, 1, 0));
     rig.run(295);
     let from = rig.int("pos.sink");
     assert_eq!(from, 40 + 296 * 50 / 3);
-    rig.tamper = input(0);
+    rig.modify_inputs = input(0);
     rig.run(100);
     assert_eq!((rig.int("x.command.position"), rig.int("bit"), rig.int("lamp")), (5000, 0, 1));
 }

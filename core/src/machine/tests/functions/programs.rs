@@ -46,7 +46,7 @@ fn fb10_makes_a_speed_of_a_foreign_encoder() {
         (slot.sink, slot.source_width) = (SinkConfig::Memory(2), Width::W16);
         slot.quantity = Carries::Speed;
     }));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.give(Action::set_memory(2, 4711.0));
     rig.give(Action::set_memory(1, 32_700.0));
     // Command k is 1, then 255: the travel since the previous call.
@@ -63,10 +63,10 @@ fn fb10_makes_a_speed_of_a_foreign_encoder() {
     rig.give(Action::set_memory(1, -32_800.0));
     assert_eq!(rig.int("l"), -64 * 15_000);
     // Without its enable the speed is 0, and the next travel counts from the present encoder value.
-    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 0;
     rig.give(Action::set_memory(1, 100.0));
     assert_eq!(rig.int("l"), 0);
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.give(Action::set_memory(1, 101.0));
     assert_eq!(rig.int("l"), 15_000);
     rig.give(Action::set_memory(1, 301.0));
@@ -132,7 +132,7 @@ fn signals_are_read_and_memory_cells_written_by_their_names() {
         })
     };
     let mut rig = Rig::of(with(vec![0, 4, 3]));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.enable();
     rig.give(Action::Move(at(Y, 10_000.0)));
     rig.run_to("y.command.velocity", 10_000.0);
@@ -186,7 +186,7 @@ fn the_axis_of_a_program_that_fails_stops_in_that_cycle_with_its_error() {
     assert_eq!((told[0].source, told[0].code), (Object::Function(0), code));
     assert_eq!((told[1].source, told[1].code), (Object::Axis(X), code));
     for (event, name) in told.into_iter().zip(["p", "x"]) {
-        let sentence = crate::text::sentence(event, rig.machine.config());
+        let sentence = crate::text::message(event, rig.machine.config());
         assert_eq!(sentence, format!("{name}: the program took more than 500 instructions in a call"));
     }
     rig.run(100);

@@ -4,7 +4,7 @@ use super::programs::{WILD, module};
 use super::{DISC, cell, field, with};
 use crate::command::{Action, RunFunction};
 use crate::config::{Line, MachineConfig, ProgramConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig};
-use crate::function::{Kind, Need, OnAxisError, Order, Quantity, TYPES, Width};
+use crate::function::{Kind, Requirement, OnAxisError, Order, Quantity, TYPES, Width};
 use crate::machine::tests::rig::{LINE, Rig, X, Y, at, cases, couple};
 use crate::object::{AxisSet, Leader, Object};
 use crate::sim::{Fixtures, Index};
@@ -56,13 +56,13 @@ fn linked(choices: &[Choice]) -> MachineConfig {
         if row.kind == Kind::Imes {
             slot.source = SourceConfig::Lead(Leader::Encoder(0));
         }
-        if row.source == Need::Never {
+        if row.source == Requirement::Never {
             slot.source = SourceConfig::None;
         }
         let at = choice.sink % sinks.len().max(1);
         let fits = |sink: &SinkConfig| match sink {
             SinkConfig::Axis(axis) => row.moves_axes && (row.quantity != Quantity::Speed || *axis == DISC),
-            _ => row.sink != Need::Never,
+            _ => row.sink != Requirement::Never,
         };
         if sinks.get(at).is_some_and(fits) {
             slot.sink = sinks.remove(at);
@@ -150,7 +150,7 @@ fn interpolate(slot: &mut SlotConfig, choice: usize) {
 }
 
 #[derive(Clone, Debug)]
-enum Happening {
+enum RandomEvent {
     Order(usize, Order, Vec<(usize, i64)>),
     Run(usize, i64),
     /// Cancels the goal that was given this many goals ago.
@@ -166,37 +166,37 @@ enum Happening {
     Cycles(u64),
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
+fn random_event() -> impl Strategy<Value = RandomEvent> {
     let orders =
         [Order::Start, Order::Start, Order::Start, Order::Reset, Order::ValueNew, Order::ReadValue, Order::Stage];
     let value = prop_oneof![5 => 0_i64..4, 3 => -20_000_i64..20_000, 1 => any::<i64>()];
     let values = prop::collection::vec((0_usize..40, value), 0..4);
     let word = prop_oneof![2 => 0_i64..300, 1 => -32_768_i64..65_536];
     prop_oneof![
-        8 => (0_usize..16, prop::sample::select(orders.to_vec()), values).prop_map(|(slot, order, values)| Happening::Order(slot, order, values)),
-        3 => (0_usize..16, -900_i64..900).prop_map(|(slot, travel)| Happening::Run(slot, travel)),
-        1 => (1_usize..4).prop_map(Happening::Cancel),
-        3 => (0_u16..5, prop_oneof![-200_i64..200, any::<i64>()]).prop_map(|(cell, value)| Happening::Memory(cell, value)),
-        3 => any::<u8>().prop_map(Happening::Input),
-        2 => (-60_000_i64..60_000).prop_map(Happening::Line),
-        2 => (-40_000_i64..40_000).prop_map(Happening::Encoder),
-        1 => prop::collection::vec(word, 1..100).prop_map(Happening::Table),
-        1 => any::<bool>().prop_map(Happening::Program),
-        1 => any::<u8>().prop_map(Happening::Axes),
-        1 => Just(Happening::Mirror),
-        6 => (1_u64..40).prop_map(Happening::Cycles),
+        8 => (0_usize..16, prop::sample::select(orders.to_vec()), values).prop_map(|(slot, order, values)| RandomEvent::Order(slot, order, values)),
+        3 => (0_usize..16, -900_i64..900).prop_map(|(slot, travel)| RandomEvent::Run(slot, travel)),
+        1 => (1_usize..4).prop_map(RandomEvent::Cancel),
+        3 => (0_u16..5, prop_oneof![-200_i64..200, any::<i64>()]).prop_map(|(cell, value)| RandomEvent::Memory(cell, value)),
+        3 => any::<u8>().prop_map(RandomEvent::Input),
+        2 => (-60_000_i64..60_000).prop_map(RandomEvent::Line),
+        2 => (-40_000_i64..40_000).prop_map(RandomEvent::Encoder),
+        1 => prop::collection::vec(word, 1..100).prop_map(RandomEvent::Table),
+        1 => any::<bool>().prop_map(RandomEvent::Program),
+        1 => any::<u8>().prop_map(RandomEvent::Axes),
+        1 => Just(RandomEvent::Mirror),
+        6 => (1_u64..40).prop_map(RandomEvent::Cycles),
     ]
 }
 
 /// Checks that a function in RESET holds its sink, except that a speed is 0 then, and that a power cycle is allowed.
 fn run(rig: &mut Rig, cycles: u64) {
     for _ in 0..cycles {
-        watched(rig, None, |rig| rig.run(1));
+        check_sinks(rig, None, |rig| rig.run(1));
     }
 }
 
 /// Does the same during an action that may start this slot.
-fn watched<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Rig) -> T) -> T {
+fn check_sinks<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Rig) -> T) -> T {
     let slots = rig.machine.slots().iter().enumerate();
     let before: Vec<_> = slots.map(|(at, slot)| (slot.sink(), slot.is_active() || starts == Some(at))).collect();
     let result = act(rig);
@@ -217,57 +217,57 @@ fn watched<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Rig) -
     result
 }
 
-fn make_happen(rig: &mut Rig, what: &Happening, goals: &mut Vec<u64>) {
+fn apply_event(rig: &mut Rig, what: &RandomEvent, goals: &mut Vec<u64>) {
     let count = rig.machine.slots().len();
     let axes = AxisSet::first(rig.machine.config().axes.len());
     match what {
-        Happening::Order(slot, order, values) => {
+        RandomEvent::Order(slot, order, values) => {
             let slot = slot % count;
             let row = rig.machine.config().slots[slot].kind.description();
             let values: Vec<_> = values.iter().map(|(place, value)| ((place % row.width()) as u16, *value)).collect();
             let before = rig.machine.slots()[slot].staged().to_vec();
             let starts = (*order == Order::Start).then_some(slot);
-            let given = watched(rig, starts, |rig| rig.give(with(slot as u16, *order, &values)));
+            let given = check_sinks(rig, starts, |rig| rig.give(with(slot as u16, *order, &values)));
             if rig.answer(given).is_err() {
                 assert_eq!(rig.machine.slots()[slot].staged(), before, "a refused set was taken");
             }
         }
-        Happening::Run(slot, travel) => {
+        RandomEvent::Run(slot, travel) => {
             let slot = (slot % count) as u16;
             let values = [(field(Kind::Epos, "travel"), *travel)];
             let takes = rig.machine.config().slots[usize::from(slot)].kind.description().takes_goals;
             let values = if takes { values.into() } else { [].into() };
             let given =
-                watched(rig, Some(slot.into()), |rig| rig.give(Action::RunFunction(RunFunction { slot, values })));
+                check_sinks(rig, Some(slot.into()), |rig| rig.give(Action::RunFunction(RunFunction { slot, values })));
             assert!(takes || rig.answer(given).is_err());
             if rig.answer(given).is_ok() {
                 goals.push(given);
             }
         }
-        Happening::Cancel(back) => {
+        RandomEvent::Cancel(back) => {
             if let Some(&goal) = goals.len().checked_sub(*back).and_then(|place| goals.get(place)) {
                 rig.give(Action::Cancel { goal });
             }
         }
-        Happening::Memory(index, value) => {
+        RandomEvent::Memory(index, value) => {
             rig.give(Action::set_memory(*index, *value as f64));
         }
-        Happening::Input(bits) => {
+        RandomEvent::Input(bits) => {
             rig.plant.set_digital(0, bits & 1 == 1);
             rig.plant.set_digital(1, bits & 2 == 2);
         }
-        Happening::Line(velocity) => {
+        RandomEvent::Line(velocity) => {
             rig.give(Action::Move(at(LINE, *velocity as f64)));
         }
-        Happening::Encoder(by) => rig.plant.slip_encoder(0, *by),
-        Happening::Table(words) => {
+        RandomEvent::Encoder(by) => rig.plant.slip_encoder(0, *by),
+        RandomEvent::Table(words) => {
             let table = Arc::new(Table::new(Form::Words, &[], words).expect("words"));
             rig.give(Action::LoadTable { index: 0, table });
         }
-        Happening::Program(keeps) => {
+        RandomEvent::Program(keeps) => {
             rig.give(Action::LoadProgram { index: 0, module: module(WILD), keeps: *keeps });
         }
-        Happening::Axes(choice) => {
+        RandomEvent::Axes(choice) => {
             rig.give(match choice % 7 {
                 0 | 1 => Action::Enable(axes),
                 2 => Action::Disable(axes),
@@ -277,8 +277,8 @@ fn make_happen(rig: &mut Rig, what: &Happening, goals: &mut Vec<u64>) {
                 _ => Action::Deactivate,
             });
         }
-        Happening::Mirror => rig.mirror(),
-        Happening::Cycles(cycles) => run(rig, *cycles),
+        RandomEvent::Mirror => rig.mirror(),
+        RandomEvent::Cycles(cycles) => run(rig, *cycles),
     }
     run(rig, 1);
 }
@@ -290,13 +290,13 @@ proptest! {
     #[test]
     fn whatever_happens_to_slots_that_are_linked_at_random_is_the_same_after_a_restore(
         choices in prop::collection::vec(choice(), 1..12),
-        happenings in prop::collection::vec(happening(), 1..60),
+        happenings in prop::collection::vec(random_event(), 1..60),
     ) {
         let mut rig = Rig::of(linked(&choices));
         let index = Some(Index { every: 500, at: 300 });
-        rig.plant.drive(0).expect("the drive of x").fit(Fixtures { index, ..Fixtures::default() });
+        rig.plant.drive(0).expect("the drive of x").install_fixtures(Fixtures { index, ..Fixtures::default() });
         let mut goals = Vec::new();
-        happenings.iter().for_each(|what| make_happen(&mut rig, what, &mut goals));
+        happenings.iter().for_each(|what| apply_event(&mut rig, what, &mut goals));
         run(&mut rig, 70);
         // Each goal ends once, at the latest with its function.
         for slot in 0..choices.len() as u16 {

@@ -103,10 +103,10 @@ fn an_input_runs_and_stops_it_and_a1_stands_for_rest() {
     rig.give(Action::set_memory(2, 150_000.0));
     rig.give(order(0, Order::Start));
     assert_eq!((rig.int("wind.sink"), rig.int("lamp")), (0, 1));
-    rig.tamper = |inputs| inputs.digital[0] = 1;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 1;
     rig.run(60);
     assert_eq!((rig.int("wind.sink"), rig.int("lamp"), rig.real("disc.command.velocity")), (300_000, 0, 18_000.0));
-    rig.tamper = |inputs| inputs.digital[0] = 0;
+    rig.modify_inputs = |inputs| inputs.digital[0] = 0;
     rig.run(1);
     assert_eq!((rig.int("wind.sink"), rig.int("lamp")), (0, 1), "the ramp is that of the axis");
     rig.run(60);

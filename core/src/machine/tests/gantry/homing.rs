@@ -32,8 +32,8 @@ fn rig([one, other]: [i64; 2], [switch, second]: [(i64, i64); 2]) -> Rig {
         negative: Some(-30_000),
         positive: Some(60_000),
     };
-    rig.plant.drive(FIRST).expect("simulated").fit(end(one, switch));
-    rig.plant.drive(SECOND).expect("simulated").fit(end(other, second));
+    rig.plant.drive(FIRST).expect("simulated").install_fixtures(end(one, switch));
+    rig.plant.drive(SECOND).expect("simulated").install_fixtures(end(other, second));
     rig.enable();
     rig
 }
@@ -328,10 +328,10 @@ fn a_drive_that_is_held_while_the_other_is_squared_is_seen() {
 fn a_limit_switch_on_the_way_to_the_square_ends_homing() {
     for side in [FIRST, SECOND] {
         let (mut rig, starts) = squaring(19);
-        rig.plant.drive(side).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(side).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run(20);
         assert_eq!((errors(&rig), skew_of(&rig, starts)), (vec![], 680));
-        rig.plant.drive(side).unwrap().stick(inputs::NEGATIVE_LIMIT, inputs::NEGATIVE_LIMIT);
+        rig.plant.drive(side).unwrap().set_stuck_inputs(inputs::NEGATIVE_LIMIT, inputs::NEGATIVE_LIMIT);
         rig.run(1);
         assert_eq!(rig.int("x.error"), i64::from(Code::HOMING_AT_LIMIT.0));
         rig.run(100);
@@ -376,7 +376,7 @@ fn a_cam_shorter_than_the_skew_ends_homing() {
         let sequence = home(&mut rig, 23);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NOT_SQUARE, "{skew}");
         let error = rig.events.iter().find(|event| event.kind == Kind::Error).expect("it was told");
-        let sentence = crate::text::sentence(error, rig.machine.config());
+        let sentence = crate::text::message(error, rig.machine.config());
         assert!(sentence.ends_with("so that nothing tells what is square"), "{sentence}");
         // A switch may bounce for max_skew; at 20 inc per cycle.
         let ahead = places(&rig, starts)[usize::from(skew > 0)];
@@ -389,7 +389,7 @@ fn a_cam_shorter_than_the_skew_ends_homing() {
 fn the_edge_of_the_second_drive_is_not_hidden_by_a_trembling_first_one() {
     let starts = [-12_000, -12_300];
     let mut rig = rig(starts, [(5_000, FAR); 2]);
-    rig.tamper = |all: &mut Inputs| {
+    rig.modify_inputs = |all: &mut Inputs| {
         if all.drive[SECOND].inputs & inputs::HOME != 0 {
             all.drive[FIRST].count -= 100;
         }

@@ -1,7 +1,7 @@
 //! Homing under other conditions of the axis: override, shape of the ramps, inverted counts, contacts of the cell.
 
 use super::super::rig::{Rig, X, at, couple, to};
-use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, way, zero};
+use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, travel_range, zero};
 use crate::axis::Safety;
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod, SetPosition};
@@ -19,7 +19,7 @@ fn an_override_of_0_holds_it_and_later_it_goes_on() {
     for (method, expected) in [(3, 4_300), (8, 6_300), (-1, 4_300), (-4, 7_000), (1, -19_700)] {
         for phase in 1..=4 {
             let switch = if method == 3 || method == -1 { (5_000, FAR) } else { (5_000, 7_000) };
-            let mut rig = rig(way(START, switch));
+            let mut rig = rig(travel_range(START, switch));
             rig.set("homing.offset", Value::Int(-250));
             let sequence = home(&mut rig, method);
             let mut waited = 0;
@@ -60,7 +60,7 @@ fn the_shape_of_the_ramps_does_not_move_the_zero() {
                 let p = &mut config.axes[usize::from(X)].parameters;
                 assign(p, "profile", Value::Int(shape));
                 assign(p, "max_jerk", Value::Real(3e6));
-                let mut rig = rig_with(config, Model::Ideal, way(start, (5_000, 7_000)));
+                let mut rig = rig_with(config, Model::Ideal, travel_range(start, (5_000, 7_000)));
                 let sequence = home(&mut rig, method);
                 let what = format!("method {method}, profile {shape}, from {start}");
                 assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{what}");
@@ -79,7 +79,7 @@ fn a_drive_homes_in_inverted_units() {
         assign(p, "posdrct", Value::Int(-1));
         assign(p, "homing.in_drive", Value::Int(1));
         assign(p, "home_offset", Value::Int(450));
-        let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+        let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
         let sequence = home(&mut rig, method);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{method}");
         rig.run(10);
@@ -99,7 +99,7 @@ fn guarded(in_drive: bool) -> Rig {
     assign(p, "homing.in_drive", Value::Int(in_drive.into()));
     assign(p, "homing.required", Value::Int(1));
     let mut rig = Rig::with(config, [Model::Ideal, Model::Ideal]);
-    rig.plant.drive(0).unwrap().fit(way(START, (5_000, FAR)));
+    rig.plant.drive(0).unwrap().install_fixtures(travel_range(START, (5_000, FAR)));
     rig.plant.set_digital(1, true);
     rig.plant.set_digital(2, true);
     rig.enable();
@@ -158,7 +158,7 @@ fn an_axis_that_does_not_stand_is_told_as_what_it_does() {
         (Action::Move(to(X, 9_000)), "the axis moves (DISCRETE_MOTION); wait for its end, or halt it first"),
     ];
     for (action, sentence) in moving {
-        let mut rig = rig(way(START, (5_000, 7_000)));
+        let mut rig = rig(travel_range(START, (5_000, 7_000)));
         rig.give(action);
         rig.run(20);
         let refused = home(&mut rig, 3);
@@ -175,7 +175,7 @@ fn an_axis_that_does_not_stand_is_told_as_what_it_does() {
 /// Each scheme has its own numbers.
 #[test]
 fn a_method_that_a_scheme_does_not_have_is_told_with_those_that_it_has() {
-    let mut rig = rig(way(START, (5_000, 7_000)));
+    let mut rig = rig(travel_range(START, (5_000, 7_000)));
     for (method, sentence) in [
         (HomingMethod::Macs(4), "scheme macs has no homing method 4; 0 to 3, its home_type, are allowed"),
         (
@@ -205,7 +205,7 @@ fn homing_by_a_switch_that_is_not_read_is_refused() {
         assign(p, "i_refswitch", Value::Int(0));
         assign(p, "homing.in_drive", Value::Int(in_drive));
         assigned.iter().for_each(|(key, input)| assign(p, key, Value::Int(*input)));
-        rig_with(config, Model::Ideal, way(START, (5_000, 7_000)))
+        rig_with(config, Model::Ideal, travel_range(START, (5_000, 7_000)))
     };
     for (method, name, key) in [
         (1, "negative limit switch", "i_neglimitsw"),

@@ -6,7 +6,7 @@ use crate::code::Code;
 use crate::drive::{Interface, inputs};
 use crate::event::Kind;
 use crate::parameter::Value;
-use crate::sim::{Fixtures, Index, Mechanics, Model, VelocityLag, Wire};
+use crate::sim::{Fixtures, Index, Mechanics, Model, VelocityLag, SwitchWiring};
 
 const L: i64 = 200;
 const R: i64 = 1_200;
@@ -102,9 +102,9 @@ fn a_simulated_switch_lets_its_input_latch() {
                     positive: Some(3_000),
                     ..Fixtures::default()
                 };
-                let wire = Some(Wire { switch, input: 0, normally_closed });
+                let wire = Some(SwitchWiring { switch, input: 0, normally_closed });
                 let mut rig = rig_with(config, Model::Ideal, fixtures);
-                rig.plant.install(0, &Mechanics { fixtures, wires: [wire, None, None], ..Mechanics::default() });
+                rig.plant.attach_mechanics(0, &Mechanics { fixtures, wires: [wire, None, None], ..Mechanics::default() });
                 rig.run(5);
                 let sequence = home(&mut rig, method);
                 let what = format!("method {method}, {slow} inc/s, normally closed: {normally_closed}");

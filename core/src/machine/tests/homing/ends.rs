@@ -1,7 +1,7 @@
 //! Events that end homing early, and commands that are refused meanwhile.
 
 use super::super::rig::{LINE, Rig, X, at, couple, to};
-use super::{FAR, assign, cell, home, rig, rig_with, run_to_end, way};
+use super::{FAR, assign, cell, home, rig, rig_with, run_to_end, travel_range};
 use crate::code::Code;
 use crate::command::{Action, Command, Commands, Move, MoveMode, Source};
 use crate::object::{AxisSet, Leader};
@@ -10,7 +10,7 @@ use crate::sim::Model;
 
 /// Returns a rig with active homing, at speed.
 fn under_way() -> (Rig, u64) {
-    let mut rig = rig(way(-12_000, (5_000, FAR)));
+    let mut rig = rig(travel_range(-12_000, (5_000, FAR)));
     let sequence = home(&mut rig, 3);
     rig.run(300);
     assert_eq!((rig.state("x"), rig.int("x.homing.phase"), rig.int("x.reference")), ("HOMING", 1, 5));
@@ -78,7 +78,7 @@ fn a_stop_on_the_limit_switch_that_homing_seeks_only_stops() {
         (Some(Action::QuickStop(AxisSet::one(X))), "STOPPING"),
         (Some(Action::Disable(AxisSet::one(X))), "DISABLED"),
     ] {
-        let mut rig = rig(way(15_000, (-FAR, -FAR)));
+        let mut rig = rig(travel_range(15_000, (-FAR, -FAR)));
         let sequence = home(&mut rig, 2);
         rig.run_until("x.limit.positive", 1);
         rig.run(5);
@@ -109,7 +109,7 @@ fn a_stop_on_the_limit_switch_that_homing_seeks_only_stops() {
 #[test]
 fn nothing_is_superimposed_on_a_stop_on_the_limit_switch() {
     for (velocity, acceleration) in [(500.0, 50_000.0), (2_000.0, 20_000.0), (0.0, 1_000.0)] {
-        let mut rig = rig(way(15_000, (-FAR, -FAR)));
+        let mut rig = rig(travel_range(15_000, (-FAR, -FAR)));
         let sequence = home(&mut rig, 2);
         rig.run_until("x.limit.positive", 1);
         rig.run(5);
@@ -129,7 +129,7 @@ fn nothing_is_superimposed_on_a_stop_on_the_limit_switch() {
 /// Proves: MACS-LIM-08
 #[test]
 fn a_stop_that_runs_into_a_limit_switch_is_an_error() {
-    let mut rig = rig(way(15_000, (-FAR, -FAR)));
+    let mut rig = rig(travel_range(15_000, (-FAR, -FAR)));
     home(&mut rig, 2);
     while rig.int("x.actual.position") < 4_900 {
         rig.run(1);
@@ -146,7 +146,7 @@ fn errors_end_it_in_the_same_cycle() {
     rig.run(1);
     assert_over(&rig, sequence, Code::drive_fault(0x7305));
     let (mut rig, sequence) = under_way();
-    rig.plant.drive(0).unwrap().lose();
+    rig.plant.drive(0).unwrap().disconnect();
     rig.run(1);
     assert_over(&rig, sequence, Code::DRIVE_LOST);
     let (mut rig, sequence) = under_way();
@@ -161,9 +161,9 @@ fn errors_end_it_in_the_same_cycle() {
 #[test]
 fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
     for reaction in 0..=5 {
-        let mut rig = rig(way(-12_000, (5_000, FAR)));
+        let mut rig = rig(travel_range(-12_000, (5_000, FAR)));
         rig.set("error_reaction", Value::Int(reaction));
-        rig.plant.drive(0).unwrap().stick(4, 0);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(4, 0);
         let sequence = home(&mut rig, 3);
         while rig.done(sequence).is_empty() {
             rig.run(1);
@@ -181,7 +181,7 @@ fn an_error_of_homing_stops_the_axis_whatever_the_reaction() {
 
 /// Returns the distance that the axis moves until its error for a switch that is stuck at `value`.
 fn gone_without_a_switch(rig: &mut Rig, value: u32, method: i64) -> i64 {
-    rig.plant.drive(0).unwrap().stick(4, value);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(4, value);
     rig.run(1);
     let sequence = home(rig, method);
     while rig.done(sequence).is_empty() {
@@ -194,7 +194,7 @@ fn gone_without_a_switch(rig: &mut Rig, value: u32, method: i64) -> i64 {
 #[test]
 fn a_switch_that_never_changes_ends_it_within_the_largest_way() {
     for (value, method) in [(0, 19), (4, 19), (0, 23), (4, 27), (0, -2), (4, -4)] {
-        let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
+        let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..travel_range(0, (5_000, FAR)) };
         let mut rig = rig(fixtures);
         rig.set("homing.max_distance", Value::Int(3_000));
         let gone = gone_without_a_switch(&mut rig, value, method);
@@ -210,7 +210,7 @@ fn an_axis_that_turns_for_ever_looks_for_its_switch_for_two_turns() {
         let x = &mut config.axes[usize::from(X)];
         x.modulo = crate::modulo::Modulo::new(21_601, 3);
         x.parameters.homing.max_distance = None;
-        let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
+        let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..travel_range(0, (5_000, FAR)) };
         let mut rig = rig_with(config, Model::Ideal, fixtures);
         // 7200 1/3 inc are rounded up to 7201.
         let gone = gone_without_a_switch(&mut rig, value, method);
@@ -264,7 +264,7 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
     for (key, value, method, sentence) in cases {
         let mut config = cell(0);
         assign(&mut config.axes[usize::from(X)].parameters, key, value);
-        let mut rig = rig_with(config, Model::Ideal, way(0, (5_000, FAR)));
+        let mut rig = rig_with(config, Model::Ideal, travel_range(0, (5_000, FAR)));
         let sequence = home(&mut rig, method);
         assert_eq!(rig.refusal(sequence), format!("x: {sentence}"));
         assert_eq!((rig.state("x"), rig.int("x.homed")), ("STANDSTILL", 0));
@@ -272,7 +272,7 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
     // If all motion is forward, homing is allowed.
     let mut config = cell(0);
     assign(&mut config.axes[usize::from(X)].parameters, "revers", Value::Int(2));
-    let mut rig = rig_with(config, Model::Ideal, way(0, (5_000, 7_000)));
+    let mut rig = rig_with(config, Model::Ideal, travel_range(0, (5_000, 7_000)));
     let sequence = home(&mut rig, -4);
     assert!(rig.was_accepted(sequence));
     let mut rig = Rig::enabled();
@@ -293,7 +293,7 @@ fn what_homing_lacks_is_refused_with_a_sentence() {
 /// A second machine that continues in the middle gives the same results.
 #[test]
 fn the_state_of_homing_can_be_restored() {
-    let mut rig = rig_with(cell(2), Model::Ideal, way(-12_000, (4_000, 7_000)));
+    let mut rig = rig_with(cell(2), Model::Ideal, travel_range(-12_000, (4_000, 7_000)));
     let sequence = home(&mut rig, 10);
     rig.run(500);
     rig.mirror();
@@ -308,7 +308,7 @@ fn a_stop_of_homing_on_a_software_limit_has_its_ramp() {
         let mut cell = cell(0);
         let p = &mut cell.axes[usize::from(X)].parameters;
         (p.min_position, p.max_position) = (Some(-50_000), Some(place + ahead));
-        let mut rig = rig_with(cell, Model::Ideal, way(-10_000, (5_000, FAR)));
+        let mut rig = rig_with(cell, Model::Ideal, travel_range(-10_000, (5_000, FAR)));
         home(&mut rig, 19);
         rig.run_until("x.command.position", place);
         let before = rig.real("x.command.velocity");

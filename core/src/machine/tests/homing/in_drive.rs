@@ -1,7 +1,7 @@
 //! Homing that the drive executes itself.
 
 use super::super::rig::{Rig, X, Y, couple, to};
-use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
+use super::{FAR, assign, cell, home, place, rig_with, run_to_end, travel_range, zero};
 use crate::code::Code;
 use crate::command::Action;
 use crate::drive::{MODE_CSP, MODE_HOMING, Mode, STATUS_HOMING_ATTAINED, STATUS_HOMING_ERROR, STATUS_TARGET_REACHED};
@@ -16,7 +16,7 @@ fn in_drive(delay: u32, offset: i64) -> Rig {
     let p = &mut config.axes[usize::from(X)].parameters;
     assign(p, "homing.in_drive", Value::Int(1));
     assign(p, "homing.offset", Value::Int(offset));
-    rig_with(config, Model::Ideal, way(START, (5_000, FAR)))
+    rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)))
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn who_follows_it_sees_no_jump() {
 #[test]
 fn what_the_drive_does_not_find_is_an_error() {
     let mut rig = in_drive(0, 0);
-    rig.plant.drive(0).unwrap().stick(4, 0);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(4, 0);
     let sequence = home(&mut rig, 3);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_IN_DRIVE_FAILED);
     assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
@@ -113,7 +113,7 @@ fn a_new_epoch_drops_the_zero() {
     run_to_end(&mut rig, sequence);
     assert_eq!(rig.int("x.homed"), 1);
     let here = rig.int("x.actual.position");
-    rig.plant.drive(0).unwrap().renew_counts();
+    rig.plant.drive(0).unwrap().restart_counts();
     rig.run(2);
     assert_eq!((rig.int("x.homed"), rig.int("x.actual.position"), rig.int("x.error")), (0, here, 0));
     assert!(rig.events.iter().any(|event| event.code == Code::HOMING_LOST));
@@ -129,7 +129,7 @@ fn what_the_drive_does_by_itself_is_no_following_error() {
         assign(p, "homing.in_drive", Value::Int(1));
         assign(p, "homing.velocity", Value::Real(100_000.0));
         assign(p, "max_following_error", Value::Int(100));
-        let mut rig = rig_with(config, Model::Ideal, way(START, (15_000, FAR)));
+        let mut rig = rig_with(config, Model::Ideal, travel_range(START, (15_000, FAR)));
         let sequence = home(&mut rig, 3);
         rig.run(100);
         assert_eq!(rig.real("x.actual.velocity"), 100_000.0);
@@ -149,7 +149,7 @@ fn what_the_drive_does_by_itself_is_no_following_error() {
 #[test]
 fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     let mut rig = in_drive(0, 0);
-    rig.tamper = |inputs| inputs.drive[0].mode = MODE_CSP;
+    rig.modify_inputs = |inputs| inputs.drive[0].mode = MODE_CSP;
     let sequence = home(&mut rig, 3);
     rig.run(5_000);
     assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.real("x.actual.velocity")), (0, "HOMING", 0.0));
@@ -159,7 +159,7 @@ fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
     let mut rig = in_drive(0, 0);
     let sequence = home(&mut rig, 3);
     rig.run(300);
-    rig.tamper = |inputs| inputs.drive[0].mode = MODE_CSP;
+    rig.modify_inputs = |inputs| inputs.drive[0].mode = MODE_CSP;
     rig.run(1);
     assert_eq!(rig.done(sequence)[0].code, Code::HOMING_IN_DRIVE_TIMEOUT);
 }
@@ -169,7 +169,7 @@ fn a_drive_that_is_not_in_its_mode_is_an_error_in_time() {
 #[test]
 fn command_stays_until_the_drive_is_in_mode_homing() {
     let mut rig = in_drive(0, 0);
-    rig.tamper = |inputs| {
+    rig.modify_inputs = |inputs| {
         inputs.drive[0].mode = MODE_CSP;
         inputs.drive[0].count += (inputs.cycle % 7) as i64;
     };
@@ -194,11 +194,11 @@ fn axis_is_homed_once_the_drive_is_back_in_its_mode() {
     while matches!(rig.outputs().drive[0].mode, Mode::Homing(_)) {
         rig.run(1);
     }
-    rig.tamper = |inputs| inputs.drive[0].mode = MODE_HOMING;
+    rig.modify_inputs = |inputs| inputs.drive[0].mode = MODE_HOMING;
     rig.run(300);
     assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.int("x.homed")), (0, "HOMING", 0));
     assert_eq!(rig.outputs().drive[0].mode, Mode::Position);
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     assert_eq!((rig.int("x.homed"), rig.int("x.error")), (1, 0));
 }
@@ -212,12 +212,12 @@ fn a_second_homing_is_not_over_by_the_bits_of_the_first_one() {
     assert_eq!(run_to_end(&mut rig, first).code, Code::NONE);
     let away = rig.give(Action::Move(to(X, -9_000)));
     assert_eq!(run_to_end(&mut rig, away).code, Code::NONE);
-    rig.tamper = |inputs| inputs.drive[0].status |= STATUS_HOMING_ATTAINED | STATUS_TARGET_REACHED;
+    rig.modify_inputs = |inputs| inputs.drive[0].status |= STATUS_HOMING_ATTAINED | STATUS_TARGET_REACHED;
     let second = home(&mut rig, 3);
     rig.run(300);
     assert_eq!((rig.done(second).len(), rig.state("x"), rig.real("x.actual.velocity")), (0, "HOMING", 10_000.0));
     assert!(matches!(rig.outputs().drive[0].mode, Mode::Homing(_)));
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     assert_eq!(run_to_end(&mut rig, second).code, Code::NONE);
     rig.run(10);
     assert_eq!((rig.int("x.actual.count"), rig.int("x.actual.position"), rig.int("x.homed")), (0, 0, 1));
@@ -227,8 +227,8 @@ fn a_second_homing_is_not_over_by_the_bits_of_the_first_one() {
 #[test]
 fn a_drive_that_shows_no_begin_is_an_error_where_it_stands() {
     let mut rig = in_drive(0, 0);
-    rig.plant.drive(0).unwrap().stick(4, 0);
-    rig.tamper = |inputs| {
+    rig.plant.drive(0).unwrap().set_stuck_inputs(4, 0);
+    rig.modify_inputs = |inputs| {
         inputs.drive[0].status |= STATUS_HOMING_ATTAINED | STATUS_TARGET_REACHED;
         inputs.drive[0].status &= !STATUS_HOMING_ERROR;
     };
@@ -248,9 +248,9 @@ fn a_drive_that_shows_no_begin_is_an_error_where_it_stands() {
 #[test]
 fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
     let mut rig = in_drive(0, 0);
-    let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(0, (5_000, FAR)) };
-    rig.plant.drive(0).unwrap().fit(fixtures);
-    rig.plant.drive(0).unwrap().stick(4, 0);
+    let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..travel_range(0, (5_000, FAR)) };
+    rig.plant.drive(0).unwrap().install_fixtures(fixtures);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(4, 0);
     let before = rig.int("x.actual.position");
     let refused = rig.set("homing.max_distance", Value::Int(3_000));
     assert!(rig.was_accepted(refused));
@@ -272,10 +272,10 @@ fn slow(in_drive: bool) -> Rig {
     assign(p, "homing.in_drive", Value::Int(in_drive.into()));
     assign(p, "homing.velocity", Value::Real(200.0));
     assign(p, "homing.max_distance", Value::Int(1_000_000));
-    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
-    let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..way(START, (5_000, FAR)) };
-    rig.plant.drive(0).unwrap().fit(fixtures);
-    rig.plant.drive(0).unwrap().stick(4, 0);
+    let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
+    let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..travel_range(START, (5_000, FAR)) };
+    rig.plant.drive(0).unwrap().install_fixtures(fixtures);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(4, 0);
     rig
 }
 
@@ -293,7 +293,7 @@ fn homing_that_lasts_longer_than_max_time_ends_in_an_error() {
         rig.run(1);
         let done = rig.done(sequence)[0];
         assert_eq!((done.code, rig.state("x")), (Code::HOMING_TOO_LONG, "ERROR_STOP"), "{in_drive}");
-        let sentence = crate::text::sentence(&done, rig.machine.config());
+        let sentence = crate::text::message(&done, rig.machine.config());
         assert_eq!(sentence, "x: homing has lasted for longer than homing.max_time 2000 ms");
         rig.run(300);
         assert_eq!((rig.real("x.actual.velocity"), rig.int("x.homed")), (0.0, 0), "{in_drive}");
@@ -310,7 +310,7 @@ fn homing_in_the_drive_that_lasts_is_told_each_minute() {
         rig.run(if in_drive { 121_000 } else { 61_000 });
         assert_eq!((rig.done(sequence).len(), rig.state("x"), rig.int("x.error")), (0, "HOMING", 0), "{in_drive}");
         let told = rig.events.iter().filter(|event| event.code == Code::HOMING_LASTS);
-        let told: Vec<_> = told.map(|event| crate::text::sentence(event, rig.machine.config())).collect();
+        let told: Vec<_> = told.map(|event| crate::text::message(event, rig.machine.config())).collect();
         let minutes: &[&str] = if in_drive { &["60000 ms", "120000 ms"] } else { &[] };
         let expected: Vec<_> = minutes
             .iter()

@@ -1,7 +1,7 @@
 //! INDEX: motion to the next index pulse, without setting a zero.
 
 use super::super::rig::{Rig, X};
-use super::{cell, home, place, rig, rig_with, run_to_end, way};
+use super::{cell, home, place, rig, rig_with, run_to_end, travel_range};
 use crate::axis::Wired;
 use crate::code::Code;
 use crate::command::{Action, Probe, ProbeEdge};
@@ -49,7 +49,7 @@ fn run(rig: &mut Rig, sequence: u64) -> Vec<Code> {
 #[test]
 fn it_goes_to_the_next_index_pulse_and_sets_no_zero() {
     for (by, distance, mark) in [(2_500, 0, 2_300), (-2_500, 0, 300), (2_500, 17, 2_300), (-2_500, 400, 300)] {
-        let mut rig = rig(way(START, NOWHERE));
+        let mut rig = rig(travel_range(START, NOWHERE));
         let sequence = give(&mut rig, index(by, distance));
         assert_eq!(run(&mut rig, sequence), [Code::NONE]);
         let end = mark + distance;
@@ -73,7 +73,7 @@ fn it_goes_to_the_next_index_pulse_and_sets_no_zero() {
 #[test]
 fn without_a_pulse_in_a_revolution_comes_an_error() {
     for reaction in [2, 5] {
-        let mut rig = rig(way(START, NOWHERE));
+        let mut rig = rig(travel_range(START, NOWHERE));
         rig.set("error_reaction", Value::Int(reaction));
         rig.plant.drive(0).unwrap().lose_index();
         let sequence = give(&mut rig, index(9_000, 0));
@@ -95,7 +95,7 @@ fn without_a_pulse_in_a_revolution_comes_an_error() {
 
 #[test]
 fn a_search_that_ends_before_the_revolution_does_ends_as_any_other() {
-    let mut rig = rig(way(START, NOWHERE));
+    let mut rig = rig(travel_range(START, NOWHERE));
     let sequence = give(&mut rig, index(1_000, 0));
     assert_eq!(run(&mut rig, sequence), [Code::PROBE_MISSED]);
     assert_eq!((rig.state("x"), rig.int("x.error"), place(&rig, START)), ("STANDSTILL", 0, 2_000));
@@ -106,7 +106,7 @@ fn a_search_that_ends_before_the_revolution_does_ends_as_any_other() {
 fn absolute_encoders_have_none() {
     let mut config = cell(0);
     config.axes[usize::from(X)].parameters.encoder.encodertype = 1;
-    let mut rig = rig_with(config, Model::Ideal, way(START, NOWHERE));
+    let mut rig = rig_with(config, Model::Ideal, travel_range(START, NOWHERE));
     let sequence = rig.give(index(2_500, 0));
     let sentence = "x: encodertype 1 says that its encoder is absolute, so that its zero stands; no homing, no index and no set_position";
     assert_eq!(rig.refusal(sequence), sentence);
@@ -122,7 +122,7 @@ fn the_index_is_that_of_the_encoder_that_the_axis_reads() {
         let axis = &mut config.axes[usize::from(X)];
         (axis.interface, axis.wired) = (Interface::Velocity, Wired::Encoder(0));
         axis.parameters.max_following_error = 20_000;
-        let mut rig = rig_with(config, Model::Ideal, way(START, NOWHERE));
+        let mut rig = rig_with(config, Model::Ideal, travel_range(START, NOWHERE));
         let before = rig.int("belt.count");
         let sequence = if searches { give(&mut rig, index(2_500, 0)) } else { home(&mut rig, 34) };
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
@@ -137,7 +137,7 @@ fn the_index_is_that_of_the_encoder_that_the_axis_reads() {
 
 #[test]
 fn a_latch_of_the_axis_is_no_index() {
-    let mut rig = rig(way(START, NOWHERE));
+    let mut rig = rig(travel_range(START, NOWHERE));
     let sequence = give(&mut rig, index(1_000, 0));
     rig.run(20);
     let latch = crate::drive::Latch {

@@ -1,7 +1,7 @@
 //! Matrix of every method from every kind of start position, with and without the index. The expected values were taken
 //! from the standard (CiA 402-2, figures of the methods) and MACS-HOME-03 before any test was run.
 
-use super::{FAR, LEFT_END, RIGHT_END, cell, home, homed_events, place, rig, rig_with, run_to_end, way, zero};
+use super::{FAR, LEFT_END, RIGHT_END, cell, home, homed_events, place, rig, rig_with, run_to_end, travel_range, zero};
 use crate::code::Code;
 use crate::event::Number;
 use crate::sim::{Model, SecondOrder};
@@ -74,7 +74,7 @@ fn never_finds(method: i64, switch: (i64, i64), start: i64) -> bool {
 fn every_method_finds_the_place_of_the_standard_from_everywhere() {
     for (method, switch, expected) in EXPECTED {
         for start in STARTS {
-            let mut rig = rig(way(start, switch));
+            let mut rig = rig(travel_range(start, switch));
             let sequence = home(&mut rig, method);
             assert!(rig.was_accepted(sequence));
             assert_eq!(rig.state("x"), "HOMING");
@@ -107,7 +107,7 @@ fn without_the_index_every_method_that_needs_it_ends_in_its_error_within_a_revol
     for (method, switch, _) in EXPECTED {
         let needs_index = matches!(method, 1..=14 | -1 | -3);
         for start in STARTS {
-            let mut rig = rig(way(start, switch));
+            let mut rig = rig(travel_range(start, switch));
             rig.plant.drive(0).unwrap().lose_index();
             let sequence = home(&mut rig, method);
             let mut from = None;
@@ -139,7 +139,7 @@ fn without_the_index_every_method_that_needs_it_ends_in_its_error_within_a_revol
 #[test]
 fn the_next_index_to_either_side() {
     // In the direction into a limit switch there is no index.
-    let mut into_limit = rig(way(LEFT_END, PART));
+    let mut into_limit = rig(travel_range(LEFT_END, PART));
     let sequence = home(&mut into_limit, 33);
     assert_eq!(run_to_end(&mut into_limit, sequence).code, Code::HOMING_AT_LIMIT);
     for start in [-12_345, -1_701, -1_700, -1_699, 299, 300, 301, 12_345] {
@@ -147,18 +147,18 @@ fn the_next_index_to_either_side() {
         let left = (start - 301_i64).div_euclid(2_000) * 2_000 + 300;
         let right = (start - 300_i64).div_euclid(2_000) * 2_000 + 2_300;
         for (method, expected) in [(33, left), (34, right)] {
-            let mut rig = rig(way(start, PART));
+            let mut rig = rig(travel_range(start, PART));
             let sequence = home(&mut rig, method);
             assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "method {method} from {start}");
             assert_eq!(zero(&rig, start), expected, "method {method} from {start}");
         }
         for method in [35, 37] {
-            let mut rig = rig(way(start, PART));
+            let mut rig = rig(travel_range(start, PART));
             let sequence = home(&mut rig, method);
             assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
             assert_eq!(zero(&rig, start), start);
         }
-        let mut rig = rig(way(start, PART));
+        let mut rig = rig(travel_range(start, PART));
         rig.plant.drive(0).unwrap().lose_index();
         let sequence = home(&mut rig, 34);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_INDEX_MISSED);
@@ -171,7 +171,7 @@ fn a_drive_that_lags_finds_the_same_places() {
     let law = SecondOrder::new(60.0, 0.8, 1_000_000).unwrap();
     for (method, switch, expected) in EXPECTED {
         for start in [-12_000, 5_500, 12_000] {
-            let mut rig = rig_with(cell(2), Model::SecondOrder(law), way(start, switch));
+            let mut rig = rig_with(cell(2), Model::SecondOrder(law), travel_range(start, switch));
             let sequence = home(&mut rig, method);
             let done = run_to_end(&mut rig, sequence);
             if never_finds(method, switch, start) {
@@ -191,7 +191,7 @@ fn a_switch_that_is_passed_while_stopping_is_found_again() {
         [(23, 4_000), (24, 4_000), (25, 4_011), (26, 4_011), (27, 4_011), (28, 4_011), (29, 4_000), (30, 4_000)];
     for (method, expected) in expected.into_iter().chain([(7, 2_300), (10, 4_300), (11, 4_300), (14, 2_300)]) {
         for start in [-12_000, 3_999, 4_005, 4_012, 12_000] {
-            let mut rig = rig(way(start, NARROW));
+            let mut rig = rig(travel_range(start, NARROW));
             let sequence = home(&mut rig, method);
             assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "method {method} from {start}");
             assert_eq!(zero(&rig, start), expected, "method {method} from {start}");

@@ -1,7 +1,7 @@
 //! Homing together with switches, encoders, parameters, waiting goals.
 
 use super::super::rig::{X, to};
-use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, way, zero};
+use super::{FAR, assign, cell, home, place, rig, rig_with, run_to_end, travel_range, zero};
 use crate::code::Code;
 use crate::command::{Action, BufferMode, Move};
 use crate::parameter::Value;
@@ -13,7 +13,7 @@ const START: i64 = -12_000;
 #[test]
 fn a_limit_switch_on_the_way_to_the_zero_ends_homing() {
     for (offset, end) in [(30_000, 20_000), (-30_000, -20_000)] {
-        let mut rig = rig(way(START, (5_000, 7_000)));
+        let mut rig = rig(travel_range(START, (5_000, 7_000)));
         rig.set("homing.offset", Value::Int(offset));
         let sequence = home(&mut rig, -2);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_AT_LIMIT);
@@ -30,7 +30,7 @@ fn a_limit_switch_on_the_way_to_the_zero_ends_homing() {
 fn without_a_way_back_the_axis_stands_behind_its_zero() {
     let mut config = cell(0);
     assign(&mut config.axes[usize::from(X)].parameters, "revers", Value::Int(2));
-    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, 7_000)));
+    let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, 7_000)));
     let sequence = home(&mut rig, -4);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     rig.run(2);
@@ -41,10 +41,10 @@ fn without_a_way_back_the_axis_stands_behind_its_zero() {
 /// Counts that start again during homing: detected switches and index do not belong to them.
 #[test]
 fn a_new_epoch_ends_homing() {
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     let sequence = home(&mut rig, 3);
     rig.run(300);
-    rig.plant.drive(0).unwrap().renew_counts();
+    rig.plant.drive(0).unwrap().restart_counts();
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::HOMING_LOST);
     assert_eq!((rig.state("x"), rig.int("x.homed")), ("ERROR_STOP", 0));
 }
@@ -52,7 +52,7 @@ fn a_new_epoch_ends_homing() {
 /// The zero that is being searched would not match the new parameters.
 #[test]
 fn what_the_zero_depends_on_does_not_change_while_it_is_sought() {
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     let sequence = home(&mut rig, 3);
     rig.run(100);
     let refused = rig.set("homing.offset", Value::Int(77));
@@ -68,7 +68,7 @@ fn what_the_zero_depends_on_does_not_change_while_it_is_sought() {
 /// Proves: MACS-HOME-04
 #[test]
 fn the_switches_stay_where_they_are_while_it_homes() {
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     rig.plant.set_digital(0, false);
     let sequence = home(&mut rig, 19);
     rig.run(100);
@@ -94,7 +94,7 @@ fn a_long_wait_for_the_window_is_told_of() {
     assign(p, "in_position_window", Value::Int(5));
     p.in_position_time = 10_000_000_000;
     p.supervision.in_position_timeout = 100_000_000;
-    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
     home(&mut rig, 34);
     rig.run(5_000);
     assert_eq!(rig.state("x"), "HOMING");
@@ -106,14 +106,14 @@ fn a_long_wait_for_the_window_is_told_of() {
 fn a_goal_that_waits_needs_the_zero_when_it_begins() {
     let mut config = cell(0);
     assign(&mut config.axes[usize::from(X)].parameters, "homing.required", Value::Int(1));
-    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
     let sequence = home(&mut rig, 35);
     run_to_end(&mut rig, sequence);
     rig.give(Action::Move(to(X, 5_000)));
     let waits = rig.give(Action::Move(Move { buffer_mode: BufferMode::Buffered, ..to(X, 9_000) }));
     assert!(rig.was_accepted(waits));
     rig.run(20);
-    rig.plant.drive(0).unwrap().renew_counts();
+    rig.plant.drive(0).unwrap().restart_counts();
     rig.run(1_000);
     assert_eq!(rig.done(waits).iter().map(|done| done.code).collect::<Vec<_>>(), [Code::HOMING_REQUIRED]);
     assert_eq!((rig.int("x.homed"), rig.state("x"), rig.int("x.command.position")), (0, "STANDSTILL", 5_000));

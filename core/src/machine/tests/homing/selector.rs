@@ -1,7 +1,7 @@
 //! Reference 5 of the selector: its start, its end, and its effects after the end.
 
 use super::super::rig::{LINE, Rig, X, at, to};
-use super::{FAR, assign, cell, home, place, rig_with, run_to_end, way, zero};
+use super::{FAR, assign, cell, home, place, rig_with, run_to_end, travel_range, zero};
 use crate::code::Code;
 use crate::command::{Action, SetPosition};
 use crate::config::MachineConfig;
@@ -11,7 +11,7 @@ use crate::object::{AxisSet, Leader, Object};
 use crate::parameter::{Change, Row, Value};
 use crate::position::Length;
 use crate::sim::Model;
-use crate::text::sentence;
+use crate::text::message;
 use crate::vocabulary::amc::Wiring;
 
 const START: i64 = -12_000;
@@ -22,7 +22,7 @@ fn amc_with(method: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
     assign(&mut axis.parameters, "homing.method", Value::Int(method));
     axis.vocabularies.amc = Wiring { master: Some(Leader::AxisCommand(LINE)), freeze: Some(Object::Io(0)), cam: None };
     change(&mut config);
-    rig_with(config, Model::Ideal, way(START, (5_000, FAR)))
+    rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)))
 }
 
 fn amc() -> Rig {
@@ -58,7 +58,7 @@ fn shown(rig: &Rig) -> (i64, i64, i64) {
 
 fn warnings(rig: &Rig) -> Vec<String> {
     let told = rig.events.iter().filter(|event| event.kind == Kind::Warning);
-    told.map(|event| sentence(event, rig.machine.config())).collect()
+    told.map(|event| message(event, rig.machine.config())).collect()
 }
 
 const LEFT: &str = "x: another reference was selected, and that ended homing: the axis has no new zero";
@@ -116,7 +116,7 @@ fn reference_0_ends_homing_and_says_so() {
             select(&mut rig, &[(key, Value::Int(number))]);
             let jumps = key == "following_error_window";
             if jumps {
-                rig.tamper = |inputs| inputs.drive.iter_mut().for_each(|drive| drive.count -= 5);
+                rig.modify_inputs = |inputs| inputs.drive.iter_mut().for_each(|drive| drive.count -= 5);
             }
             rig.run(3);
             if jumps && stop_mode < 2 {

@@ -54,7 +54,7 @@ fn ask(change: impl FnOnce(&mut Request)) -> Action {
 }
 
 /// Returns every verb that removes the enable, in all combinations.
-fn taking_the_enable() -> Vec<(&'static str, Action)> {
+fn commands_that_remove_the_enable() -> Vec<(&'static str, Action)> {
     vec![
         ("enable", ask(|request| request.enable = Some(false))),
         ("reset", ask(|request| request.reset = true)),
@@ -71,7 +71,7 @@ fn taking_the_enable() -> Vec<(&'static str, Action)> {
 #[test]
 fn what_takes_the_enable_switches_the_speed_off_in_every_phase() {
     for (md7, phase) in [(0, 1), (0, 2), (0, 3), (2, 2), (2, 3)] {
-        for (what, action) in taking_the_enable() {
+        for (what, action) in commands_that_remove_the_enable() {
             let mut rig = under_way(md7, phase);
             let sequence = rig.give(action);
             assert!(rig.was_accepted(sequence), "{what} in phase {phase}");
@@ -131,7 +131,7 @@ fn at_the_mark_everything_is_off_and_the_zero_is_found() {
     let jog_none = || ask(|request| request.jog = Some(Jog::None));
     let mut actions = vec![("nothing", None), ("released", Some(jog_none()))];
     actions.push(("again", Some(ask(|request| request.jog = Some(Jog::Plus)))));
-    let taking = taking_the_enable().into_iter().filter(|(what, _)| *what != "mode");
+    let taking = commands_that_remove_the_enable().into_iter().filter(|(what, _)| *what != "mode");
     actions.extend(taking.map(|(what, action)| (what, Some(action))));
     for (what, action) in actions {
         for (md7, mark) in [(0, 8_300), (2, 4_300)] {
@@ -172,7 +172,7 @@ fn at_the_mark_everything_is_off_and_the_zero_is_found() {
 #[test]
 fn a_stop_on_the_actual_position_ends_it() {
     let mut rig = under_way(0, 1);
-    rig.order(X, Order::StandOnActual).unwrap();
+    rig.order(X, Order::HoldActualPosition).unwrap();
     for _ in 0..500 {
         rig.run(1);
         assert_off(&rig, "stopped");

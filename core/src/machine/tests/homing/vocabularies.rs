@@ -1,7 +1,7 @@
 //! Homing with the commands of the source systems: reference 5 of the AMC, reference travel of the positioning modules.
 
 use super::super::rig::{Rig, X};
-use super::{FAR, assign, cell, place, rig_with, way, zero};
+use super::{FAR, assign, cell, place, rig_with, travel_range, zero};
 use crate::code::Code;
 use crate::command::{Action, HomeAxis, HomingMethod};
 use crate::config::MachineConfig;
@@ -16,7 +16,7 @@ pub(super) const START: i64 = -12_000;
 fn amc() -> Rig {
     let mut config = cell(0);
     assign(&mut config.axes[usize::from(X)].parameters, "homing.method", Value::Int(3));
-    rig_with(config, Model::Ideal, way(START, (5_000, FAR)))
+    rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)))
 }
 
 /// Proves: AMC-SEL-05, AMC-FSM-08
@@ -59,7 +59,7 @@ fn an_end_before_its_time_is_0_too() {
 
 #[test]
 fn reference_5_without_a_method_is_refused() {
-    let mut rig = rig_with(cell(0), Model::Ideal, way(START, (5_000, FAR)));
+    let mut rig = rig_with(cell(0), Model::Ideal, travel_range(START, (5_000, FAR)));
     let sequence = rig.set("amc.reference_select", Value::Int(5));
     let sentence = "x: homing.method is 0: give the axis a method, or name one in the command";
     assert_eq!(rig.refusal(sequence), sentence);
@@ -91,7 +91,7 @@ pub(super) fn wf(start: i64, change: impl FnOnce(&mut MachineConfig)) -> Rig {
     change(&mut config);
     let is_open = config.axes[usize::from(X)].interface == Interface::OpenLoop;
     let lag = VelocityLag::new(2_000_000, 1_000_000).unwrap();
-    rig_with(config, if is_open { Model::Velocity(lag) } else { Model::Ideal }, way(start, (5_000, 7_000)))
+    rig_with(config, if is_open { Model::Velocity(lag) } else { Model::Ideal }, travel_range(start, (5_000, 7_000)))
 }
 
 pub(super) fn jog(rig: &mut Rig, jog: Jog) -> u64 {
@@ -133,8 +133,8 @@ fn the_zero_mark_decides_and_not_the_edge_of_the_cam() {
         [(START, 7_000), (START + 1, 7_000), (-7_777, 6_500), (5_500, 7_900), (START, 6_310), (START, 8_280)]
     {
         let mut rig = wf(start, |_| ());
-        let cam = Fixtures { home: Some((5_000, end)), ..way(start, (0, 0)) };
-        rig.plant.drive(0).unwrap().fit(cam);
+        let cam = Fixtures { home: Some((5_000, end)), ..travel_range(start, (0, 0)) };
+        rig.plant.drive(0).unwrap().install_fixtures(cam);
         jog(&mut rig, Jog::Plus);
         rig.run_until("x.homed", 1);
         assert_eq!((zero(&rig, start), place(&rig, start)), (8_180 - 50_000, 8_180), "from {start}, cam to {end}");
@@ -208,7 +208,7 @@ fn an_axis_that_may_not_go_back_does_not_turn_round_on_the_cam() {
     }
 }
 
-fn tell(rig: &mut Rig, cam: bool) {
+fn set_cam(rig: &mut Rig, cam: bool) {
     let request = Request { axis: X, cam: Some(cam), ..Request::default() };
     let sequence = rig.give(Action::vocabulary(request));
     rig.run(1);
@@ -229,11 +229,11 @@ fn md15_chooses_where_the_cam_comes_from() {
     };
     until(&mut rig, 9_000);
     assert_eq!((rig.int("x.homing.phase"), rig.real("x.command.velocity")), (1, 1e4), "behind the switch");
-    tell(&mut rig, true);
+    set_cam(&mut rig, true);
     rig.run(200);
     assert_eq!((rig.int("x.homing.phase"), rig.real("x.command.velocity")), (2, 4e3));
     until(&mut rig, 10_500);
-    tell(&mut rig, false);
+    set_cam(&mut rig, false);
     rig.run_until("x.homed", 1);
     rig.run(1);
     // The mark after 10500 is 12300.
@@ -388,7 +388,7 @@ fn a_zero_is_not_set_while_the_drive_homes_for_a_vocabulary() {
     let p = &mut config.axes[usize::from(X)].parameters;
     assign(p, "homing.method", Value::Int(3));
     assign(p, "homing.in_drive", Value::Int(1));
-    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
     rig.set("amc.reference_select", Value::Int(5));
     rig.run(100);
     let zero = crate::command::SetPosition { axis: X, position: crate::position::Length::whole(1_000) };

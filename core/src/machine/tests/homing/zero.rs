@@ -1,7 +1,7 @@
 //! Zero: which commands need it, when it is retained, which values move with it.
 
 use super::super::rig::{LINE, Rig, X, at, couple, to};
-use super::{FAR, assign, cell, home, homed_events, place, rig, rig_with, run_to_end, way, zero};
+use super::{FAR, assign, cell, home, homed_events, place, rig, rig_with, run_to_end, travel_range, zero};
 use crate::code::Code;
 use crate::command::{Action, SetPosition};
 use crate::drive::{Edge, Latch};
@@ -15,7 +15,7 @@ use crate::unit::MLONG;
 const START: i64 = -12_000;
 
 fn homed() -> Rig {
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     let sequence = home(&mut rig, 3);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     rig
@@ -29,7 +29,7 @@ fn set_position(rig: &mut Rig, position: i64) -> u64 {
 #[test]
 fn forced_homing_comes_before_every_motion() {
     let sentence = "x: homing is required and has not been done; home the axis first";
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     let sequence = rig.set("home_force", Value::Int(1));
     assert!(rig.was_accepted(sequence));
     let moves = || {
@@ -68,7 +68,7 @@ fn forced_homing_comes_before_every_motion() {
 /// Proves: MACS-HOME-09
 #[test]
 fn compulsory_and_done_is_shown_as_it_was_set_and_acts_as_1() {
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     let shown = |rig: &Rig| {
         let p = rig.machine.parameters(X).copied().unwrap();
         ["home_force", "homing.required"].map(|key| crate::parameter::Row::find(key).unwrap().1.value(&p))
@@ -150,7 +150,7 @@ fn set_position_disable_and_errors_keep_it_and_power_does_not() {
 /// No method at all is a valid choice.
 #[test]
 fn without_a_method_the_zero_is_where_it_was_switched_on() {
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     let sequence = rig
         .give(Action::HomeAxis(crate::command::HomeAxis { axis: X, method: crate::command::HomingMethod::Configured }));
     assert_eq!(rig.refusal(sequence), "x: homing.method is 0: give the axis a method, or name one in the command");
@@ -164,7 +164,7 @@ fn an_offset_moves_the_zero_and_only_a_sequence_of_macs_goes_there() {
     for offset in [-700, 450] {
         // The index left of the edge is at 4300, the edge at 5000.
         for (method, reference) in [(3, 4_300), (19, 5_000), (35, START), (-1, 4_300), (-2, 5_000)] {
-            let mut rig = rig(way(START, (5_000, FAR)));
+            let mut rig = rig(travel_range(START, (5_000, FAR)));
             rig.set("homing.offset", Value::Int(offset));
             let sequence = home(&mut rig, method);
             let mut moved = false;
@@ -196,7 +196,7 @@ fn inverted_units_keep_the_places_of_switches_and_offset() {
         assign(p, "homing.velocity", Value::Real(velocity * 1_000.0));
         assign(p, "home_offset", Value::Int(450));
         assert_eq!(p.homing.offset, -450);
-        let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+        let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
         let sequence = home(&mut rig, method);
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE, "{method}");
         // Positions have the opposite direction of the travel range.
@@ -251,7 +251,7 @@ fn limits_at_the_end_of_their_range_keep_their_places() {
         let mut config = cell(0);
         let p = &mut config.axes[usize::from(X)].parameters;
         assign(p, "posdrct", Value::Int(turned));
-        let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+        let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
         rig.set("poslimit", Value::Int(MLONG));
         rig.set("neglimit", Value::Int(-MLONG));
         on(&mut rig, was_on);
@@ -290,7 +290,7 @@ fn software_limits_do_not_hold_while_it_homes() {
     let p = &mut config.axes[usize::from(X)].parameters;
     assign(p, "min_position", Value::Int(-100));
     assign(p, "max_position", Value::Int(100));
-    let mut rig = rig_with(config, Model::Ideal, way(START, (5_000, FAR)));
+    let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, FAR)));
     let sequence = home(&mut rig, 19);
     assert_eq!(run_to_end(&mut rig, sequence).code, Code::NONE);
     assert_eq!(zero(&rig, START), 5_000);
@@ -301,7 +301,7 @@ fn software_limits_do_not_hold_while_it_homes() {
 /// Followers of the axis see its motion, but not its new coordinate.
 #[test]
 fn a_follower_does_not_jump_with_the_zero() {
-    let mut rig = rig(way(START, (5_000, FAR)));
+    let mut rig = rig(travel_range(START, (5_000, FAR)));
     rig.give(Action::Synchronize(couple(super::super::rig::Y, Leader::AxisCommand(X), 1, 1)));
     rig.run(5);
     let sequence = home(&mut rig, 3);
@@ -321,7 +321,7 @@ fn a_latched_edge_is_exact_at_any_velocity() {
     let p = &mut config.axes[usize::from(X)].parameters;
     // 10 inc per cycle in the last approach, too.
     assign(p, "homing.index_velocity", Value::Real(10_000.0));
-    let mut rig = rig_with(config, Model::Ideal, Fixtures { home: None, ..way(0, (0, 0)) });
+    let mut rig = rig_with(config, Model::Ideal, Fixtures { home: None, ..travel_range(0, (0, 0)) });
     let sequence = home(&mut rig, 20);
     let mut steps = 0;
     let mut latched = None;
@@ -350,7 +350,7 @@ fn a_latched_edge_is_exact_at_any_velocity() {
 #[test]
 fn a_latched_far_edge_is_exact_while_the_axis_still_brakes() {
     let (from, to) = (4_000, 4_011);
-    let mut rig = rig_with(cell(0), Model::Ideal, Fixtures { home: None, ..way(0, (0, 0)) });
+    let mut rig = rig_with(cell(0), Model::Ideal, Fixtures { home: None, ..travel_range(0, (0, 0)) });
     let sequence = home(&mut rig, -4);
     let mut passed_at = None;
     while rig.done(sequence).is_empty() {

@@ -23,7 +23,7 @@ const TO_LINE: Leader = Leader::AxisCommand(LINE);
 
 /// Source of the motion of x.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Led {
+enum MotionSource {
     Gear,
     Velocity,
     AtPosition,
@@ -35,16 +35,16 @@ enum Led {
     ShiftOfSlave,
 }
 
-const ALL: [Led; 9] = [
-    Led::Gear,
-    Led::Velocity,
-    Led::AtPosition,
-    Led::OnEvent,
-    Led::Cam,
-    Led::Marks,
-    Led::VirtualMaster,
-    Led::ShiftOfMaster,
-    Led::ShiftOfSlave,
+const ALL: [MotionSource; 9] = [
+    MotionSource::Gear,
+    MotionSource::Velocity,
+    MotionSource::AtPosition,
+    MotionSource::OnEvent,
+    MotionSource::Cam,
+    MotionSource::Marks,
+    MotionSource::VirtualMaster,
+    MotionSource::ShiftOfMaster,
+    MotionSource::ShiftOfSlave,
 ];
 
 /// x has limits of -2 mm and 4 mm with 2 m/s^2; the line reaches its velocity at once.
@@ -77,44 +77,44 @@ fn machine(rig: &mut Rig, values: &[(&str, i64)]) {
 }
 
 /// Moves x, with `way` 1 up and -1 down, until it is stopped, or for 300 cycles.
-fn lead(rig: &mut Rig, led: Led, way: i64) {
+fn lead(rig: &mut Rig, led: MotionSource, way: i64) {
     let gear = couple(X, TO_LINE, 1, 1);
     let runs = at(LINE, way as f64 * 20_000.0);
     let goal = match led {
-        Led::Gear | Led::ShiftOfMaster | Led::ShiftOfSlave => Synchronize { offset: Length::default(), ..gear },
-        Led::Velocity => Synchronize { mode: SyncMode::Velocity, ..gear },
-        Led::AtPosition => {
+        MotionSource::Gear | MotionSource::ShiftOfMaster | MotionSource::ShiftOfSlave => Synchronize { offset: Length::default(), ..gear },
+        MotionSource::Velocity => Synchronize { mode: SyncMode::Velocity, ..gear },
+        MotionSource::AtPosition => {
             let here = rig.int("line.command.position");
             let engage = Engage::AtPosition { position: here + way * 400, turn: None };
             Synchronize { mode: SyncMode::Velocity, engage, ..gear }
         }
-        Led::OnEvent => Synchronize { engage: Engage::OnEvent(Object::Io(0)), ..gear },
-        Led::Cam => {
+        MotionSource::OnEvent => Synchronize { engage: Engage::OnEvent(Object::Io(0)), ..gear },
+        MotionSource::Cam => {
             // Downwards in the part of the table with a negative slope.
             let mut cam = cam(0, CamStart::Relative);
             cam.master_offset = Length::whole(if way > 0 { 0 } else { 8_000 });
             Synchronize { cam: Some(cam), ..couple(X, TO_LINE, 0, 0) }
         }
-        Led::Marks => Synchronize { mode: SyncMode::Marker, ..gear },
-        Led::VirtualMaster => couple(X, Leader::Virtual, 1, 1),
+        MotionSource::Marks => Synchronize { mode: SyncMode::Marker, ..gear },
+        MotionSource::VirtualMaster => couple(X, Leader::Virtual, 1, 1),
     };
     let shift = PhaseShift { shift: Length::whole(way * 20_000), velocity: 20_000.0, acceleration: 1e6 };
     match led {
-        Led::ShiftOfMaster | Led::ShiftOfSlave => {
+        MotionSource::ShiftOfMaster | MotionSource::ShiftOfSlave => {
             rig.give(Action::Move(at(LINE, 0.0)));
             rig.run(2);
             rig.give(Action::Synchronize(goal));
             let side = match led {
-                Led::ShiftOfSlave => PhaseSide::Slave(shift),
+                MotionSource::ShiftOfSlave => PhaseSide::Slave(shift),
                 _ => PhaseSide::Master { given: [Amount::default(); 3], by_scale: [(scale(), shift)].into() },
             };
             rig.give(Action::Phase(Phase { axis: X, side }));
         }
-        Led::VirtualMaster => {
+        MotionSource::VirtualMaster => {
             machine(rig, &[("pulsvel", way * 20_000), ("pulsacc", 10_000_000)]);
             rig.give(Action::Synchronize(goal));
         }
-        Led::Cam => {
+        MotionSource::Cam => {
             rig.give(Action::Move(at(LINE, 20_000.0)));
             rig.run(3);
             rig.give(Action::Synchronize(goal));
@@ -125,7 +125,7 @@ fn lead(rig: &mut Rig, led: Led, way: i64) {
             rig.give(Action::Synchronize(goal));
         }
     }
-    if led == Led::OnEvent {
+    if led == MotionSource::OnEvent {
         rig.run(5);
         let latch = Latch { object: Object::Io(0), edge: Edge::Rising, age_ns: Some(300_000), position: None };
         assert!(rig.plant.add_latch(latch));

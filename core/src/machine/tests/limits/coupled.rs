@@ -104,7 +104,7 @@ fn from_its_limit_an_axis_is_led_away_and_nowhere_else() {
             assert_eq!(errors(&rig)[attempt], Code::LIMIT_VIOLATION);
         }
         let last = rig.events.iter().rfind(|event| event.kind == Kind::Error).unwrap();
-        let sentence = crate::text::sentence(last, rig.machine.config());
+        let sentence = crate::text::message(last, rig.machine.config());
         assert!(sentence.ends_with("mm/s leads further into the limit at 1 mm"), "{sentence}");
         rig.give(Action::Move(at(LINE, -speed)));
         rig.run(200);
@@ -317,7 +317,7 @@ fn an_override_that_comes_back_below_a_superimposed_motion_keeps_the_limit() {
 }
 
 #[derive(Clone, Debug)]
-enum Happening {
+enum RandomEvent {
     Couple {
         leader: usize,
         velocity_only: bool,
@@ -347,8 +347,8 @@ fn speed() -> impl Strategy<Value = f64> {
     (size, any::<bool>()).prop_map(|(size, down)| if down { -size } else { size })
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
-    use Happening::*;
+fn random_event() -> impl Strategy<Value = RandomEvent> {
+    use RandomEvent::*;
     let couple = (0_usize..6, any::<bool>(), any::<bool>(), (-5_i64..6, 1_i64..4), -20_i64..20);
     let couple = couple.prop_map(|(leader, velocity_only, keeps, ratio, offset)| Couple {
         leader,
@@ -418,14 +418,14 @@ proptest! {
         deceleration in prop::option::of(0.1..3.0_f64),
         posdrct in prop::sample::select(vec![1_i64, -1]),
         profile in 0_i64..3,
-        happenings in prop::collection::vec(happening(), 1..40),
+        happenings in prop::collection::vec(random_event(), 1..40),
     ) {
         let mut rig = braking(cycle_ms, rate, posdrct, deceleration.map(|share| rate * share));
         set(&mut rig, X, "profile", Value::Int(profile));
         let mut goal = 0;
         for happening in happenings {
             match happening {
-                Happening::Couple { leader, velocity_only, keeps, ratio, offset } => {
+                RandomEvent::Couple { leader, velocity_only, keeps, ratio, offset } => {
                     let leader = [
                         Leader::AxisCommand(LINE), Leader::AxisActual(Y), Leader::Encoder(0), Leader::Simulated(X),
                         Leader::Sum(0), Leader::Virtual,
@@ -437,48 +437,48 @@ proptest! {
                         ..couple(X, leader, ratio.0, ratio.1)
                     }));
                 }
-                Happening::Line(velocity) => {
+                RandomEvent::Line(velocity) => {
                     rig.give_all(vec![Action::Move(at(LINE, velocity)), Action::Move(at(Y, velocity))]);
                 }
-                Happening::Virtual(velocity) => {
+                RandomEvent::Virtual(velocity) => {
                     // It changes its velocity in one cycle, too.
                     set(&mut rig, MACHINE, "pulsacc", Value::Int(-1));
                     set(&mut rig, MACHINE, "setsys_15", Value::Int(velocity as i64));
                 }
-                Happening::Simulated(velocity) => {
+                RandomEvent::Simulated(velocity) => {
                     set(&mut rig, X, "master_simulation_velocity", Value::Real(velocity));
                 }
-                Happening::Velocity(velocity) => goal = rig.give(Action::Move(at(X, velocity))),
-                Happening::Stream(velocity, cycles) => {
+                RandomEvent::Velocity(velocity) => goal = rig.give(Action::Move(at(X, velocity))),
+                RandomEvent::Stream(velocity, cycles) => {
                     for _ in 0..cycles {
                         rig.stream(X, velocity);
                         is_kept(&rig)?;
                     }
                 }
-                Happening::Position(position) => goal = rig.give(Action::Move(to(X, position))),
-                Happening::Add(way) => {
+                RandomEvent::Position(position) => goal = rig.give(Action::Move(to(X, position))),
+                RandomEvent::Add(way) => {
                     rig.give(Action::Move(Move { mode: MoveMode::Superimposed, ..to(X, way) }));
                 }
-                Happening::Override(share) => {
+                RandomEvent::Override(share) => {
                     set(&mut rig, X, "velocity_override", Value::Real(share));
                 }
-                Happening::Belt(by, cycles) => {
+                RandomEvent::Belt(by, cycles) => {
                     for _ in 0..cycles {
                         rig.plant.jump_encoder(0, by);
                         rig.run(1);
                         is_kept(&rig)?;
                     }
                 }
-                Happening::Cancel => {
+                RandomEvent::Cancel => {
                     rig.give(Action::Cancel { goal });
                 }
-                Happening::Halt => {
+                RandomEvent::Halt => {
                     rig.give(Action::Halt(AxisSet::one(X)));
                 }
-                Happening::Reset => {
+                RandomEvent::Reset => {
                     rig.give(Action::ResetErrors(AxisSet::one(X)));
                 }
-                Happening::Run(cycles) => {
+                RandomEvent::Run(cycles) => {
                     for _ in 0..cycles {
                         rig.run(1);
                         is_kept(&rig)?;

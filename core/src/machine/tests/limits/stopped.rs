@@ -223,12 +223,12 @@ fn what_never_stands_loses_its_power_all_the_same() {
     }
     let mut rig = lagging(0, &[]);
     rig.run_until("x.state", 7);
-    rig.tamper = tremble;
+    rig.modify_inputs = tremble;
     let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
     let waited = run_until_off(&mut rig);
     assert!((5_000..5_010).contains(&waited), "{waited}");
     assert_eq!(rig.done(sequence).len(), 0);
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     rig.run(20);
     assert_eq!((rig.state("x"), rig.done(sequence).len()), ("DISABLED", 1));
 }
@@ -242,7 +242,7 @@ fn what_runs_away_from_its_command_is_not_waited_for() {
     let mut rig = lagging(0, &[]);
     set(&mut rig, "max_following_error", 4_000);
     rig.run_until("x.state", 7);
-    rig.tamper = run_away;
+    rig.modify_inputs = run_away;
     let waited = run_until_off(&mut rig);
     // About 40 ms until the command is at rest; with 40 inc/ms past it, the error is 4 mm 100 ms after the drive
     // reached the position.

@@ -10,7 +10,7 @@ use crate::modulo::Modulo;
 use crate::object::{AxisSet, Leader};
 use crate::parameter::{AxisParameters, Row, Value};
 use crate::sim::{Model, SecondOrder};
-use crate::text::sentence;
+use crate::text::message;
 use proptest::prelude::*;
 
 const HIGH: i64 = 4_000;
@@ -60,7 +60,7 @@ fn jog_within(rig: &mut Rig, velocity: f64, cycles: u64, (low, high): (i64, i64)
 }
 
 /// Returns the events since the last call, except states, acceptances, ends and parameters.
-fn told(rig: &mut Rig) -> Vec<(Kind, Code)> {
+fn reported_events(rig: &mut Rig) -> Vec<(Kind, Code)> {
     let mut told: Vec<_> = rig.events.drain(..).collect();
     told.retain(|event| !matches!(event.kind, Kind::State | Kind::Accepted | Kind::Done | Kind::Parameter));
     told.iter().map(|event| (event.kind, event.code)).collect()
@@ -73,7 +73,7 @@ fn limit(up: bool) -> (Kind, Code) {
 const FURTHER: (Kind, Code) = (Kind::Warning, Code::LIMIT_VIOLATION);
 
 #[track_caller]
-fn stands(rig: &Rig, place: i64) {
+fn assert_at_rest(rig: &Rig, place: i64) {
     assert_eq!((rig.state("x"), rig.int("x.command.position")), ("STANDSTILL", place));
     assert_eq!((rig.real("x.command.velocity"), rig.real("x.command.fraction")), (0.0, 0.0));
     assert_eq!((rig.int("x.enabled"), rig.int("x.error")), (1, 0));
@@ -93,22 +93,22 @@ fn a_jog_stops_at_the_limit_without_an_error_and_leads_away_at_once() {
         jog(&mut rig, way, cycles - 1);
         assert_eq!(rig.state("x"), "CONTINUOUS_MOTION");
         jog(&mut rig, way, 3);
-        stands(&rig, end);
+        assert_at_rest(&rig, end);
         let events: Vec<Event> = rig.events.iter().filter(|event| event.kind == Kind::Limit).copied().collect();
         assert_eq!((events.len(), events[0].severity, events[0].position.floor()), (1, Severity::Warn, end));
         let said = if up { "x: stopped at max_position 4 mm" } else { "x: stopped at min_position -2 mm" };
-        assert_eq!(sentence(&events[0], rig.machine.config()), said);
-        assert_eq!(told(&mut rig), [limit(up)]);
+        assert_eq!(message(&events[0], rig.machine.config()), said);
+        assert_eq!(reported_events(&mut rig), [limit(up)]);
         assert_eq!(rig.int(if up { "x.limit.software_positive" } else { "x.limit.software_negative" }), 1);
         jog(&mut rig, way, 1_000);
-        stands(&rig, end);
-        assert_eq!(told(&mut rig), [], "it is told once, and not 50 times a second");
+        assert_at_rest(&rig, end);
+        assert_eq!(reported_events(&mut rig), [], "it is told once, and not 50 times a second");
         // 20 mm/s with 0.5 m/s^2 after 40 ms.
         jog(&mut rig, -way, 41);
         assert_eq!(rig.real("x.command.velocity"), -way);
         jog(&mut rig, way, 200);
-        stands(&rig, end);
-        assert_eq!(told(&mut rig), [limit(up)], "it has left it: that is another approach");
+        assert_at_rest(&rig, end);
+        assert_eq!(reported_events(&mut rig), [limit(up)], "it has left it: that is another approach");
     }
 }
 
@@ -128,7 +128,7 @@ fn a_jog_leads_away_from_the_limit_while_it_still_brakes() {
         assert!((before.abs() - 9_000.0).abs() < 200.0, "{before}");
         jog(&mut rig, -way, 80);
         assert_eq!((rig.state("x"), rig.real("x.command.velocity")), ("CONTINUOUS_MOTION", -way));
-        assert_eq!(told(&mut rig), [limit(up)]);
+        assert_eq!(reported_events(&mut rig), [limit(up)]);
     }
 }
 
@@ -138,26 +138,26 @@ fn each_further_press_moves_nothing_and_is_not_told_again() {
     let mut rig = rig();
     rig.mirror();
     jog(&mut rig, 20_000.0, 400);
-    assert_eq!(told(&mut rig), [limit(true)]);
+    assert_eq!(reported_events(&mut rig), [limit(true)]);
     for press in 0..10 {
         let duration = (press % 2 == 0).then_some(50_000_000);
         for _ in 0..3 {
             rig.stream_for(X, Setpoint { velocity: 20_000.0 + f64::from(press), duration });
             rig.run(PERIOD - 1);
-            stands(&rig, HIGH);
+            assert_at_rest(&rig, HIGH);
         }
         rig.run(450);
     }
     // A setpoint of 0 has no direction.
     rig.stream(X, 0.0);
     rig.stream(X, 20_000.0);
-    stands(&rig, HIGH);
-    assert_eq!(told(&mut rig), []);
+    assert_at_rest(&rig, HIGH);
+    assert_eq!(reported_events(&mut rig), []);
     // The direction changes for one cycle, which moves the axis by less than the distance for leaving the limit.
     rig.stream(X, -20_000.0);
     jog(&mut rig, 20_000.0, 100);
-    stands(&rig, HIGH);
-    assert_eq!(told(&mut rig), [limit(true)]);
+    assert_at_rest(&rig, HIGH);
+    assert_eq!(reported_events(&mut rig), [limit(true)]);
 }
 
 /// 10 mm/s for 50 ms: 20 ms of acceleration, 30 ms at constant velocity, and 20 ms to stop: 500 inc each.
@@ -167,9 +167,9 @@ fn short_jogs_by_duration_come_to_the_limit_and_are_told_once() {
     for press in 1..=12 {
         rig.stream_for(X, Setpoint { velocity: 10_000.0, duration: Some(50_000_000) });
         rig.run(300);
-        stands(&rig, HIGH.min(press * 500));
+        assert_at_rest(&rig, HIGH.min(press * 500));
     }
-    assert_eq!(told(&mut rig), [FURTHER], "the eighth one ends at the limit by itself");
+    assert_eq!(reported_events(&mut rig), [FURTHER], "the eighth one ends at the limit by itself");
 }
 
 /// From rest 1 to 400 increments before the limit, in every shape, at any velocity: the axis reaches the limit, and
@@ -189,8 +189,8 @@ fn a_jog_that_begins_next_to_the_limit_still_ends_at_it() {
                 }
                 assert!(place(&rig) <= HIGH as f64, "{profile} {before} {velocity}");
             }
-            stands(&rig, HIGH);
-            assert_eq!(told(&mut rig), [limit(true)], "{profile} {before} {velocity}");
+            assert_at_rest(&rig, HIGH);
+            assert_eq!(reported_events(&mut rig), [limit(true)], "{profile} {before} {velocity}");
         }
     }
     let mut rig = rig_of(|p| (p.profile, p.max_acceleration) = (1, 50_000.0));
@@ -216,7 +216,7 @@ fn an_axis_that_a_goal_leads_away_and_back_is_told_again() {
     rig.give(Action::Move(to(X, 0)));
     rig.run_until("x.state", 1);
     jog(&mut rig, 20_000.0, 400);
-    assert_eq!(told(&mut rig), [limit(true); 2]);
+    assert_eq!(reported_events(&mut rig), [limit(true); 2]);
     rig.give(Action::Move(to(X, 1_000)));
     rig.run_until("x.state", 1);
     rig.give(Action::Move(to(X, HIGH)));
@@ -225,15 +225,15 @@ fn an_axis_that_a_goal_leads_away_and_back_is_told_again() {
         jog(&mut rig, 1.0, 100);
         rig.run(200);
     }
-    stands(&rig, HIGH);
-    assert_eq!(told(&mut rig), [FURTHER], "it came there without the jog");
+    assert_at_rest(&rig, HIGH);
+    assert_eq!(reported_events(&mut rig), [FURTHER], "it came there without the jog");
     // Switched off and on in place, it has not left the limit.
     rig.give(Action::Disable(AxisSet::one(X)));
     rig.run(20);
     rig.enable();
     jog(&mut rig, 20_000.0, 100);
-    stands(&rig, HIGH);
-    assert_eq!(told(&mut rig), []);
+    assert_at_rest(&rig, HIGH);
+    assert_eq!(reported_events(&mut rig), []);
 }
 
 #[test]
@@ -247,8 +247,8 @@ fn silence_and_halt_in_the_stop_at_the_limit_end_it_as_they_do_elsewhere() {
             rig.give(Action::Halt(AxisSet::one(X)));
         }
         rig.run(500);
-        stands(&rig, HIGH);
-        assert_eq!(told(&mut rig), [limit(true)], "halts {halts}: no stream has stopped coming");
+        assert_at_rest(&rig, HIGH);
+        assert_eq!(reported_events(&mut rig), [limit(true)], "halts {halts}: no stream has stopped coming");
     }
 }
 
@@ -264,7 +264,7 @@ fn with_error_a_jog_ends_as_any_motion_without_an_end() {
         let code = limit(up).1;
         assert_eq!((rig.state("x"), rig.int("x.enabled")), ("ERROR_STOP", 0));
         assert_eq!((rig.int("x.error"), rig.int("x.command.position")), (i64::from(code.0), end));
-        let said = told(&mut rig);
+        let said = reported_events(&mut rig);
         assert_eq!(said[..2], [limit(up), (Kind::Error, code)]);
     }
 }
@@ -279,8 +279,8 @@ fn other_motion_into_the_limit_is_the_error_that_it_was() {
         let mut rig = rig_of(|p| p.error_reaction = 2);
         // The stop of a jog at the limit does not turn the first attempt of another motion into a second one.
         jog(&mut rig, 20_000.0, 400);
-        stands(&rig, HIGH);
-        told(&mut rig);
+        assert_at_rest(&rig, HIGH);
+        reported_events(&mut rig);
         let lead = |rig: &mut Rig| {
             if led {
                 rig.give(Action::Move(at(LINE, 20_000.0)));
@@ -294,20 +294,20 @@ fn other_motion_into_the_limit_is_the_error_that_it_was() {
             rig.run(100);
         };
         lead(&mut rig);
-        assert_eq!(told(&mut rig), [limit(true), (Kind::Error, code)], "led {led}");
+        assert_eq!(reported_events(&mut rig), [limit(true), (Kind::Error, code)], "led {led}");
         rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(10);
-        told(&mut rig);
+        reported_events(&mut rig);
         // A jog further into the limit is reported once, is no error, and does not change the next attempt of a
         // coupling.
         jog(&mut rig, 20_000.0, 300);
         rig.run(300);
         jog(&mut rig, 20_000.0, 300);
-        stands(&rig, HIGH);
-        assert_eq!(told(&mut rig), [FURTHER], "led {led}");
+        assert_at_rest(&rig, HIGH);
+        assert_eq!(reported_events(&mut rig), [FURTHER], "led {led}");
         if led {
             lead(&mut rig);
-            assert_eq!(told(&mut rig), [limit(true), (Kind::Error, Code::LIMIT_VIOLATION)]);
+            assert_eq!(reported_events(&mut rig), [limit(true), (Kind::Error, Code::LIMIT_VIOLATION)]);
         }
     }
 }
@@ -322,10 +322,10 @@ fn a_jog_that_carries_a_superimposed_motion_stops_at_the_limit_with_it() {
     let goal = rig.give(Action::Move(Move { deceleration: 1e5, ..over }));
     assert!(rig.was_accepted(goal));
     jog(&mut rig, 20_000.0, 300);
-    stands(&rig, HIGH);
+    assert_at_rest(&rig, HIGH);
     let done = rig.done(goal);
     assert_eq!((done.len(), done[0].code), (1, Code::SOFTWARE_LIMIT_POSITIVE));
-    assert_eq!(told(&mut rig), [limit(true)]);
+    assert_eq!(reported_events(&mut rig), [limit(true)]);
 }
 
 #[test]
@@ -339,32 +339,32 @@ fn limits_that_change_under_a_jog_hold_from_then_on() {
     // At the limit, and then in the middle of the stop at it: the axis moves on with the next message.
     jog(&mut rig, 20_000.0, 400);
     set(&mut rig, 6_000);
-    stands(&rig, HIGH);
+    assert_at_rest(&rig, HIGH);
     jog_within(&mut rig, 20_000.0, 400, (LOW, 6_000));
-    stands(&rig, 6_000);
-    assert_eq!(told(&mut rig), [limit(true); 2]);
+    assert_at_rest(&rig, 6_000);
+    assert_eq!(reported_events(&mut rig), [limit(true); 2]);
     set(&mut rig, 8_000);
     while rig.events.iter().all(|event| event.kind != Kind::Limit) {
         jog_within(&mut rig, 20_000.0, 1, (LOW, 8_000));
     }
     set(&mut rig, 9_000);
     jog_within(&mut rig, 20_000.0, 400, (LOW, 9_000));
-    stands(&rig, 9_000);
-    assert_eq!(told(&mut rig), [limit(true); 2]);
+    assert_at_rest(&rig, 9_000);
+    assert_eq!(reported_events(&mut rig), [limit(true); 2]);
     // Below the present position: further outwards nothing moves, motion back is allowed, and a reversal outside the
     // limit stops.
     set(&mut rig, 1_000);
     jog_within(&mut rig, 20_000.0, 300, (LOW, 9_000));
-    stands(&rig, 9_000);
-    assert_eq!(told(&mut rig), [], "it has not left the limit");
+    assert_at_rest(&rig, 9_000);
+    assert_eq!(reported_events(&mut rig), [], "it has not left the limit");
     jog_within(&mut rig, -20_000.0, 100, (LOW, 9_000));
     assert_eq!(rig.real("x.command.velocity"), -20_000.0);
     jog_within(&mut rig, 20_000.0, 300, (LOW, 9_000));
-    assert_eq!((rig.state("x"), told(&mut rig)), ("STANDSTILL", vec![FURTHER]));
+    assert_eq!((rig.state("x"), reported_events(&mut rig)), ("STANDSTILL", vec![FURTHER]));
     assert!((1_000..9_000).contains(&rig.int("x.command.position")));
     // A limit before which the jog could no longer stop is refused, as before.
     jog_within(&mut rig, -20_000.0, 600, (LOW, 9_000));
-    stands(&rig, LOW);
+    assert_at_rest(&rig, LOW);
     jog_within(&mut rig, 20_000.0, 60, (LOW, 9_000));
     let refused = rig.set("max_position", Value::Int(rig.int("x.command.position") + 100));
     assert!(rig.refusal(refused).contains("max_position"));
@@ -381,10 +381,10 @@ fn a_jog_of_an_axis_with_a_modulo_stops_at_the_limit_of_all_turns() {
     let mut rig = Rig::of(config);
     rig.enable();
     jog(&mut rig, 20_000.0, 400);
-    stands(&rig, HIGH);
+    assert_at_rest(&rig, HIGH);
     jog(&mut rig, -20_000.0, 600);
-    stands(&rig, LOW);
-    assert_eq!(told(&mut rig), [limit(true), limit(false)]);
+    assert_at_rest(&rig, LOW);
+    assert_eq!(reported_events(&mut rig), [limit(true), limit(false)]);
 }
 
 /// The parameter counts in the cycle in which the limit is reached.
@@ -411,7 +411,7 @@ fn jog_at_limit_is_changed_in_motion() {
 fn a_jog_into_a_limit_switch_is_an_error() {
     let mut rig = rig();
     jog(&mut rig, 20_000.0, 60);
-    rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+    rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
     rig.stream(X, 20_000.0);
     assert_eq!((rig.state("x"), rig.int("x.error")), ("ERROR_STOP", i64::from(Code::HARDWARE_LIMIT_POSITIVE.0)));
 }
@@ -442,8 +442,8 @@ fn a_drive_that_was_behind_when_its_power_went_may_be_jogged_to_the_limit_again(
     rig.events.clear();
     end(&mut rig);
     jog(&mut rig, 20_000.0, 100);
-    stands(&rig, HIGH);
-    assert_eq!(told(&mut rig), [limit(true)]);
+    assert_at_rest(&rig, HIGH);
+    assert_eq!(reported_events(&mut rig), [limit(true)]);
 }
 
 /// Each axis of a message is handled separately.
@@ -459,25 +459,25 @@ fn a_jog_of_two_axes_stops_the_one_that_is_at_its_limit() {
         rig.run(PERIOD - 1);
     };
     (0..20).for_each(|_| both(&mut rig));
-    stands(&rig, HIGH);
+    assert_at_rest(&rig, HIGH);
     assert_eq!((rig.state("y"), rig.real("y.command.velocity")), ("CONTINUOUS_MOTION", 20_000.0));
-    assert_eq!(told(&mut rig), [limit(true)]);
+    assert_eq!(reported_events(&mut rig), [limit(true)]);
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Hand {
+enum JogPress {
     /// Velocity, number of cycles, cycles between messages.
     Jog(f64, u64, u64),
     Silent(u64),
     Override(f64),
 }
 
-fn hand() -> impl Strategy<Value = Hand> {
+fn jog_press() -> impl Strategy<Value = JogPress> {
     let velocity = prop_oneof![-100_000.0..100_000.0_f64, -300.0..300.0_f64, Just(0.0)];
     prop_oneof![
-        8 => (velocity, 1_u64..400, 1_u64..90).prop_map(|(velocity, cycles, every)| Hand::Jog(velocity, cycles, every)),
-        2 => (1_u64..400).prop_map(Hand::Silent),
-        1 => (0.0..100.0_f64).prop_map(Hand::Override),
+        8 => (velocity, 1_u64..400, 1_u64..90).prop_map(|(velocity, cycles, every)| JogPress::Jog(velocity, cycles, every)),
+        2 => (1_u64..400).prop_map(JogPress::Silent),
+        1 => (0.0..100.0_f64).prop_map(JogPress::Override),
     ]
 }
 
@@ -489,7 +489,7 @@ proptest! {
     /// approaches.
     #[test]
     fn no_jog_passes_a_limit_or_ends_in_an_error(
-        profile in 0_i64..3, deceleration in prop::option::of(2e5..4e6_f64), hands in prop::collection::vec(hand(), 1..20),
+        profile in 0_i64..3, deceleration in prop::option::of(2e5..4e6_f64), hands in prop::collection::vec(jog_press(), 1..20),
         last in prop_oneof![-100_000.0..-3_000.0_f64, 3_000.0..100_000.0_f64],
     ) {
         let mut rig = rig_of(|p| {
@@ -510,7 +510,7 @@ proptest! {
         };
         for hand in hands {
             match hand {
-                Hand::Jog(velocity, cycles, every) => {
+                JogPress::Jog(velocity, cycles, every) => {
                     if velocity != 0.0 && velocity * way <= 0.0 {
                         (turns, way) = (turns + 1, velocity);
                     }
@@ -523,11 +523,11 @@ proptest! {
                         checked(&rig)?;
                     }
                 }
-                Hand::Silent(cycles) => for _ in 0..cycles {
+                JogPress::Silent(cycles) => for _ in 0..cycles {
                     rig.run(1);
                     checked(&rig)?;
                 },
-                Hand::Override(share) => {
+                JogPress::Override(share) => {
                     rig.set("velocity_override", Value::Real(share));
                     checked(&rig)?;
                 }

@@ -13,7 +13,7 @@ use crate::object::AxisSet;
 use crate::parameter::Value;
 use crate::regulator::Law;
 use crate::sim::{
-    Amplifier, Friction, Load, Mechanics, Model, Motor, MotorData, Reading, Sign, SimBrake, Stage, VelocityLag,
+    Amplifier, Friction, Load, Mechanics, Model, Motor, MotorData, Reading, SignOutputs, SimBrake, Stage, VelocityLag,
 };
 
 /// x runs at 200 mm/s with 10 V: its drive takes 30 ms to be enabled.
@@ -130,7 +130,7 @@ fn not_ready_takes_reference_and_enable_in_the_same_cycle() {
     let mut rig = on(Interface::Velocity);
     rig.give(Action::Move(at(X, 50_000.0)));
     rig.run(300);
-    rig.tamper = |inputs| inputs.set_digital(1, false);
+    rig.modify_inputs = |inputs| inputs.set_digital(1, false);
     rig.run(1);
     assert_eq!(rig.int("x.error"), i64::from(Code::drive_fault(0x1000).0));
     assert_eq!((rig.real("reference"), rig.int("enable"), rig.state("x")), (0.0, 0, "ERROR_STOP"));
@@ -138,7 +138,7 @@ fn not_ready_takes_reference_and_enable_in_the_same_cycle() {
     rig.give(Action::ResetErrors(AxisSet::one(X)));
     rig.run(5_100);
     assert_eq!((rig.state("x"), rig.int("enable")), ("ERROR_STOP", 0));
-    rig.tamper = |_| {};
+    rig.modify_inputs = |_| {};
     rig.run(300);
     assert_eq!(rig.state("x"), "ERROR_STOP");
     rig.give(Action::ResetErrors(AxisSet::one(X)));
@@ -182,7 +182,7 @@ fn an_amplifier_without_supply_is_not_ready_and_does_not_move() {
     let mut rig = on(Interface::Velocity);
     rig.give(Action::Move(at(X, 50_000.0)));
     rig.run(300);
-    rig.plant.drive(0).unwrap().lose();
+    rig.plant.drive(0).unwrap().disconnect();
     rig.run(1);
     assert_eq!((rig.int("ready"), rig.int("enable"), rig.state("x")), (0, 0, "ERROR_STOP"));
     rig.run(50);
@@ -228,7 +228,7 @@ fn a_hanging_load_is_caught_by_its_brake() {
     let mut rig = rig(config, motor());
     let brake = SimBrake { output: 3, closes_with_one: false, opens_ns: 10_000_000, closes_ns: 10_000_000 };
     // 1 rad/s^2 per 10000.
-    rig.plant.install(0, &Mechanics { load: -200_000.0, brake: Some(brake), ..Mechanics::default() });
+    rig.plant.attach_mechanics(0, &Mechanics { load: -200_000.0, brake: Some(brake), ..Mechanics::default() });
     rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(500);
     assert_eq!((rig.state("x"), rig.int("brake")), ("STANDSTILL", 1));
@@ -317,7 +317,7 @@ fn a_lost_encoder_takes_its_enable() {
     let mut rig = on(Interface::Velocity);
     rig.give(Action::Move(at(X, 50_000.0)));
     rig.run(300);
-    rig.tamper = |inputs| inputs.encoder[0].valid = false;
+    rig.modify_inputs = |inputs| inputs.encoder[0].valid = false;
     rig.run(2_000);
     assert_ne!(rig.int("x.error"), 0);
     assert_eq!((rig.real("reference"), rig.int("enable")), (0.0, 0));
@@ -353,7 +353,7 @@ fn a_unipolar_drive_has_no_volts_below_zero() {
     let mut config = analog_config(Interface::Velocity);
     config.axes[1].parameters.macs.revers = 20;
     let mut rig = rig(config, lag());
-    rig.plant.install(0, &Mechanics { sign: Some(Sign::Direction(1)), ..Mechanics::default() });
+    rig.plant.attach_mechanics(0, &Mechanics { sign: Some(SignOutputs::Direction(1)), ..Mechanics::default() });
     rig.enable();
     rig.give(Action::Move(at(X, -50_000.0)));
     rig.run(600);
@@ -482,9 +482,9 @@ fn what_a_cell_cannot_have_is_refused() {
     assert!(matches!(problem, ConfigError::Analog { .. } | ConfigError::Gantry { .. }), "{problem}");
     let problem = refused(|config| config.axes[1].wired = Wired::default());
     assert!(
-        matches!(problem, ConfigError::NotBuilt { key: "encodertype", code: Code::ANALOG_SILENT, .. }),
+        matches!(problem, ConfigError::NotImplemented { key: "encodertype", code: Code::ANALOG_SILENT, .. }),
         "{problem}"
     );
     let problem = refused(|config| config.axes[1].parameters.max_velocity = 200_000.5);
-    assert!(matches!(problem, ConfigError::NotBuilt { key: "max_velocity", code: Code::ANALOG_FULL, .. }), "{problem}");
+    assert!(matches!(problem, ConfigError::NotImplemented { key: "max_velocity", code: Code::ANALOG_FULL, .. }), "{problem}");
 }

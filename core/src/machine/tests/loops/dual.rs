@@ -65,7 +65,7 @@ fn set(rig: &mut Rig, changes: &[(&str, i64)]) -> u64 {
 }
 
 /// Returns the sum of the absolute changes of the effort over a number of cycles.
-fn unrest(rig: &mut Rig, cycles: u64) -> f64 {
+fn effort_changes(rig: &mut Rig, cycles: u64) -> f64 {
     let mut before = rig.real("x.output.effort");
     (0..cycles)
         .map(|_| {
@@ -95,10 +95,10 @@ fn gains_that_shake_a_soft_axis_by_its_load_hold_it_by_its_motor() {
     let mut dual = run(2);
     assert_eq!((dual.int("x.error"), dual.state("x")), (0, "STANDSTILL"));
     assert!((dual.int("x.actual.position") - 20_000).abs() <= 2, "{}", dual.int("x.actual.position"));
-    assert!(unrest(&mut dual, 200) < 100.0);
+    assert!(effort_changes(&mut dual, 200) < 100.0);
     let mut one = run(-1);
-    let shakes = one.int("x.enabled") == 0 || unrest(&mut one, 200) > 10_000.0;
-    assert!(shakes, "{}", unrest(&mut one, 200));
+    let shakes = one.int("x.enabled") == 0 || effort_changes(&mut one, 200) > 10_000.0;
+    assert!(shakes, "{}", effort_changes(&mut one, 200));
 }
 
 /// Backlash between motor and load, and a pulling load: the position loop reads the load, which is at its target from
@@ -132,7 +132,7 @@ fn full_is_what_ampencres_and_ampencrpm_say() {
         config.axes[1].parameters.amplifier.encoder = VelocityEncoder { number: 2, resolution, rpm };
         config.axes[1].parameters.macs.posdrct = if factor < 0 { 21 } else { 1 };
         let mut rig = rig(config, motor());
-        rig.plant.drive(0).unwrap().count_by(factor);
+        rig.plant.drive(0).unwrap().set_count_factor(factor);
         rig.enable();
         rig.give(Action::Move(at(X, 50_000.0)));
         rig.run(2_000);
@@ -161,7 +161,7 @@ fn the_tens_digit_is_the_sense_of_the_motor() {
             config.axes[1].parameters.max_following_error = 6_000;
             let model = Model::Motor(Motor::new(motor()).unwrap()).wired(leads);
             let mut rig = Rig::with(config, [model, Model::Ideal]);
-            rig.plant.drive(0).unwrap().count_by(if motor_turned { -1 } else { 1 });
+            rig.plant.drive(0).unwrap().set_count_factor(if motor_turned { -1 } else { 1 });
             rig.plant.count_encoder_by(0, if load_turned { -1 } else { 1 });
             rig.enable();
             rig.give(Action::Move(at(X, 20_000.0)));
@@ -238,7 +238,7 @@ fn an_encoder_is_chosen_while_the_axis_is_off() {
     rig.run(500);
     let chosen = set(&mut rig, &[("posdrct", 21), ("ampencno", 2), ("ampencres", TURN)]);
     assert!(rig.was_accepted(chosen));
-    rig.plant.drive(0).unwrap().count_by(-1);
+    rig.plant.drive(0).unwrap().set_count_factor(-1);
     rig.give(Action::Enable(AxisSet::one(X)));
     rig.run(1_000);
     assert_eq!((rig.int("x.error"), rig.state("x")), (0, "STANDSTILL"));
@@ -249,7 +249,7 @@ fn what_it_cannot_be_is_refused_by_its_name() {
     let refused = |change: &dyn Fn(&mut MachineConfig), key: &'static str, code| {
         let mut config = dual_config();
         change(&mut config);
-        assert_eq!(config.check(), Err(ConfigError::NotBuilt { axis: "x".into(), key, code }));
+        assert_eq!(config.check(), Err(ConfigError::NotImplemented { axis: "x".into(), key, code }));
     };
     assert_eq!(dual_config().check(), Ok(()));
     for number in [1, 3, 4] {

@@ -159,7 +159,7 @@ fn what_damps_nothing_and_what_only_seems_to_move_is_refused() {
     let refused = |change: &dyn Fn(&mut MachineConfig), key: &'static str, code| {
         let mut config = torque_config();
         change(&mut config);
-        assert_eq!(config.check(), Err(ConfigError::NotBuilt { axis: "x".into(), key, code }));
+        assert_eq!(config.check(), Err(ConfigError::NotImplemented { axis: "x".into(), key, code }));
     };
     refused(&|c| c.axes[1].parameters.amplifier.mode = 2, "kder", Code::NO_DAMPING);
     refused(

@@ -107,7 +107,7 @@ fn commands_of_the_module_sample_its_regulator_once() {
 #[test]
 fn a_register_out_of_range_closes_no_loop() {
     let mut config = integer_config(40_000, 0, 0);
-    let expected = ConfigError::NotBuilt { axis: "x".into(), key: "saia.kprop", code: Code::GAIN_RANGE };
+    let expected = ConfigError::NotImplemented { axis: "x".into(), key: "saia.kprop", code: Code::GAIN_RANGE };
     assert_eq!(config.check(), Err(expected));
     config.axes[1].parameters.vocabularies.saia.kprop = 64;
     let mut rig = enabled(Model::Ideal, config);

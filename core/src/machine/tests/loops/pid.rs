@@ -130,7 +130,7 @@ fn a_longer_period_holds_the_output() {
 fn a_period_that_no_cycle_divides_is_refused() {
     let mut config = pid_config(|_| ());
     config.cycle_ns = 2 * MS;
-    let expected = ConfigError::NotBuilt { axis: "x".into(), key: "timer", code: Code::LOOP_PERIOD };
+    let expected = ConfigError::NotImplemented { axis: "x".into(), key: "timer", code: Code::LOOP_PERIOD };
     assert_eq!(config.check(), Err(expected));
     config.axes[1].parameters.pid.period_ms = 2;
     assert_eq!(config.check(), Ok(()));

@@ -117,7 +117,7 @@ fn a_current_that_is_told_wrongly_is_no_runaway() {
                 rig.enable();
                 rig.give(Action::Move(at(X, 30_000.0)));
                 rig.run(when);
-                rig.tamper = tamper;
+                rig.modify_inputs = tamper;
                 let case = format!("{what}, mode {mode}, after {when}");
                 for _ in 0..3_000 {
                     rig.run(1);
@@ -169,7 +169,7 @@ fn a_dead_current_sensor_ends_at_the_largest_voltage() {
     let mut rig = Rig::with(config, [model(Interface::Voltage, motor(2.5e-4, 0.0)), Model::Ideal]);
     rig.enable();
     rig.plant.drive(0).unwrap().jam(true);
-    rig.tamper = |inputs| inputs.drive[0].effort = 0.0;
+    rig.modify_inputs = |inputs| inputs.drive[0].effort = 0.0;
     rig.give(Action::Move(to(X, 300)));
     let mut most: f64 = 0.0;
     for _ in 0..3_000 {
@@ -206,7 +206,7 @@ proptest! {
         match fault {
             1 => rig.plant.drive(0).unwrap().jam(true),
             // The reported current is zero.
-            3 => rig.tamper = |inputs| inputs.drive[0].effort = 0.0,
+            3 => rig.modify_inputs = |inputs| inputs.drive[0].effort = 0.0,
             2 => rig.plant.drive(0).unwrap().jump(if velocity > 0.0 { -9_000 } else { 9_000 }),
             _ => {}
         }

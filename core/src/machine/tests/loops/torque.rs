@@ -231,7 +231,7 @@ fn what_the_loops_cannot_do_is_refused_by_its_name() {
     let refused = |change: &dyn Fn(&mut MachineConfig), key: &'static str, code| {
         let mut config = torque_config();
         change(&mut config);
-        assert_eq!(config.check(), Err(ConfigError::NotBuilt { axis: "x".into(), key, code }));
+        assert_eq!(config.check(), Err(ConfigError::NotImplemented { axis: "x".into(), key, code }));
     };
     refused(&|c| c.axes[1].parameters.amplifier.max_effort = None, "max_effort", Code::EFFORT_MISSING);
     refused(&|c| c.axes[1].parameters.amplifier.mode = 1, "ampmode", Code::NO_POWER_STAGE);

@@ -317,7 +317,7 @@ fn a_motor_that_would_be_commutated_is_refused() {
     for kind in 0..=6 {
         let mut config = voltage_config(Law::Pid, 0);
         config.axes[1].parameters.power_stage.commutation = kind;
-        let wrong = ConfigError::NotBuilt { axis: "x".into(), key: "ampcommtype", code: Code::COMMUTATION };
+        let wrong = ConfigError::NotImplemented { axis: "x".into(), key: "ampcommtype", code: Code::COMMUTATION };
         assert_eq!(config.check(), if kind < 2 { Ok(()) } else { Err(wrong) }, "{kind}");
     }
     let mut rig = Rig::with(voltage_config(Law::Pid, 0), [Model::Motor(Motor::new(motor()).unwrap()), Model::Ideal]);
@@ -368,7 +368,7 @@ fn what_the_loops_cannot_do_is_refused_by_its_name() {
     let refused = |change: &dyn Fn(&mut MachineConfig), key: &'static str, code| {
         let mut config = voltage_config(Law::Pid, 0);
         change(&mut config);
-        assert_eq!(config.check(), Err(ConfigError::NotBuilt { axis: "x".into(), key, code }));
+        assert_eq!(config.check(), Err(ConfigError::NotImplemented { axis: "x".into(), key, code }));
     };
     refused(&|c| c.axes[1].parameters.amplifier.max_effort = None, "max_effort", Code::EFFORT_MISSING);
     for mode in [0, 2] {

@@ -21,7 +21,7 @@ pub(super) fn vertical_of(mut cell: MachineConfig, release_ns: u64, engage_ns: u
     let mut rig = Rig::with(cell, [model, Model::Ideal]);
     let brake = SimBrake { output: 2, closes_with_one: false, opens_ns: 40_000_000, closes_ns: 30_000_000 };
     let fixtures = Fixtures::default();
-    rig.plant.install(0, &Mechanics { fixtures, load: -9_810_000.0, brake: Some(brake), ..Mechanics::default() });
+    rig.plant.attach_mechanics(0, &Mechanics { fixtures, load: -9_810_000.0, brake: Some(brake), ..Mechanics::default() });
     rig
 }
 
@@ -277,13 +277,13 @@ fn o_brake_closes_with_an_error_that_takes_the_power() {
             let mut rig = rolling(errcond);
             let drive = rig.plant.drive(0).unwrap();
             if stops {
-                drive.stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+                drive.set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
                 rig.run(10);
             }
             assert_eq!(rig.int("p"), if stops && errcond == 1 { 0 } else { 1 });
             let drive = rig.plant.drive(0).unwrap();
             if lost {
-                drive.lose();
+                drive.disconnect();
             } else {
                 drive.inject_fault(0x8611);
             }

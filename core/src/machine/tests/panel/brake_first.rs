@@ -28,7 +28,7 @@ fn second_order() -> Model {
 
 /// Returns the distance that the axis loses, and the number of cycles until its power is removed, from the cycle in
 /// which the brake starts to close.
-fn sags(rig: &mut Rig) -> (i64, u64) {
+fn load_loss(rig: &mut Rig) -> (i64, u64) {
     rig.run_until("x.brake", 1);
     assert_eq!((rig.int("r"), rig.int("x.output.control")), (0, 0x0F), "it holds while the brake closes");
     let stopped = rig.int("x.command.position");
@@ -56,7 +56,7 @@ fn a_hanging_load_does_not_sag_in_an_emergency_stop() {
             // 50 mm/s with 1 m/s^2: 50 ms, and the last step of the drive; some more with a drive of 60 Hz.
             let lags = if model == Model::Ideal { 0 } else { 15 };
             assert!(if velocity == 0.0 { stopping == 0 } else { (48..=52 + lags).contains(&stopping) }, "{stopping}");
-            assert_eq!(sags(&mut rig), (0, 35), "{velocity}");
+            assert_eq!(load_loss(&mut rig), (0, 35), "{velocity}");
             rig.plant.set_digital(0, true);
             rig.give(Action::ResetErrors(AxisSet::one(X)));
             rig.run(2);
@@ -75,7 +75,7 @@ fn a_hanging_load_does_not_sag_after_a_stop_that_an_error_asked_for() {
         rig.give(Action::Move(at(X, 50_000.0)));
         rig.run_until("x.state", 7);
         assert_eq!((rig.int("x.brake"), rig.int("x.output.control")), (0, 0x0F), "it stops first");
-        assert_eq!(sags(&mut rig), (0, 35), "{reaction}");
+        assert_eq!(load_loss(&mut rig), (0, 35), "{reaction}");
         assert_eq!(rig.int("x.actual.position"), 10_000);
     }
 }
@@ -121,7 +121,7 @@ fn a_brake_that_has_just_begun_to_close_has_its_time() {
     for (wait, held) in [(1, 34), (20, 15), (34, 1), (35, 0), (100, 0)] {
         let mut rig = guarded(Model::Ideal);
         rig.give(set(X, "error_reaction", 3));
-        rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run_until("x.brake", 1);
         rig.run(wait - 1);
         rig.plant.set_digital(0, false);
@@ -139,10 +139,10 @@ fn a_drive_that_stops_by_itself_keeps_its_power_until_the_brake_is_closed() {
     for resets in [false, true] {
         let mut rig = guarded(Model::Ideal);
         rig.give(set(X, "error_reaction", 4));
-        rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run(1);
         assert_eq!((rig.state("x"), rig.int("x.output.control")), ("ERROR_STOP", 2));
-        rig.plant.drive(0).unwrap().stick(0, 0);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(0, 0);
         let sequence = if resets {
             rig.give(Action::ResetErrors(AxisSet::one(X)))
         } else {
@@ -161,7 +161,7 @@ fn a_drive_that_stops_by_itself_keeps_its_power_until_the_brake_is_closed() {
 }
 
 /// Applies an event to the axis.
-fn happens(rig: &mut Rig, what: u8, much: i64) {
+fn apply_event(rig: &mut Rig, what: u8, much: i64) {
     let x = AxisSet::one(X);
     let action = match what {
         0 | 1 => Action::Enable(x),
@@ -183,7 +183,7 @@ fn happens(rig: &mut Rig, what: u8, much: i64) {
         }
         _ => {
             let limits = inputs::POSITIVE_LIMIT | inputs::NEGATIVE_LIMIT;
-            rig.plant.drive(0).unwrap().stick(limits, much.rem_euclid(4) as u32 & limits);
+            rig.plant.drive(0).unwrap().set_stuck_inputs(limits, much.rem_euclid(4) as u32 & limits);
             return;
         }
     };
@@ -201,7 +201,7 @@ proptest! {
     ) {
         let mut rig = guarded(Model::Ideal);
         for (what, much, cycles) in steps {
-            happens(&mut rig, what, much);
+            apply_event(&mut rig, what, much);
             for _ in 0..cycles {
                 let (control, before) = (rig.int("x.output.control"), rig.int("x.actual.count"));
                 rig.run(1);

@@ -31,7 +31,7 @@ fn disable_leaves_a_drive_that_stops_by_itself_its_power_until_the_brake_is_clos
     for command in [Action::Disable(AxisSet::one(X)), Action::Deactivate] {
         for wait in [0, 1, 10, 34, 36, 100] {
             let (mut rig, _) = switched_on(4, "x.state");
-            rig.plant.drive(0).unwrap().stick(LIMITS, inputs::POSITIVE_LIMIT);
+            rig.plant.drive(0).unwrap().set_stuck_inputs(LIMITS, inputs::POSITIVE_LIMIT);
             rig.run(1);
             assert_eq!((rig.state("x"), rig.int("x.output.control")), ("ERROR_STOP", 2));
             rig.run(wait);
@@ -53,9 +53,9 @@ fn disable_leaves_a_drive_that_stops_by_itself_its_power_until_the_brake_is_clos
 fn a_drive_that_falls_silent_while_it_stops_is_not_waited_for() {
     for command in [Action::ResetErrors(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
         let (mut rig, _) = switched_on(4, "x.state");
-        rig.plant.drive(0).unwrap().stick(LIMITS, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(LIMITS, inputs::POSITIVE_LIMIT);
         rig.run(1);
-        rig.tamper = |inputs| {
+        rig.modify_inputs = |inputs| {
             inputs.drive[0].fresh = false;
             inputs.drive[0].velocity = 50.0;
         };
@@ -70,8 +70,8 @@ fn a_drive_that_falls_silent_while_it_stops_is_not_waited_for() {
 fn a_drive_that_never_stands_is_not_waited_for_without_end() {
     for command in [Action::ResetErrors(AxisSet::one(X)), Action::Disable(AxisSet::one(X))] {
         let (mut rig, _) = switched_on(4, "x.state");
-        rig.tamper = |inputs| inputs.drive[0].velocity = 50.0;
-        rig.plant.drive(0).unwrap().stick(LIMITS, inputs::POSITIVE_LIMIT);
+        rig.modify_inputs = |inputs| inputs.drive[0].velocity = 50.0;
+        rig.plant.drive(0).unwrap().set_stuck_inputs(LIMITS, inputs::POSITIVE_LIMIT);
         rig.run(1);
         let sequence = rig.give(command);
         rig.run(4_990);
@@ -92,10 +92,10 @@ fn a_brake_that_closed_while_it_opened_has_its_time_after_the_reset() {
         if aborts {
             rig.give(Action::Abort);
         } else {
-            rig.plant.drive(0).unwrap().stick(LIMITS, LIMITS);
+            rig.plant.drive(0).unwrap().set_stuck_inputs(LIMITS, LIMITS);
         }
         rig.run_until("x.brake", 1);
-        rig.plant.drive(0).unwrap().stick(0, 0);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(0, 0);
         rig.run(10);
         rig.mirror();
         let sequence = rig.give(Action::ResetErrors(AxisSet::one(X)));
@@ -111,7 +111,7 @@ fn a_brake_that_closed_while_it_opened_has_its_time_after_the_reset() {
 fn enable_ends_with_the_error_that_comes_while_the_brake_opens() {
     for reaction in [2, 3] {
         let (mut rig, enabled) = switched_on(reaction, "r");
-        rig.plant.drive(0).unwrap().stick(LIMITS, LIMITS);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(LIMITS, LIMITS);
         rig.run(200);
         assert_eq!(rig.state("x"), "ERROR_STOP");
         let ends: Vec<i64> = rig.done(enabled).iter().map(|done| done.code.0.into()).collect();
@@ -125,7 +125,7 @@ fn enable_ends_with_the_error_that_comes_while_the_brake_opens() {
 fn a_reset_that_waits_for_the_brake_does_not_undo_a_later_stop() {
     for (stop, code) in [(Action::QuickStop(AxisSet::one(X)), Code::QUICK_STOP), (Action::Abort, Code::ABORTED)] {
         let (mut rig, _) = switched_on(3, "x.state");
-        rig.plant.drive(0).unwrap().stick(LIMITS, LIMITS);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(LIMITS, LIMITS);
         rig.run(100);
         let reset = rig.give(Action::ResetErrors(AxisSet::one(X)));
         rig.run(10);

@@ -140,7 +140,7 @@ fn an_output_that_changes_its_function_shows_the_new_one() {
         cell.axes[2].parameters.outputs.axmove = of;
         let mut rig = Rig::of(cell);
         rig.enable();
-        rig.plant.drive(0).unwrap().stick(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
+        rig.plant.drive(0).unwrap().set_stuck_inputs(inputs::POSITIVE_LIMIT, inputs::POSITIVE_LIMIT);
         rig.run(5);
         assert_eq!(rig.state("x"), "ERROR_STOP");
         rig.give(changes(&[(X, "o_brake", to), (Y, "o_axmove", 0)]));

@@ -95,7 +95,7 @@ pub(in super::super) const SENSE: &[Row] = rows! {
     "posdrct": ENCODER_ROW {
         mnemonic: "POSDRCT", number: "28", range: Range::Among(&[(-22, -21), (-12, -11), (-2, -1), (1, 2), (11, 12), (21, 22)]),
         default: Value::Int(1), effect: Effect::Disabled,
-        get: |p| Value::Int(p.macs.posdrct), set: |p, v| p.turn_over(int(v).unwrap_or(p.macs.posdrct)),
+        get: |p| Value::Int(p.macs.posdrct), set: |p, v| p.set_posdrct(int(v).unwrap_or(p.macs.posdrct)),
         description: "Direction of rotation: a minus sign inverts the axis' units, ones digit 2 the output of its position loop, tens \
             digit 2 its velocity loop; one digit is for both. The places that limits guard stay where they are.",
         source: "MACS-DIR-01, MACS-DIR-02, MACS-DIR-03",

@@ -8,30 +8,30 @@ pub(in super::super) const ROWS: &[Row] = rows! {
     "neglimit": INPUTS_ROW {
         mnemonic: "NEGLIMIT", number: "4", view_of: "min_position", unit: "inc", range: Range::Int(-MLONG, MLONG),
         default: Value::Int(-500_000), applies: Applies::Any,
-        get: |p| Value::Int(p.falling().unwrap_or(p.macs.neglimit)),
-        set: |p, v| { p.macs.neglimit = int(v).unwrap_or(p.macs.neglimit); p.set_falling(p.falling().map(|_| p.macs.neglimit)); },
+        get: |p| Value::Int(p.active_neglimit().unwrap_or(p.macs.neglimit)),
+        set: |p, v| { p.macs.neglimit = int(v).unwrap_or(p.macs.neglimit); p.set_falling(p.active_neglimit().map(|_| p.macs.neglimit)); },
         description: "Lowest position, in force with swneglimact 1: min_position. It is kept while it is off.",
         source: "MACS-LIM-01, MACS-UNIT-03" }
     "poslimit": INPUTS_ROW {
         mnemonic: "POSLIMIT", number: "5", view_of: "max_position", unit: "inc", range: Range::Int(-MLONG, MLONG),
         default: Value::Int(500_000), applies: Applies::Any,
-        get: |p| Value::Int(p.rising().unwrap_or(p.macs.poslimit)),
-        set: |p, v| { p.macs.poslimit = int(v).unwrap_or(p.macs.poslimit); p.set_rising(p.rising().map(|_| p.macs.poslimit)); },
+        get: |p| Value::Int(p.active_poslimit().unwrap_or(p.macs.poslimit)),
+        set: |p, v| { p.macs.poslimit = int(v).unwrap_or(p.macs.poslimit); p.set_rising(p.active_poslimit().map(|_| p.macs.poslimit)); },
         description: "Highest position, in force with swposlimact 1: max_position. It is kept while it is off.",
         source: "MACS-LIM-01, MACS-UNIT-03" }
     "swneglimact": INPUTS_ROW {
         mnemonic: "SWNEGLIMACT", number: "19", view_of: "min_position", range: Range::Int(0, 1), default: Value::Int(0),
         applies: Applies::Any,
-        get: |p| Value::Int(p.falling().is_some().into()),
+        get: |p| Value::Int(p.active_neglimit().is_some().into()),
         // One that is in force stays as it is.
-        set: |p, v| p.set_falling((int(v) == Some(1)).then(|| p.falling().unwrap_or(p.macs.neglimit))),
+        set: |p, v| p.set_falling((int(v) == Some(1)).then(|| p.active_neglimit().unwrap_or(p.macs.neglimit))),
         description: "1: neglimit is in force, 0: there is no lowest position.", source: "MACS-LIM-02" }
     "swposlimact": INPUTS_ROW {
         mnemonic: "SWPOSLIMACT", number: "20", view_of: "max_position", range: Range::Int(0, 1), default: Value::Int(0),
         applies: Applies::Any,
-        get: |p| Value::Int(p.rising().is_some().into()),
+        get: |p| Value::Int(p.active_poslimit().is_some().into()),
         // One that is in force stays as it is.
-        set: |p, v| p.set_rising((int(v) == Some(1)).then(|| p.rising().unwrap_or(p.macs.poslimit))),
+        set: |p, v| p.set_rising((int(v) == Some(1)).then(|| p.active_poslimit().unwrap_or(p.macs.poslimit))),
         description: "1: poslimit is in force, 0: there is no highest position.", source: "MACS-LIM-02" }
     "testwin": INPUTS_ROW, axis.in_position_window {
         mnemonic: "TESTWIN", number: "8", view_of: "in_position_window", unit: "inc", range: Range::Int(0, 10_000), default: Value::Int(0),

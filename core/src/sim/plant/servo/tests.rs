@@ -132,7 +132,7 @@ fn a_velocity_is_closed_without_an_error_that_stays() {
         let run = |servo: &mut Servo, cycles: usize| -> i64 {
             (0..cycles)
                 .map(|_| {
-                    let setpoint = servo.close(asked);
+                    let setpoint = servo.velocity_setpoint(asked);
                     servo.step(setpoint, false)
                 })
                 .sum()
@@ -160,8 +160,8 @@ fn an_encoder_at_the_load_reads_the_twist() {
 fn what_hangs_on_it_falls_with_its_acceleration() {
     let mut servo = servo(motor());
     // A previous weight has no effect.
-    servo.hang(5.0);
-    servo.hang(-1000.0 * 65_536.0 / TAU);
+    servo.attach_weight(5.0);
+    servo.attach_weight(-1000.0 * 65_536.0 / TAU);
     let counts: i64 = (0..100).map(|_| servo.step(0.0, false)).sum();
     assert_eq!(counts, -52_152);
     servo.rest();
@@ -201,7 +201,7 @@ proptest! {
         data.reading.noise = 2.0;
         let mut servo = servo(data);
         for (asked, closes, held) in asked {
-            let setpoint = if closes { servo.close(asked) } else { asked };
+            let setpoint = if closes { servo.velocity_setpoint(asked) } else { asked };
             servo.step(setpoint, held);
             servo.read();
             let velocity = servo.train.velocity(&servo.state);

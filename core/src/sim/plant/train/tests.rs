@@ -75,7 +75,7 @@ fn friction_brings_a_rotor_to_rest_at_its_moment_and_holds_it() {
     let data = MotorData { friction, ..rotor() };
     for cycle_ns in [SHORT, MS, 20 * MS] {
         let (train, mut state) = train(&data, cycle_ns);
-        (state.values[MOTOR], state.grips[0]) = (100.0, Grip::Forwards);
+        (state.values[MOTOR], state.grips[0]) = (100.0, FrictionState::Forwards);
         let stop = 2.5e-4 / 1e-3 * log(1.0 + 1e-3 * 100.0 / 0.02);
         let expected = (2.5e-4 * 100.0 - 0.02 * stop) / 1e-3;
         let (mut angle, mut time, mut before) = (0.0, 0.0, 0.0);
@@ -86,7 +86,7 @@ fn friction_brings_a_rotor_to_rest_at_its_moment_and_holds_it() {
         }
         assert!(before < stop && stop <= time, "{before} {stop} {time}");
         near(angle, expected, 1e-9);
-        assert_eq!((train.velocity(&state), state.grips[0]), (0.0, Grip::Sticks));
+        assert_eq!((train.velocity(&state), state.grips[0]), (0.0, FrictionState::Sticks));
         assert_eq!(train.cycle(&mut state, [0.0; 2], false), 0.0);
     }
 }
@@ -112,7 +112,7 @@ fn stiction_holds_up_to_its_torque() {
 fn a_body_that_is_pulled_harder_than_stiction_turns_round_at_once() {
     let friction = Friction { viscous: 0.0, coulomb: 0.02, holding: 0.03 };
     let (train, mut state) = train(&MotorData { friction, ..rotor() }, 10 * MS);
-    (state.values[MOTOR], state.grips[0]) = (0.5, Grip::Forwards);
+    (state.values[MOTOR], state.grips[0]) = (0.5, FrictionState::Forwards);
     // Decelerated by 0.1 + 0.02 Nm to 0, then accelerated back by 0.1 - 0.02 Nm.
     let angle = train.cycle(&mut state, [-0.1 / 2.5e-4; 2], false);
     let (slows, turns) = (0.12 / 2.5e-4, 0.08 / 2.5e-4);
@@ -296,10 +296,10 @@ proptest! {
         cycle_ns in prop_oneof![Just(SHORT), Just(MS), Just(10 * MS)],
     ) {
         let (train, mut state) = train(&data, cycle_ns);
-        let slides = |grip: Grip, velocity: f64| match grip {
-            Grip::Free => Grip::Free,
-            _ if velocity < 0.0 => Grip::Backwards,
-            _ => Grip::Forwards,
+        let slides = |grip: FrictionState, velocity: f64| match grip {
+            FrictionState::Free => FrictionState::Free,
+            _ if velocity < 0.0 => FrictionState::Backwards,
+            _ => FrictionState::Forwards,
         };
         state.values[MOTOR] = velocities[0];
         state.grips[0] = slides(state.grips[0], velocities[0]);

@@ -65,7 +65,7 @@ fn a_failed_command_is_tried_three_times_told_once_and_left_out() {
     assert_eq!(rig.int("x.saia.error"), i64::from(Code::SAIA_VELOCITY_OUT_OF_RANGE.0));
     let warnings: Vec<_> = rig.machine.events().iter().filter(|event| event.kind == Kind::Warning).collect();
     assert_eq!(warnings.len(), 1);
-    let sentence = crate::text::sentence(warnings[0], rig.machine.config());
+    let sentence = crate::text::message(warnings[0], rig.machine.config());
     assert!(sentence.contains("makes -2237 in the velocity register"), "{sentence}");
     // The commands before and after the failed one are executed; register and buffer keep their values; the flag is
     // cleared.

@@ -9,7 +9,7 @@ use crate::object::Object;
 use crate::parameter::Value;
 use crate::position::Position;
 use crate::sim::{Fixtures, Index};
-use crate::vocabulary::{Latched, Order};
+use crate::vocabulary::{LatchView, Order};
 
 const FLAG_ONLY: (&str, f64) = ("mcw", 0x41B as f64);
 const FLAG_AND_OFF: (&str, f64) = ("mcw", 0x41A as f64);
@@ -134,7 +134,7 @@ fn a_break_position_at_the_actual_position_is_passed() {
 fn one_index_is_caught_after_fsetip() {
     let mut rig = Rig::ready(FAST);
     let index = Some(Index { every: 4000, at: 1500 });
-    rig.plant.drive(0).unwrap().fit(Fixtures { index, ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index, ..Fixtures::default() });
     rig.does(&[("destp", 100_000.0)], "fldda fstart");
     rig.run_until("x.index.count", 1);
     assert_eq!(rig.int("x.saia.ipuls"), 0, "nobody waits");
@@ -167,7 +167,7 @@ fn a_latch_or_an_index_from_before_the_command_does_not_count() {
     bench.index = None;
     for rising in [true, false] {
         let (object, position) = (Object::Axis(X), Position::whole(9));
-        bench.latches = vec![Latched { object, rising, age_ns: 0, captured: None, position }];
+        bench.latches = vec![LatchView { object, rising, age_ns: 0, captured: None, position }];
         bench.step(&mut saia);
         assert!(saia.armed.is_some());
     }

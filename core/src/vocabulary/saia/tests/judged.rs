@@ -51,7 +51,7 @@ fn state(rig: &Rig) -> &'static str {
 
 fn warnings(rig: &Rig) -> Vec<String> {
     let warnings = rig.events.iter().filter(|event| event.kind == Kind::Warning);
-    warnings.map(|event| crate::text::sentence(event, rig.machine.config())).collect()
+    warnings.map(|event| crate::text::message(event, rig.machine.config())).collect()
 }
 
 /// Each request is refused with that message, and the machine continues as without it.
@@ -117,7 +117,7 @@ fn what_the_axis_cannot_do_once_it_is_on_is_refused_before() {
     for is_on in [false, true] {
         let make = |config, switches: Fixtures| {
             let mut rig = rig_of(config);
-            rig.plant.drive(0).unwrap().fit(switches);
+            rig.plant.drive(0).unwrap().install_fixtures(switches);
             rig.run(2);
             if is_on {
                 rig.on();
@@ -188,7 +188,7 @@ fn what_comes_between_is_told_without_a_stream() {
     assert_eq!(rig.int("x.saia.error"), i64::from(Code::REVERSE_FORBIDDEN.0));
     rig.does(UP, "fldda fldaa fstart");
     rig.run(2);
-    rig.plant.drive(0).unwrap().fit(Fixtures { positive: Some(0), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { positive: Some(0), ..Fixtures::default() });
     rig.run(20);
     let said = warnings(&rig);
     assert_eq!(said[0], "x: the way to -0.01 mm leads backwards, which revers forbids");

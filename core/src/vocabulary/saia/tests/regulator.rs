@@ -79,7 +79,7 @@ fn off_means_no_output_and_no_history() {
     let first = sample(&mut pid, &gains, PLAIN, 50);
     sample(&mut pid, &gains, PLAIN, 70);
     pid.clear();
-    assert_eq!((pid.code(1.0, false), pid.integral()), (0, 0));
+    assert_eq!((pid.converter_code(1.0, false), pid.integral()), (0, 0));
     assert_eq!(sample(&mut pid, &gains, PLAIN, 50), first);
 }
 
@@ -90,9 +90,9 @@ fn the_output_is_the_top_12_or_8_bits() {
     for (error, analog, pwm) in [(0, 0, 0), (32_767, 2047, 127), (-32_768, -2048, -128), (16, 1, 0), (256, 16, 1)] {
         let mut pid = Pid::default();
         sample(&mut pid, &gains, PLAIN, error);
-        assert_eq!((pid.code(1.0, false), pid.code(1.0, true)), (analog, pwm), "{error}");
+        assert_eq!((pid.converter_code(1.0, false), pid.converter_code(1.0, true)), (analog, pwm), "{error}");
         assert_eq!(
-            pid.code(1e6, false),
+            pid.converter_code(1e6, false),
             [0, 2047, -2048, 2047, 2047][[0, 32_767, -32_768, 16, 256].iter().position(|e| *e == error).unwrap()]
         );
     }
@@ -110,7 +110,7 @@ fn the_derivative_part_sees_its_interval_at_every_cycle_length() {
             let (mut pid, mut rest) = (Pid::default(), 0);
             for cycle in 0..500 {
                 let due = (scale::samples(&mut rest, cycle_ns), scale::in_samples(cycle_ns));
-                let output = pid.cycle(&gains, PLAIN, 3 * cycle, due);
+                let output = pid.run_cycle(&gains, PLAIN, 3 * cycle, due);
                 let expected = 100.0 * 3.0 * f64::from(interval + 1) * (2048.0 / 6e6) / (cycle_ns as f64 * 1e-9);
                 // Two intervals of 16 samples in cycles with one sample in three.
                 if cycle > 100 {
@@ -133,17 +133,17 @@ fn the_error_between_two_cycles_lies_on_a_line() {
     let gains = Gains { integral: 1, limit: 32_767, ..Gains::default() };
     let mut pid = Pid::default();
     let sums = [30, 0, 90].map(|error| {
-        pid.cycle(&gains, PLAIN, error, (3, 3.0));
+        pid.run_cycle(&gains, PLAIN, error, (3, 3.0));
         pid.integral()
     });
     assert_eq!(sums, [90, 90 + 20 + 10, 120 + 180]);
     // The proportional term is that of the last sample alone, the derivative term that of its change from 60.
     let gains = Gains { proportional: 2, derivative: 5, ..Gains::default() };
     let mut pid = Pid::default();
-    let outputs = [0, 90, 90].map(|error| pid.cycle(&gains, PLAIN, error, (3, 3.0)));
+    let outputs = [0, 90, 90].map(|error| pid.run_cycle(&gains, PLAIN, error, (3, 3.0)));
     assert_eq!(outputs, [0, 2 * 90 + 5 * 30, 2 * 90]);
     pid.forget_past();
-    assert_eq!(pid.cycle(&gains, PLAIN, 300, (3, 3.0)), 2 * 300);
+    assert_eq!(pid.run_cycle(&gains, PLAIN, 300, (3, 3.0)), 2 * 300);
     assert!(pid.is_sound());
 }
 

@@ -76,12 +76,12 @@ impl Rig {
     /// Sends all actions in one cycle. Returns the error message of the last one.
     pub(super) fn ask(&mut self, actions: impl Into<Vec<Action>>) -> Result<(), String> {
         let sequence = self.give_all(actions.into());
-        self.answer(sequence).map_err(|refused| crate::text::sentence(&refused, self.machine.config()))
+        self.answer(sequence).map_err(|refused| crate::text::message(&refused, self.machine.config()))
     }
 
     /// Sends a request. If it is refused, the machine must be the same as without it.
     pub(super) fn give_or_nothing(&mut self, request: Request) {
-        let mut twin = self.twin();
+        let mut twin = self.restored_machine();
         if self.ask([Action::vocabulary(request)]).is_err() {
             let mut outputs = twin.outputs();
             twin.cycle(self.inputs(), Commands::default(), &mut outputs);

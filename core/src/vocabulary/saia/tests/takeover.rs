@@ -12,7 +12,7 @@ use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Motion;
 use crate::sync::Leads;
-use crate::vocabulary::{Latched, Order, View};
+use crate::vocabulary::{LatchView, Order, View};
 
 /// An axis whose state the test sets.
 pub(super) struct Bench {
@@ -25,7 +25,7 @@ pub(super) struct Bench {
     pub command: Motion,
     pub actual: i64,
     pub following_error: i64,
-    pub latches: Vec<Latched>,
+    pub latches: Vec<LatchView>,
     pub index: Option<Position>,
     pub interface: Option<Interface>,
     leads: Leads,
@@ -84,7 +84,7 @@ impl Bench {
             modulo: None,
             unit: 1000.0,
             interface: self.interface,
-            regulates: false,
+            closes_loop: false,
             wiring: crate::vocabulary::Wiring::default(),
             parameters: &self.parameters,
             leads: &self.leads,
@@ -225,7 +225,7 @@ fn a_stop_also_stops_what_somebody_else_began() {
     assert!(matches!(bench.run(&mut saia, "fstop"), Some(Order::Stop { .. })));
     assert_eq!(saia.phase, Phase::Ramp);
     bench.parameters.vocabularies.saia.mcw = 0x21B;
-    assert_eq!(bench.run(&mut saia, "fstop"), Some(Order::StandOnActual));
+    assert_eq!(bench.run(&mut saia, "fstop"), Some(Order::HoldActualPosition));
     assert_eq!(saia.phase, Phase::Hold);
     // A step waits until the axis is at rest.
     let commands = Commands::from_iter([flag("fsstepf")]);

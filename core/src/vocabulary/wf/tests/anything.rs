@@ -12,7 +12,7 @@ use crate::vocabulary::wf::{Block, Blocks, Jog, MODES, Mode, Request, Speed, Sta
 use proptest::prelude::*;
 
 #[derive(Clone, Debug)]
-enum Happening {
+enum TestEvent {
     Verb(Box<Request>),
     /// The axis is at this position in the next cycle (inc).
     At(i64),
@@ -70,47 +70,47 @@ fn request() -> impl Strategy<Value = Request> {
     })
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
+fn happening() -> impl Strategy<Value = TestEvent> {
     prop_oneof![
-        10 => request().prop_map(|request| Happening::Verb(Box::new(request))),
-        6 => place().prop_map(Happening::At),
-        12 => (0..800_u64).prop_map(Happening::Coast),
-        3 => (0..150_u64).prop_map(Happening::Wait),
-        1 => Just(Happening::Lost),
-        1 => any::<bool>().prop_map(Happening::Off),
-        1 => any::<bool>().prop_map(Happening::Error),
-        1 => place().prop_map(Happening::Offset),
+        10 => request().prop_map(|request| TestEvent::Verb(Box::new(request))),
+        6 => place().prop_map(TestEvent::At),
+        12 => (0..800_u64).prop_map(TestEvent::Coast),
+        3 => (0..150_u64).prop_map(TestEvent::Wait),
+        1 => Just(TestEvent::Lost),
+        1 => any::<bool>().prop_map(TestEvent::Off),
+        1 => any::<bool>().prop_map(TestEvent::Error),
+        1 => place().prop_map(TestEvent::Offset),
     ]
 }
 
 impl Bench {
-    fn happen(&mut self, happening: &Happening) {
+    fn happen(&mut self, happening: &TestEvent) {
         match happening {
-            Happening::Verb(request) => {
+            TestEvent::Verb(request) => {
                 // A refused request changes nothing.
                 let before = self.wf;
                 if self.give(request).is_err() {
                     assert_eq!(format!("{:?}", self.wf), format!("{before:?}"));
                 }
             }
-            Happening::At(actual) => drop(self.at(*actual)),
-            Happening::Coast(cycles) => {
+            TestEvent::At(actual) => drop(self.at(*actual)),
+            TestEvent::Coast(cycles) => {
                 for _ in 0..*cycles {
                     let way = (self.velocity * self.cycle_ns as f64 / 1e9) as i64;
                     self.at(self.actual.wrapping_add(way));
                     self.check();
                 }
             }
-            Happening::Wait(cycles) => drop(self.wait(*cycles)),
-            Happening::Lost => (self.owns, self.velocity) = (false, 0.0),
-            Happening::Off(off) => (self.on, self.velocity) = (!off, if *off { 0.0 } else { self.velocity }),
-            Happening::Error(error) => {
+            TestEvent::Wait(cycles) => drop(self.wait(*cycles)),
+            TestEvent::Lost => (self.owns, self.velocity) = (false, 0.0),
+            TestEvent::Off(off) => (self.on, self.velocity) = (!off, if *off { 0.0 } else { self.velocity }),
+            TestEvent::Error(error) => {
                 (self.in_error, self.velocity) = (*error, if *error { 0.0 } else { self.velocity });
                 if !*error {
                     self.wf.take_reset();
                 }
             }
-            Happening::Offset(offset) => {
+            TestEvent::Offset(offset) => {
                 self.parameters.vocabularies.wf.zero_offset = (*offset).clamp(-MM * 1000, MM * 1000)
             }
         }
@@ -128,7 +128,7 @@ impl Bench {
         if runs && self.int(WfSignal::Mode) != Mode::Jog as i64 {
             // No slower step is reached: within the distances, speeds only decrease.
             let left = self.wf.set.nearest().saturating_sub(self.actual).saturating_mul(self.wf.direction.into());
-            assert_eq!(Steps::of(&self.parameters).due(speed as i64, left), None, "{state} {speed} {left}");
+            assert_eq!(Steps::of(&self.parameters).step_at(speed as i64, left), None, "{state} {speed} {left}");
         }
     }
 }
@@ -185,12 +185,12 @@ proptest! {
             bench.wf = wf;
             for happening in &after {
                 match happening {
-                    Happening::Verb(request) => bench.any_loop(closed, Some(request)),
-                    Happening::At(actual) => {
+                    TestEvent::Verb(request) => bench.run_ignoring_result(closed, Some(request)),
+                    TestEvent::At(actual) => {
                         bench.actual = *actual;
-                        bench.any_loop(closed, None);
+                        bench.run_ignoring_result(closed, None);
                     }
-                    _ => bench.any_loop(closed, None),
+                    _ => bench.run_ignoring_result(closed, None),
                 }
             }
         }
@@ -199,7 +199,7 @@ proptest! {
 
 impl Bench {
     /// Executes a request or a step, and ignores the result.
-    fn any_loop(&mut self, closed: bool, request: Option<&Request>) {
+    fn run_ignoring_result(&mut self, closed: bool, request: Option<&Request>) {
         self.interface = if closed { Interface::Position } else { Interface::OpenLoop };
         self.owns = true;
         self.give_blindly(request);
@@ -208,7 +208,7 @@ impl Bench {
 
 /// Action on a machine.
 #[derive(Clone, Debug)]
-enum Deed {
+enum MachineAction {
     Verb(Box<Request>),
     Cycles(u64),
     Halt,
@@ -229,15 +229,15 @@ fn chain() -> impl Strategy<Value = Request> {
     })
 }
 
-fn deed() -> impl Strategy<Value = Deed> {
+fn deed() -> impl Strategy<Value = MachineAction> {
     prop_oneof![
-        6 => chain().prop_map(|request| Deed::Verb(Box::new(request))),
-        3 => request().prop_map(|request| Deed::Verb(Box::new(request))),
-        8 => (0..3000_u64).prop_map(Deed::Cycles),
-        1 => Just(Deed::Halt),
-        1 => Just(Deed::Enable),
-        1 => Just(Deed::Mirror),
-        1 => (-2000..2000_i64).prop_map(Deed::Jump),
+        6 => chain().prop_map(|request| MachineAction::Verb(Box::new(request))),
+        3 => request().prop_map(|request| MachineAction::Verb(Box::new(request))),
+        8 => (0..3000_u64).prop_map(MachineAction::Cycles),
+        1 => Just(MachineAction::Halt),
+        1 => Just(MachineAction::Enable),
+        1 => Just(MachineAction::Mirror),
+        1 => (-2000..2000_i64).prop_map(MachineAction::Jump),
     ]
 }
 
@@ -252,16 +252,16 @@ proptest! {
         let mut rig = Rig::wf();
         for deed in &deeds {
             match deed {
-                Deed::Verb(request) => drop(rig.wf_verb(request)),
-                Deed::Cycles(cycles) => (0..*cycles).for_each(|_| rig.run_watched()),
-                Deed::Halt => drop(rig.act(Action::Halt(AxisSet::first(1)))),
-                Deed::Enable => {
+                MachineAction::Verb(request) => drop(rig.wf_verb(request)),
+                MachineAction::Cycles(cycles) => (0..*cycles).for_each(|_| rig.run_watched()),
+                MachineAction::Halt => drop(rig.act(Action::Halt(AxisSet::first(1)))),
+                MachineAction::Enable => {
                     rig.act(Action::ResetErrors(AxisSet::first(1)));
                     rig.run(5000);
                     rig.act(Action::Enable(AxisSet::first(1)));
                 }
-                Deed::Mirror => rig.mirror(),
-                Deed::Jump(by) => rig.plant.drive(0).expect("a drive").jump(*by),
+                MachineAction::Mirror => rig.mirror(),
+                MachineAction::Jump(by) => rig.plant.drive(0).expect("a drive").jump(*by),
             }
         }
         rig.wf_verb(&Request { enable: Some(false), ..Request::default() });

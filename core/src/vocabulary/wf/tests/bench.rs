@@ -96,7 +96,7 @@ impl Bench {
             modulo: self.modulo,
             unit: MM as f64,
             interface: Some(self.interface),
-            regulates: false,
+            closes_loop: false,
             wiring: crate::vocabulary::Wiring::default(),
             parameters: &self.parameters,
             leads: &self.leads,

@@ -159,7 +159,7 @@ impl Controllers {
             if let (Some(state), Some(controller)) = (states.get(*place), self.all.get(*place))
                 && state.is_active
             {
-                axes = axes.with(&controller.joints.axes.iter().copied().collect());
+                axes = axes.union(&controller.joints.axes.iter().copied().collect());
                 pending.extend(state.pending);
             }
         }

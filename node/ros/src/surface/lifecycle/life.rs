@@ -232,7 +232,7 @@ impl NodeLifecycle {
             let answer = timeout_at(end, answers.next()).await.map_err(|_| late())?;
             let event = answer.ok_or_else(|| "the machine has stopped".to_owned())?.event;
             if event.kind == Kind::Refused || (event.kind == kind && !event.code.is_none()) {
-                return Err(text::sentence(&event, self.hub.host.config()));
+                return Err(text::message(&event, self.hub.host.config()));
             }
             if event.kind == kind {
                 return Ok(());

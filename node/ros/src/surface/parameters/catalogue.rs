@@ -2,7 +2,7 @@
 
 use super::functions::{self, FunctionParameter};
 use super::own::type_name;
-use lineshaft_core::config::{MachineConfig, highest_velocity};
+use lineshaft_core::config::{MachineConfig, max_velocity_of_cycle};
 use lineshaft_core::parameter::{
     Applies, BorderType, BorderValue, MACHINE, ParameterImage, ParameterInput, ROWS, Row, Storage, Value,
 };
@@ -42,7 +42,7 @@ impl Catalogue {
             axis: MACHINE,
             row,
             scale: Scale::increments(),
-            highest_velocity,
+            max_velocity_of_cycle,
         });
         let of_axes = config.axes.iter().zip(0..).flat_map(|(axis, index)| {
             rows().filter(|row| row.applies.to(axis)).map(move |row| DeclaredParameter {
@@ -50,7 +50,7 @@ impl Catalogue {
                 axis: index,
                 row,
                 scale: axis.scale,
-                highest_velocity,
+                max_velocity_of_cycle,
             })
         });
         let mut all: Vec<DeclaredParameter> = of_machine.chain(of_axes).collect();
@@ -98,7 +98,7 @@ impl DeclaredParameter {
     /// Returns the value in an image, as a message.
     pub(super) fn message(&self, image: &ParameterImage) -> ParameterValue {
         let value = ParameterValue::default();
-        match self.row.shown(&self.scale, self.value(image)) {
+        match self.row.to_border(&self.scale, self.value(image)) {
             BorderValue::Unset => value,
             BorderValue::Switch(bool_value) => {
                 ParameterValue { r#type: ParameterType::PARAMETER_BOOL, bool_value, ..value }

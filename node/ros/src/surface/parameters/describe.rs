@@ -36,7 +36,7 @@ impl DeclaredParameter {
 impl DeclaredParameter {
     /// Returns the limit of the range that the cycle time determines.
     fn limit(&self) -> Option<f64> {
-        match self.row.shown(&self.scale, Value::Real(self.highest_velocity)) {
+        match self.row.to_border(&self.scale, Value::Real(self.highest_velocity)) {
             BorderValue::Real(limit) if self.row.is_bound_by_cycle() => Some(limit),
             _ => None,
         }
@@ -116,7 +116,7 @@ fn is_outside(value: Value, range: Range) -> bool {
 }
 
 fn value_text(row: &Row, scale: &Scale, value: Value) -> String {
-    match row.shown(scale, value) {
+    match row.to_border(scale, value) {
         BorderValue::Unset => "nothing".to_owned(),
         BorderValue::Switch(is_on) => is_on.to_string(),
         BorderValue::Integer(number) => number.to_string(),

@@ -150,7 +150,7 @@ pub(super) fn request(
     }
     // The default velocity tolerance is for joints at rest. It applies to no joint then, because measured velocities are coarse.
     let ends_in_motion =
-        points.last().is_some_and(|last| last.velocities.iter().any(|velocity| velocity.abs() > NO_VELOCITY));
+        points.last().is_some_and(|last| last.velocities.iter().any(|velocity| velocity.abs() > ZERO_VELOCITY_TOLERANCE));
     let usual = |place: usize| settings.joints.get(place).copied().unwrap_or_default();
     let path = |place: usize| ToleranceRequest { position: positive(usual(place)[0]), ..ToleranceRequest::default() };
     let end = |place: usize| ToleranceRequest {

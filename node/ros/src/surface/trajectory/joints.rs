@@ -92,7 +92,7 @@ impl Joints {
 
     /// Returns the message of the machine about the end of a goal. An axis with a separate joint name has both names in it.
     pub(super) fn sentence(&self, event: &Event, config: &MachineConfig) -> String {
-        let sentence = text::sentence(event, config);
+        let sentence = text::message(event, config);
         let object = config.name(event.source);
         with_joint(sentence, object, self.joint_name_of(object).unwrap_or(object))
     }
@@ -156,7 +156,7 @@ mod tests {
         let config = config();
         let (plain, both) = (joints_called(&joint_names()), joints_called(&renamed()));
         for (source, is_both) in [(Object::Axis(1), true), (Object::Axis(0), false), (Object::Machine, false)] {
-            let usual = text::sentence(&event(source), &config);
+            let usual = text::message(&event(source), &config);
             assert_eq!(plain.sentence(&event(source), &config), usual);
             let expected = if is_both { usual.replacen("x: ", "axis x (joint Shoulder_Pan): ", 1) } else { usual };
             assert_eq!(both.sentence(&event(source), &config), expected);

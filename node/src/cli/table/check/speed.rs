@@ -25,12 +25,12 @@ pub(super) fn master_speed(text: Option<&str>, leader: Option<&Master>) -> Resul
 fn read(text: &str, leader: Option<&Master>) -> Result<f64, String> {
     let increments = Dimension::Increments(1);
     if parse_decimal(text.trim()).is_ok() {
-        let speed = Quantity::parse(text, &[increments]).map_err(|error| error.sentence())?;
+        let speed = Quantity::parse(text, &[increments]).map_err(|error| error.message_with_hint())?;
         return Ok(speed.si());
     }
     let Some(scale) = leader.and_then(|leader| leader.scale) else {
         let all = [increments, Dimension::Length(1), Dimension::Angle(1)];
-        let speed = Quantity::parse(text, &all).map_err(|error| error.sentence_for(increments, Unit::INCREMENT))?;
+        let speed = Quantity::parse(text, &all).map_err(|error| error.message_with_example(increments, Unit::INCREMENT))?;
         if speed.unit().dimension() == increments {
             return Ok(speed.si());
         }
@@ -41,8 +41,8 @@ fn read(text: &str, leader: Option<&Master>) -> Result<f64, String> {
         return Err(format!("`{}` {why}", excerpt(text)));
     };
     let (expected, unit) = (scale.kind().dimension(1), scale.unit().unit());
-    let speed = Quantity::parse(text, &[expected, increments]).map_err(|error| error.sentence_for(expected, unit))?;
-    scale.rate(&speed, 1).map_err(|error| error.sentence())
+    let speed = Quantity::parse(text, &[expected, increments]).map_err(|error| error.message_with_example(expected, unit))?;
+    scale.rate(&speed, 1).map_err(|error| error.message_with_hint())
 }
 
 #[cfg(test)]

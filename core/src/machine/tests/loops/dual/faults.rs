@@ -19,8 +19,8 @@ const FAULTS: [Fault; 4] = [Fault::MotorDead, Fault::MotorTurned, Fault::LoadDea
 
 fn fail(rig: &mut Rig, fault: Fault) {
     match fault {
-        Fault::MotorDead => rig.plant.drive(0).unwrap().count_by(0),
-        Fault::MotorTurned => rig.plant.drive(0).unwrap().count_by(-1),
+        Fault::MotorDead => rig.plant.drive(0).unwrap().set_count_factor(0),
+        Fault::MotorTurned => rig.plant.drive(0).unwrap().set_count_factor(-1),
         Fault::LoadDead => rig.plant.count_encoder_by(0, 0),
         Fault::LoadTurned => rig.plant.count_encoder_by(0, -1),
     }
@@ -37,7 +37,7 @@ fn load_place(rig: &mut Rig) -> i64 {
     rig.plant.drive(0).unwrap().load_place()
 }
 
-fn has_told(rig: &Rig, code: Code) -> bool {
+fn was_reported(rig: &Rig, code: Code) -> bool {
     rig.events.iter().any(|event| event.code == code)
 }
 
@@ -62,7 +62,7 @@ fn each_fault_in_a_motion_takes_the_power() {
             assert_eq!(rig.int("x.enabled"), 0, "{fault:?} {reaction}");
             // The allowed deviation, plus that of a cycle and of the torsion.
             assert!(furthest <= ALLOWED + 1_000, "{fault:?} {reaction}: {furthest}");
-            assert!(has_told(&rig, Code::ENCODERS_APART) || reaction != 5, "{fault:?} {reaction}");
+            assert!(was_reported(&rig, Code::ENCODERS_APART) || reaction != 5, "{fault:?} {reaction}");
         }
     }
 }
@@ -78,7 +78,7 @@ fn a_motor_without_its_load_loses_its_power() {
     rig.give(Action::Move(at(X, 20_000.0)));
     let cycles = rig.run_until("x.enabled", 0);
     assert!(cycles < 1_000, "{cycles}");
-    assert!(has_told(&rig, Code::ENCODERS_APART));
+    assert!(was_reported(&rig, Code::ENCODERS_APART));
     assert_eq!(load_place(&mut rig), 0);
     let motor = rig.inputs().drive[0].count;
     assert!((ALLOWED..ALLOWED + 1_500).contains(&motor), "{motor}");

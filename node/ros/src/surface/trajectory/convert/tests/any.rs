@@ -101,7 +101,7 @@ proptest! {
             return Ok(());
         }
         let last = request.points.last().map(|last| last.velocities.clone()).unwrap_or_default();
-        prop_assert!(last.iter().all(|velocity| velocity.abs() <= NO_VELOCITY), "it ends at rest");
+        prop_assert!(last.iter().all(|velocity| velocity.abs() <= ZERO_VELOCITY_TOLERANCE), "it ends at rest");
         for point in &request.points {
             prop_assert_eq!(point.positions.len(), count);
             for rest in [&point.velocities, &point.accelerations] {
