@@ -43,7 +43,7 @@ impl Form {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TableError {
     /// No numbers, or too many.
-    #[error("a table has {0} numbers; 1 to {MOST} are possible")]
+    #[error("a table has {0} numbers; 1 to {MAX_NUMBERS} are possible")]
     Count(usize),
     /// Two lists of different lengths.
     #[error("a table of form xy has {x} places and {y} values; as many of both are needed")]

@@ -97,14 +97,14 @@ pub enum CamError {
     },
     /// Spline that deviates too far after this point, from 1.
     #[error(
-        "behind point {0} the spline of a cam leaves -{MOST_VALUMAX_VALUET_VALUE}; more points, or linear, is possible"
+        "behind point {0} the spline of a cam leaves -{MAX_VALUE} to {MAX_VALUE}; more points, or linear, is possible"
     )]
     SplineOvershoot(usize),
     /// Form y without a length.
     #[error("a cam of form y has no length; its length in increments of the master is needed, 1 to {MAX_LENGTH}")]
     NoLength,
     /// A length without effect, or out of range.
-    #[error("a cam is {0} increments of the master long; 1 to {MOST_LENGTH} are possible")]
+    #[error("a cam is {0} increments of the master long; 1 to {MAX_LENGTH} are possible")]
     Length(i64),
     /// The position of this point is not after the previous one, or is not 0 for the first point.
     #[error("point {place} of a cam is at {x}; the first is at 0, and each is after the one before it")]
@@ -115,7 +115,7 @@ pub enum CamError {
         x: i64,
     },
     /// A value beyond 31 bits.
-    #[error("point {place} of a cam has the value {y}; -{MOST_VALUE} to {MOST_VALUE} are possible")]
+    #[error("point {place} of a cam has the value {y}; -{MAX_VALUE} to {MAX_VALUE} are possible")]
     Value {
         /// Number of the point, from 1.
         place: usize,

@@ -42,7 +42,7 @@ pub enum PitchError {
     },
     /// The error changes too fast before this point.
     #[error(
-        "up to point {point} a pitch error changes by {change} inc on {way} inc; a part of {STEEPEST} of the way is \
+        "up to point {point} a pitch error changes by {change} inc on {way} inc; a part of {MAX_SLOPE_DIVISOR} of the way is \
          possible"
     )]
     Steep {

@@ -114,7 +114,7 @@ pub(super) async fn wait_and_summarize(
 
 /// Waits until each axis has reported the end of the command.
 async fn wait_for_ends(hub: &Hub, given: Result<CommandEvents, SubmitError>, axes: usize) -> Result<(), String> {
-    let sentence = |event: &Event| text::sentence(event, hub.host.config());
+    let sentence = |event: &Event| text::message(event, hub.host.config());
     let mut answers = given.map_err(|busy| busy.to_string())?;
     let (mut is_accepted, mut ended, mut failures) = (false, 0, Vec::new());
     while ended < axes || !is_accepted {

@@ -36,13 +36,13 @@ impl Catalogue {
     pub(super) fn new(config: &MachineConfig) -> Self {
         // Values that the source publishes in a register are signals here.
         let rows = || ROWS.iter().filter(|row| !matches!(row.storage, Storage::Signal(_)));
-        let highest_velocity = highest_velocity(config.cycle_ns);
+        let highest_velocity = max_velocity_of_cycle(config.cycle_ns);
         let of_machine = rows().filter(|row| row.applies == Applies::Machine).map(|row| DeclaredParameter {
             name: format!("machine.{}", row.key),
             axis: MACHINE,
             row,
             scale: Scale::increments(),
-            max_velocity_of_cycle,
+            highest_velocity,
         });
         let of_axes = config.axes.iter().zip(0..).flat_map(|(axis, index)| {
             rows().filter(|row| row.applies.to(axis)).map(move |row| DeclaredParameter {
@@ -50,7 +50,7 @@ impl Catalogue {
                 axis: index,
                 row,
                 scale: axis.scale,
-                max_velocity_of_cycle,
+                highest_velocity,
             })
         });
         let mut all: Vec<DeclaredParameter> = of_machine.chain(of_axes).collect();
@@ -178,7 +178,7 @@ impl DeclaredParameter {
 
     /// Returns true if the parameter has this value in an image.
     pub(super) fn has_value(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
-        match (self.interpret(value), self.row.shown(&self.scale, self.value(image))) {
+        match (self.interpret(value), self.row.to_border(&self.scale, self.value(image))) {
             (InterpretedValue::Nothing, BorderValue::Unset) => true,
             (InterpretedValue::Switch(given), BorderValue::Switch(shown)) => given == shown,
             (InterpretedValue::Integer(given), BorderValue::Integer(shown)) => given == shown,
@@ -191,7 +191,7 @@ impl DeclaredParameter {
 
     /// Returns true if the parameter has this number in an image, apart from rounding.
     pub(super) fn nearly_has_value(&self, value: &ParameterValue, image: &ParameterImage) -> bool {
-        match (self.interpret(value), self.row.shown(&self.scale, self.value(image))) {
+        match (self.interpret(value), self.row.to_border(&self.scale, self.value(image))) {
             (InterpretedValue::Real(given), BorderValue::Real(shown)) => (given - shown).abs() <= 1e-9 * shown.abs(),
             _ => false,
         }

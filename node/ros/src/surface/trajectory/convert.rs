@@ -9,7 +9,7 @@
 use super::joints::Joints;
 use super::settings::Settings;
 use crate::surface::joint_names::object_name_refusal;
-use lineshaft_core::request::{MAX_START_NS, NO_VELOCITY, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::request::{MAX_START_NS, ZERO_VELOCITY_TOLERANCE, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::{Duration, Time};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as Goal;
