@@ -94,9 +94,13 @@ impl<'d> Value<'d> {
         self.plain().is_some_and(|text| whole_number(text).is_ok())
     }
 
-    /// Whether it is `true` or `false` without quotes; reports no problem.
-    pub fn is_boolean(&self) -> bool {
-        matches!(self.plain(), Some("true" | "false"))
+    /// Returns the boolean that a text without quotes probably stands for, such as `yes`; reports no problem.
+    pub(crate) fn meant_boolean(&self) -> Option<bool> {
+        match self.plain()?.to_lowercase().as_str() {
+            "true" | "yes" | "on" => Some(true),
+            "false" | "no" | "off" => Some(false),
+            _ => None,
+        }
     }
 
     /// Reads any scalar, as written.
