@@ -99,7 +99,7 @@ fn sim_prints_its_events_as_they_come() {
     let folder = tempfile::tempdir().unwrap();
     let scenario = "scenario: refused and done\ncycles: 400\nsteps:\n  \
                     - {at: 3, do: {move_axis: {axis: x, position: 5 mm}}, refused: {code: NOT_ENABLED}}\n  \
-                    - {at: 4, do: {move_axis: {axis: nobody}}, refused: {code: 10022}}\n  \
+                    - {at: 4, do: {move_axis: {axis: nobody, position: 0}}, refused: {code: 10022}}\n  \
                     - {at: 5, do: {move_axis: {axis: line, position: 1 um}}}\n";
     std::fs::write(folder.path().join("s.yaml"), scenario).unwrap();
     let cell = root("launch-configs/demo.yaml");

@@ -21,7 +21,7 @@ mod si;
 
 pub use amount::{Amount, Units};
 pub use axis::AxisUnit;
-pub use error::{UnitError, excerpt};
+pub use error::{UnitError, excerpt, special_space};
 pub use fraction::{
     Fraction, fraction_from_f64, fraction_to_digits, fraction_to_f64, fraction_to_text, number_to_text, parse_decimal,
     parse_fraction, round,

@@ -193,9 +193,9 @@ fn assign(machine: &mut MachineConfig, settings: &[Setting], name: &str) -> Resu
     Ok(written)
 }
 
-/// Whether two cells have the same content, whatever their texts are.
+/// Whether two cells have the same content, whatever their texts are, and whether values in them have a unit.
 fn is_same(one: &Cell, other: &Cell) -> bool {
-    let said = |cell: &Cell| format!("{:?}", Cell { text: String::new(), ..cell.clone() });
+    let said = |cell: &Cell| format!("{:?}", Cell { text: String::new(), bare_numbers: Vec::new(), ..cell.clone() });
     said(one) == said(other)
 }
 

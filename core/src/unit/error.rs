@@ -26,7 +26,7 @@ pub enum UnitError {
         value: f64,
     },
     /// Number and unit without a blank between them.
-    #[error("`{text}` has no blank between number and unit")]
+    #[error("`{text}` has {} between number and unit", between(.text, *.number))]
     NoBlank {
         /// The text as given.
         text: String,
@@ -163,14 +163,33 @@ impl UnitError {
     pub fn hint(&self) -> Option<String> {
         match self {
             Self::NotANumber { text } if text.contains(',') => Some("write a decimal point, not a comma".to_owned()),
+            Self::NotANumber { text } => special_space(text).map(|space| format!("it has {space}")),
             Self::NoBlank { text, number } => {
                 let (number, unit) = text.split_at_checked(*number)?;
-                Some(format!("write `{number} {unit}`"))
+                let plain = unit.trim_start();
+                let kind = if plain.len() < unit.len() { " with an ordinary space" } else { "" };
+                Some(format!("write `{number} {plain}`{kind}"))
             }
             Self::UnknownUnit { meant, .. } => meant.map(|unit| format!("did you mean `{unit}`?")),
             _ => None,
         }
     }
+}
+
+/// Returns what a text has at the end of its number, instead of a space.
+fn between(text: &str, number: usize) -> String {
+    let first = text.get(number..).unwrap_or_default().chars().next();
+    let found = first.and_then(|sign| special_space(sign.encode_utf8(&mut [0; 4])));
+    found.unwrap_or_else(|| "no blank".to_owned())
+}
+
+/// Returns the name of the first space in a text that is no ordinary space. Such spaces look like ordinary ones, and do
+/// not separate a number from its unit or a key from its value.
+pub fn special_space(text: &str) -> Option<String> {
+    let is_special = |sign: &char| sign.is_whitespace() && !sign.is_control() && *sign != ' ';
+    let sign = text.chars().find(is_special)?;
+    let what = if matches!(sign, '\u{a0}' | '\u{2007}' | '\u{202f}') { "a no-break space" } else { "a special space" };
+    Some(format!("{what} (U+{:04X})", u32::from(sign)))
 }
 
 /// Increments as text, or a note that they are beyond 128 bits.
@@ -213,6 +232,23 @@ mod tests {
         assert_eq!(excerpt("1 ms\n\u{2028}ü"), "1 ms\\n\\u{2028}ü");
         assert_eq!(excerpt(&"9".repeat(61)), format!("{}..", "9".repeat(60)));
         assert_eq!(excerpt(&"9".repeat(60)), "9".repeat(60));
+    }
+
+    #[test]
+    fn special_space_between_number_and_unit_is_named() {
+        let said = |text: &str| {
+            let error = Quantity::parse(text, &[Dimension::Length(0)]).unwrap_err();
+            (error.to_string(), error.hint())
+        };
+        let (sentence, hint) = said("850\u{a0}mm");
+        assert_eq!(sentence, "`850\u{a0}mm` has a no-break space (U+00A0) between number and unit");
+        assert_eq!(hint.as_deref(), Some("write `850 mm` with an ordinary space"));
+        let (sentence, _) = said("850\u{2009}mm");
+        assert_eq!(sentence, "`850\u{2009}mm` has a special space (U+2009) between number and unit");
+        let (sentence, hint) = said("1\u{202f}000 mm");
+        assert_eq!(sentence, "`1\u{202f}000` is not a number");
+        assert_eq!(hint.as_deref(), Some("it has a no-break space (U+202F)"));
+        assert_eq!(special_space("850 mm\t\n"), None);
     }
 
     #[test]

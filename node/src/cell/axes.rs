@@ -45,6 +45,8 @@ pub(super) struct Axis {
     pub joint: String,
     pub first: Option<Driven>,
     pub second: Option<Driven>,
+    /// Warnings about its numbers without a unit.
+    pub bare_numbers: Vec<String>,
 }
 
 /// A drive: its simulation, its location, and its keys for CAN.
@@ -112,7 +114,16 @@ pub(super) fn read<'d>(
         joints: joints::Taken::new(),
     };
     let axes = entries.iter().enumerate();
-    let axes = axes.map(|(place, entry)| axis(place, entry, cx, of, &mut once)).collect();
+    let axes = axes.map(|(place, entry)| {
+        entry.value.record_bare_numbers();
+        let axis = axis(place, entry, cx, of, &mut once);
+        let numbers = entry.value.take_bare_numbers();
+        axis.map(|axis| {
+            let warnings = numbers.iter().filter_map(|number| number.warning(&axis.config.scale));
+            Axis { bare_numbers: warnings.collect(), ..axis }
+        })
+    });
+    let axes = axes.collect();
     machine::refuse_shared(&once.functions, &of.io.entries, &once.outputs);
     amc::refuse_loops(&once.masters, chains, cx);
     axes
@@ -280,7 +291,7 @@ fn axis<'d>(
     check_loop(&config, place, &entry.key, &given, cx);
     check_carried(&config, &given);
     amc::check(&config, &given, cx.cycle_ns);
-    Some(Axis { config, joint: joint.to_owned(), first, second })
+    Some(Axis { config, joint: joint.to_owned(), first, second, bare_numbers: Vec::new() })
 }
 
 /// Refuses parameters that two drives of one axis do not support.

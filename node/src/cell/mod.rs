@@ -125,6 +125,8 @@ pub struct Cell {
     pub files: BTreeMap<String, String>,
     /// Robot description that `ros` names; `None` if the cell was read from a text, which has no files next to it.
     pub robot: Option<Robot>,
+    /// Warnings about numbers without a unit in axes that people read in another unit than SI, with their locations.
+    pub bare_numbers: Vec<String>,
 }
 
 impl Cell {
@@ -367,7 +369,8 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let (mut configs, mut joints) = (Vec::new(), Vec::new());
     let (mut firsts, mut seconds) = (Vec::new(), Vec::new());
     let (mut without_index, mut without_inputs) = (Vec::new(), Vec::new());
-    for (place, axes::Axis { config, joint, first, second }) in axes.into_iter().enumerate() {
+    let mut bare_numbers = Vec::new();
+    for (place, axes::Axis { config, joint, first, second, bare_numbers: of_axis }) in axes.into_iter().enumerate() {
         if first.as_ref().is_none_or(|drive| !drive.has_index()) {
             without_index.extend(u16::try_from(place).map(Object::Axis));
         }
@@ -378,6 +381,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         joints.push(joint);
         firsts.push(first);
         seconds.push(second);
+        bare_numbers.extend(of_axis);
     }
     let places =
         |drives: &[Option<axes::Driven>]| drives.iter().map(|drive| drive.as_ref().map(|drive| drive.at)).collect();
@@ -443,6 +447,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         text: text.to_owned(),
         files: BTreeMap::new(),
         robot: None,
+        bare_numbers,
     })
 }
 

@@ -62,6 +62,15 @@ fn gains_that_are_others_are_written_and_nothing_else() {
     assert_eq!((axis.pid.proportional, axis.pid.derivative, axis.pid.velocity), (131, 772, 1000));
 }
 
+/// A new line changes the locations in the warnings about such numbers.
+#[test]
+fn cell_with_number_without_unit_is_edited() {
+    let bare = CELL.replace("max_velocity: 3000 rpm, ", "max_velocity: 300, ");
+    assert_eq!(Cell::parse("c", bare.as_str()).unwrap().bare_numbers.len(), 1);
+    let (text, _) = edit(&bare, "x", &GAINS).unwrap();
+    assert!(text.contains("    kder: 772\n") && text.contains("max_velocity: 300, "), "{text}");
+}
+
 #[test]
 fn a_servo_gain_is_written_in_its_section() {
     let (text, _) = edit(CELL, "y", &[gain("position_loop.kv", 72.45)]).unwrap();

@@ -4,6 +4,7 @@ mod coasting;
 mod functions;
 mod homing;
 mod marks;
+mod names;
 
 use super::command_output::Output;
 use super::{CheckArgs, Exit};
@@ -132,6 +133,8 @@ fn joint_names(cell: &Cell) -> Option<String> {
 /// Returns warnings: settings that are valid but probably not intended.
 pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     let mut warnings = cell.robot.as_ref().map_or(Vec::new(), |robot| robot.warnings(&cell.machine, &cell.joint_names));
+    warnings.extend(cell.bare_numbers.iter().cloned());
+    warnings.extend(names::judge(cell));
     warnings.extend(cell.machine.unlimited_searches().map(|axis| {
         let name = &axis.name;
         format!(
@@ -153,7 +156,7 @@ pub(super) fn warnings(cell: &Cell) -> Vec<String> {
     warnings.extend(cell.machine.axes.iter().filter_map(idle_gains));
     warnings.extend(cell.machine.axes.iter().flat_map(idle_loops));
     warnings.extend(cell.machine.slots.iter().filter_map(|slot| stepped_position(slot, &cell.machine)));
-    warnings.extend(homing::judge(&cell.machine));
+    warnings.extend(homing::judge(cell));
     warnings.extend(marks::judge(&cell.machine));
     warnings.extend(graph::loops(&cell.machine));
     warnings
@@ -331,13 +334,22 @@ pub(super) fn summary(cell: &Cell) -> String {
 mod tests {
     use super::*;
 
+    /// Returns the warnings about an axis with these keys, which has all switches.
     fn warned(keys: &str) -> Vec<String> {
+        let switches = "home_switch: {from: 1 m, to: 2 m}, negative_limit_switch: {at: -1 m}, positive_limit_switch: {at: 3 m}, \
+                        index: {every: 10 mm}";
+        warned_with(switches, keys)
+    }
+
+    /// Returns the same with these keys in `sim`.
+    fn warned_with(fixtures: &str, keys: &str) -> Vec<String> {
         let text = format!(
-            "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\nio: {{b: {{type: do, backend: plant, address: 0}}}}\n\
+            "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\nio: {{b: {{type: do, backend: plant, address: 0}}, \
+             r: {{type: di, backend: plant, address: 0}}}}\n\
              axes: {{x: {{drive: {{backend: plant, address: 0, interface: position}}, max_velocity: 1 m/s, \
-             max_acceleration: 1 m/s^2, sim: {{model: ideal}}, {keys}}}}}\n"
+             max_acceleration: 1 m/s^2, sim: {{model: ideal, {fixtures}}}, {keys}}}}}\n"
         );
-        warnings(&Cell::parse("c.yaml", text).unwrap())
+        warnings(&Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}")))
     }
 
     const MM: &str = "type: linear, scale: {increments: 1000, per: 1 mm}";
@@ -346,7 +358,9 @@ mod tests {
     fn a_search_without_an_end_is_warned_of() {
         let expected = "x: without its switch homing goes on for ever; \
                         give homing.max_distance, min_position and max_position, or homing.max_time";
-        for keys in ["homing: {method: 7}", "homing: {method: 1}, max_position: 1 m", "homing: {home_type: 0}"] {
+        for keys in
+            ["homing: {method: 7}", "homing: {method: 1}, max_position: 1 m", "homing: {home_type: 0}, i_refswitch: 1"]
+        {
             assert_eq!(warned(&format!("{MM}, {keys}")), [expected], "{keys}");
         }
         for keys in [
@@ -364,7 +378,7 @@ mod tests {
     #[test]
     fn homing_that_ends_outside_the_software_limits_is_warned_of() {
         let limits = "min_position: -50 mm, max_position: 850 mm";
-        let warned = |homing: &str| warned(&format!("{MM}, unit: mm, {limits}, homing: {{{homing}}}"));
+        let warned = |homing: &str| warned(&format!("{MM}, unit: mm, {limits}, i_refswitch: 1, homing: {{{homing}}}"));
         let told = |rest: &str, limit: &str| {
             format!(
                 "x: homing ends at about {rest}, which {limit}: the axis is then outside its software limits; \
@@ -378,6 +392,60 @@ mod tests {
         {
             assert_eq!(warned(good), [""; 0], "{good}");
         }
+    }
+
+    #[test]
+    fn homing_that_is_refused_is_warned_of() {
+        let expected = "x: homing has no method: a home command that names none is refused (10302); give homing.method";
+        for keys in ["velocity: 10 mm/s, index_velocity: 1 mm/s", "max_distance: 1 m", "offset: 5 mm", "home_vel: 10"] {
+            assert_eq!(warned(&format!("{MM}, homing: {{{keys}}}")), [expected], "{keys}");
+        }
+        for keys in ["required: true", "index_distance: 5 mm", "home_type: 2, max_distance: 1 m"] {
+            assert_eq!(warned(&format!("{MM}, i_refswitch: 1, homing: {{{keys}}}")), [""; 0], "{keys}");
+        }
+        assert_eq!(
+            warned(&format!("{MM}, homing: {{home_type: 2, max_distance: 1 m}}")),
+            [
+                "x: home_type 2 needs an input for the reference switch: a home command is refused (10305); give i_refswitch"
+            ]
+        );
+    }
+
+    #[test]
+    fn homing_to_a_switch_or_an_index_that_is_not_simulated_is_warned_of() {
+        let warned = |fixtures: &str, homing: &str| {
+            warned_with(fixtures, &format!("{MM}, homing: {{max_distance: 1 m, {homing}}}"))
+        };
+        let told =
+            |method: i64, what: &str, why: &str| format!("x: homing.method {method} does not find {what}: {why}");
+        let none = |key: &str| format!("the simulated axis has none; give sim.{key}");
+        let switches = [
+            (24, "reference", "home_switch"),
+            (17, "negative limit", "negative_limit_switch"),
+            (18, "positive limit", "positive_limit_switch"),
+        ];
+        for (method, switch, key) in switches {
+            let expected = told(method, &format!("the {switch} switch"), &none(key));
+            assert_eq!(warned("start: 0 m", &format!("method: {method}")), [expected]);
+        }
+        let index = |method: i64| told(method, "an index pulse", &none("index"));
+        assert_eq!(warned("start: 0 m", "method: 33"), [index(33)]);
+        let switch = told(7, "the reference switch", &none("home_switch"));
+        assert_eq!(warned("start: 0 m", "method: 7"), [switch, index(7)]);
+        // A switch that is wired to an input does not read at the drive.
+        let wired = "home_switch: {from: 0 m, to: 1 m, input: r}";
+        let why = "sim.home_switch is wired to an input that the axis does not read; give i_refswitch";
+        assert_eq!(warned(wired, "method: 24"), [told(24, "the reference switch", why)]);
+        let read = warned_with(wired, &format!("{MM}, i_refswitch: 1, homing: {{max_distance: 1 m, method: 24}}"));
+        assert_eq!(read, [""; 0]);
+        assert_eq!(warned("start: 0 m", "method: 35"), [""; 0]);
+    }
+
+    #[test]
+    fn number_without_a_unit_is_warned_of() {
+        let told = warned(&format!("{MM}, unit: mm, max_position: 850, min_position: 0"));
+        let end = "max_position: 850 is 850 m; write 850 mm if that is meant";
+        assert!(told.len() == 1 && told[0].starts_with("c.yaml:5:") && told[0].ends_with(end), "{told:?}");
     }
 
     /// Proves: MACS-I2T-04

@@ -3,6 +3,7 @@
 #[cfg(test)]
 use super::observer::Note;
 use super::problem::quote;
+use super::syntax::without_equals_sign;
 use super::value::suggest;
 use super::{Node, Place, Problems, Value};
 use lineshaft_core::unit::excerpt;
@@ -125,7 +126,7 @@ impl<'d> Map<'d> {
     /// Returns a hint for a key without colon: `{at 0}` in braces is a key without a value.
     fn without_colon(&self, key: &str) -> Option<String> {
         let name = before_blank(key)?;
-        let value = key.get(name.len() + 1..).unwrap_or_default().trim_start();
+        let value = without_equals_sign(key.get(name.len() + 1..).unwrap_or_default());
         self.is_asked(name).then(|| format!("write `{}: {}`", excerpt(name), excerpt(value)))
     }
 
@@ -143,9 +144,9 @@ impl<'d> Map<'d> {
     }
 }
 
-/// Returns the part of a key before its first space or colon.
+/// Returns the part of a key before its first space, colon or `=`.
 fn before_blank(key: &str) -> Option<&str> {
-    key.split_once([' ', ':']).map(|(name, _)| name)
+    key.split_once([' ', ':', '=']).map(|(name, _)| name)
 }
 
 /// Reports missing keys, also if a reader returned before [`Map::finish`].

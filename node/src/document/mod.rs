@@ -26,6 +26,8 @@
 //!
 //! No other module uses the YAML parser.
 
+mod bare;
+mod brackets;
 mod edit;
 mod map;
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Collects problems with their locations.
 
+use super::bare::BareNumber;
 use lineshaft_core::unit::excerpt;
 use std::cell::{Cell, RefCell};
 use std::fmt;
@@ -52,10 +53,12 @@ impl fmt::Display for Problem {
 /// Problems of one or several files. All readers of a document share it, hence the interior mutability.
 #[derive(Clone, Debug)]
 pub struct Problems {
-    file: Arc<str>,
+    pub(super) file: Arc<str>,
     list: RefCell<Vec<Problem>>,
     /// Number of problems after the first [`MAX_PROBLEMS`].
     beyond: Cell<usize>,
+    /// Numbers without a unit, while a reader records them.
+    pub(super) bare: RefCell<Option<Vec<BareNumber>>>,
     /// Observer of the requests of readers.
     #[cfg(test)]
     pub(super) observer: Option<Arc<super::Observer>>,
@@ -68,6 +71,7 @@ impl Problems {
             file: file.into(),
             list: RefCell::default(),
             beyond: Cell::new(0),
+            bare: RefCell::default(),
             #[cfg(test)]
             observer: None,
         }

@@ -1,11 +1,12 @@
 //! Explains errors of the YAML parser, at the line of the probable cause.
 //!
-//! Law      the location is that of the parser, except for a missing colon and for a tab, which it detects after their
-//!          line
+//! Law      the location is that of the parser, except for a missing colon, a tab, and a bracket or a quotation mark
+//!          that nothing closes, which it detects after their line
 //! Reads    the text, the message of the parser, and the location where it stopped
 
 use super::Place;
-use lineshaft_core::unit::excerpt;
+use super::brackets::unclosed;
+use lineshaft_core::unit::{excerpt, special_space};
 
 /// A syntax error.
 #[derive(Debug, PartialEq, Eq)]
@@ -24,6 +25,10 @@ pub(super) fn plain(text: &str, info: &str, place: Place) -> Syntax {
         sentence: format!("this is not YAML: {sentence}"),
         hint: hint.map(str::to_owned),
     };
+    // It is the cause of the errors after it.
+    if let Some(opened) = unclosed(text).filter(|opened| opened.place <= place) {
+        return at(opened.place, &opened.sentence(), None);
+    }
     match info {
         "simple key expect ':'" | "simple key expected" | "did not find expected <document start>" => {
             match line_without_colon(text, place.line) {
@@ -56,6 +61,25 @@ pub(super) fn plain(text: &str, info: &str, place: Place) -> Syntax {
         }
         "while scanning a quoted scalar, found unexpected end of stream" => {
             at(place, "the closing quotation mark of a text is missing", None)
+        }
+        "while parsing node, found unknown anchor" => {
+            let hint = "put quotes around a value that begins with `*`";
+            at(place, "`*` begins an alias, and no anchor has its name", Some(hint))
+        }
+        "while scanning an anchor or alias, did not find expected alphabetic or numeric character" => {
+            let hint = "put quotes around a value that begins with `*` or `&`";
+            at(place, "`*` begins an alias and `&` an anchor, and its name is missing", Some(hint))
+        }
+        "invalid indentation in flow construct" => {
+            at(place, "a line inside of brackets is not indented further than the key before them", None)
+        }
+        "misplaced bracket" => at(place, "this bracket closes nothing", None),
+        "invalid trailing content after double-quoted scalar" => {
+            let hint = "write `''` for `'` inside of '..', and `\\\"` for `\"` inside of \"..\"";
+            at(place, "a text goes on after its closing quotation mark", Some(hint))
+        }
+        other if other.starts_with("unexpected character: ") => {
+            at(place, other, Some("put quotes around a value that begins with it"))
         }
         other => at(place, other, None),
     }
@@ -93,14 +117,21 @@ fn line_without_colon(text: &str, number: usize) -> Option<(Place, &str)> {
     (!has_colon(there)).then(|| (begin(before, line(text, before)), there))
 }
 
-/// Returns a line with its colon, which is missing at its first space or lacks a space after it.
+/// Returns a line with its colon, which is missing at its first space or lacks a space after it, or is a `=`.
 fn with_colon(line: &str) -> String {
     let line = line.trim_start_matches("- ");
-    let with = match line.split_once([':', ' ']) {
-        Some((key, value)) => format!("{key}: {}", value.trim_start()),
+    let with = match line.split_once([':', ' ', '=']) {
+        Some((key, value)) => format!("{key}: {}", without_equals_sign(value)),
         None => format!("{line}: .."),
     };
-    format!("write `{}`", excerpt(&with))
+    let found = special_space(line).map(|space| format!("; the line has {space}")).unwrap_or_default();
+    format!("write `{}`{found}", excerpt(&with))
+}
+
+/// Returns a value without the blanks, and the `=`, before it.
+pub(super) fn without_equals_sign(value: &str) -> &str {
+    let value = value.trim_start();
+    value.strip_prefix('=').unwrap_or(value).trim_start()
 }
 
 /// Returns the first line with a tab in its indentation, at the location or in the next line.
@@ -135,6 +166,13 @@ mod tests {
             "a:\n  b: 1\n  bus udp:239.74.163.45:43145\n  c: 2\n",
             &format!("3:3: {missing} `bus: udp:239.74.163.45:43145`"),
         );
+        for text in ["min_position = -50 mm", "min_position= -50 mm", "min_position=-50 mm"] {
+            said(&format!("a:\n  b: 1\n  {text}\n  c: 2\n"), &format!("3:3: {missing} `min_position: -50 mm`"));
+        }
+        said(
+            "a:\n  b: 1\n  min_position:\u{a0}-50 mm\n  c: 2\n",
+            &format!("3:3: {missing} `min_position: -50 mm`; the line has a no-break space (U+00A0)"),
+        );
         said("for 2 s\n\n# what is traced\ntrace: []\n", &format!("1:1: {missing} `for: 2 s`"));
     }
 
@@ -161,6 +199,36 @@ mod tests {
     #[test]
     fn missing_bracket_is_named() {
         said("a: {b: 1 c: 2}\n", "1:11: this is not YAML: a comma or the closing `}` of a mapping is missing");
-        said("a: [1, 2\n", "2:1: this is not YAML: a comma or the closing `]` of a list is missing");
+        said("a: [1, 2\n", "1:4: this is not YAML: `]` is missing for `[` at 1:4");
+    }
+
+    /// The parser reports these in a later line.
+    #[test]
+    fn bracket_that_nothing_closes_is_reported_where_it_opens() {
+        let missing = |closing: char, sign: char, at: &str| {
+            format!("{at}: this is not YAML: `{closing}` is missing for `{sign}` at {at}")
+        };
+        said("axes:\n  x:\n    scale: {increments: 1, per: 1 mm\n    drive: virtual\n", &missing('}', '{', "3:12"));
+        let steps = "steps:\n  - at: 0\n    do: [{enable: {}}, {halt: {}}\n  - at: 5\n    do: {halt: {}}\nexpect:\n  - {signal: x}\n";
+        said(steps, &missing(']', '[', "3:9"));
+        said("steps:\n  - {do: {enable: {axes: [x, y}}}\n  - {at: 1}\n", &missing(']', '[', "2:26"));
+        said("a: 1\nb: \"two\nc: 3\n", "2:4: this is not YAML: the closing quotation mark is missing for \" at 2:4");
+        said(
+            "s:\n  - {name: 'go, at: 0}\n  - {name: 'stop', at: 1}\n",
+            "2:12: this is not YAML: the closing quotation mark is missing for ' at 2:12",
+        );
+        // An error before it is reported first.
+        said(
+            "a: 1\n  b: 2\nc: {d: 3\n",
+            "2:4: this is not YAML: a second colon in one value, or a key in another column than the keys before it, put keys of one \
+             mapping in the same column, and quotes around a value with `: `",
+        );
+    }
+
+    #[test]
+    fn value_that_begins_with_an_asterisk_needs_quotes() {
+        let quotes = "`*` begins an alias, and no anchor has its name, put quotes around a value that begins with `*`";
+        said("trace: [*.command.*]\n", &format!("1:9: this is not YAML: {quotes}"));
+        said("trace:\n  - *.command.*\n", &format!("2:5: this is not YAML: {quotes}"));
     }
 }

@@ -251,7 +251,9 @@ fn a_key_in_braces_without_its_colon_is_not_missing_as_well() {
         map.optional("do");
         map.finish();
     };
-    for (text, key) in [("{at 0, do: 1}", "at 0"), ("{at:0, do: 1}", "at:0")] {
+    for (text, key) in
+        [("{at 0, do: 1}", "at 0"), ("{at:0, do: 1}", "at:0"), ("{at = 0, do: 1}", "at = 0"), ("{at=0, do: 1}", "at=0")]
+    {
         assert_eq!(problems(text, read), format!("t.yaml:1:2: unknown key `{key}` in a step, write `at: 0`\n"));
     }
 }
@@ -305,7 +307,7 @@ fn what_yaml_has_and_we_do_not_read() {
 #[test]
 fn syntax_errors_have_a_place() {
     for (text, line, col) in
-        [("a: 1\nb: [1, 2\n", 3, 1), ("a: 1\n  b: 2\n", 2, 4), ("a: *nowhere", 1, 4), ("a:\n\tb: 1", 2, 2)]
+        [("a: 1\nb: [1, 2\n", 2, 4), ("a: 1\n  b: 2\n", 2, 4), ("a: *nowhere", 1, 4), ("a:\n\tb: 1", 2, 2)]
     {
         let document = Document::parse("t.yaml", text);
         assert!(document.root("the file").is_none(), "{text:?}");

@@ -1,5 +1,6 @@
 //! Reads one value with a type.
 
+use super::bare::BareNumber;
 #[cfg(test)]
 use super::observer::{ExpectedKind, Note};
 use super::problem::quote;
@@ -7,6 +8,7 @@ use super::{Kind, Map, Node, Place, Problems};
 use lineshaft_core::unit::{Dimension, Fraction, Quantity, Unit, UnitError, excerpt, parse_decimal, parse_fraction};
 use num_rational::Ratio;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 /// Names that no object may have.
 const RESERVED: [&str; 3] = ["machine", "end", "ros"];
@@ -94,9 +96,13 @@ impl<'d> Value<'d> {
         self.plain().is_some_and(|text| whole_number(text).is_ok())
     }
 
-    /// Whether it is `true` or `false` without quotes; reports no problem.
-    pub fn is_boolean(&self) -> bool {
-        matches!(self.plain(), Some("true" | "false"))
+    /// Returns the boolean that a text without quotes probably stands for, such as `yes`; reports no problem.
+    pub(crate) fn meant_boolean(&self) -> Option<bool> {
+        match self.plain()?.to_lowercase().as_str() {
+            "true" | "yes" | "on" => Some(true),
+            "false" | "no" | "off" => Some(false),
+            _ => None,
+        }
     }
 
     /// Reads any scalar, as written.
@@ -201,6 +207,7 @@ impl<'d> Value<'d> {
             None => error,
         });
         let quantity = quantity.map_err(|error| self.refuse_quantity(&error, dimensions, unit)).ok()?;
+        self.note_bare_number(text, quantity);
         let zero = Ratio::from(0);
         let (good, range) = match allowed {
             Allowed::Any => return Some(quantity),
@@ -218,6 +225,30 @@ impl<'d> Value<'d> {
             self.refuse(format!("{} is {}; {range} is allowed", self.label, quote(text)), hint);
         }
         good.then_some(quantity)
+    }
+
+    /// Starts recording the lengths and angles, and their derivatives, that are read from numbers without a unit.
+    pub(crate) fn record_bare_numbers(&self) {
+        *self.problems.bare.borrow_mut() = Some(Vec::new());
+    }
+
+    /// Ends the record and returns it, in the order of the file; 0 is not in it.
+    pub(crate) fn take_bare_numbers(&self) -> Vec<BareNumber> {
+        let mut numbers = self.problems.bare.take().unwrap_or_default();
+        numbers.sort_by_key(|number| number.place);
+        numbers.dedup_by_key(|number| number.place);
+        numbers
+    }
+
+    fn note_bare_number(&self, text: &str, quantity: Quantity) {
+        let mut record = self.problems.bare.borrow_mut();
+        let Some(numbers) = record.as_mut() else { return };
+        let is_travel = matches!(quantity.unit().dimension(), Dimension::Length(_) | Dimension::Angle(_));
+        let text = text.trim();
+        if is_travel && quantity.value() != Ratio::from(0) && parse_decimal(text).is_ok() {
+            let (file, label) = (Arc::clone(&self.problems.file), self.label.clone());
+            numbers.push(BareNumber { file, place: self.node.place, label, text: excerpt(text), quantity });
+        }
     }
 
     /// Reads one of several names.

@@ -201,6 +201,13 @@ fn takes(key: &Key, asked: &ExpectedKind) -> bool {
 }
 
 #[test]
+fn example_cells_have_a_unit_at_every_number_that_needs_one() {
+    for (path, cell) in cells() {
+        assert_eq!(cell.bare_numbers, [""; 0], "{}", path.display());
+    }
+}
+
+#[test]
 fn every_example_file_fits_its_schema() {
     for file in File::ALL {
         let schema = schema(file);

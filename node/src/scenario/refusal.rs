@@ -2,7 +2,8 @@
 //!
 //! Law      a text must be part of the message, or the name of the parameter or of the code, ignoring case.
 //!          `{code: 98}` is the code by number or name; with `text`, both must match. `any` matches every refusal
-//! Refuses  true and false, which do not describe the message
+//! Refuses  true, false, yes and no, which do not describe the message, and a number, which is rarely part of it: a code
+//!          was meant
 //! Source   contract section 5
 
 use super::ruler::read_code;
@@ -42,14 +43,20 @@ impl Refusal {
     }
 
     fn read_text(value: &Value<'_>) -> Option<Self> {
-        if value.is_boolean() {
-            let text = value.peek().unwrap_or_default();
-            let sentence = format!("refused is {text}; a part of the sentence, a code or `any` is expected");
-            let hint = if text == "true" { "write `refused: any`" } else { "leave `refused` out" };
-            value.refuse(sentence, Some(hint.to_owned()));
+        let hint = match value.meant_boolean() {
+            Some(true) => Some("write `refused: any`".to_owned()),
+            Some(false) => Some("leave `refused` out".to_owned()),
+            None if value.is_integer() => {
+                Some(format!("write `refused: {{code: {}}}`", excerpt(value.peek().unwrap_or_default())))
+            }
+            None => None,
+        };
+        let text = value.text()?;
+        if hint.is_some() {
+            let text = excerpt(text);
+            value.refuse(format!("refused is {text}; a part of the sentence, a code or `any` is expected"), hint);
             return None;
         }
-        let text = value.text()?;
         Some(Self { code: None, text: Some(text).filter(|text| *text != ANY).map(str::to_owned) })
     }
 

@@ -14,7 +14,7 @@ use lineshaft_core::parameter::{self, ConvertError, Row, convert};
 use lineshaft_core::signal::{Measure, Signal, Type, Value as Number};
 use lineshaft_core::text::{expected_text, value_text};
 use lineshaft_core::unit::{
-    Dimension, Quantity, Scale, UnitError, excerpt, fraction_to_f64, number_to_text, parse_decimal,
+    Dimension, Fraction, Quantity, Scale, UnitError, excerpt, fraction_to_f64, number_to_text, parse_decimal,
 };
 
 /// Format of the values of a signal, or of the difference of two.
@@ -132,8 +132,7 @@ impl ValueFormat {
                 if let Some(text) = bare(value) {
                     let sentence =
                         format!("{} is {text}; whole increments, or a position with its unit", value.label());
-                    let meant = parse_decimal(&text).and_then(|number| scale.unit().times(number)).ok();
-                    let hint = meant.map(|meant| format!("write `{meant}`"));
+                    let hint = parse_decimal(&text).ok().and_then(|number| hint_of_fraction(&scale, number));
                     value.refuse(format!("{sentence} is allowed"), hint);
                     return None;
                 }
@@ -280,6 +279,20 @@ fn real(scale: &Scale, quantity: &Quantity, order: u8) -> Result<f64, UnitError>
 
 fn good<T>(value: &Value<'_>, result: Result<T, UnitError>) -> Option<T> {
     result.map_err(|error| value.refuse(format!("{}: {error}", value.label()), error.hint())).ok()
+}
+
+/// Returns a hint for a fraction without a unit, which is no number of increments. One below 1 was probably meant in
+/// SI, as in a command.
+fn hint_of_fraction(scale: &Scale, number: Fraction) -> Option<String> {
+    let unit = scale.unit();
+    let si = Quantity::new(number, scale.kind().dimension(0).si_unit());
+    let is_small = number > Fraction::from(-1) && number < Fraction::from(1);
+    if unit.unit() == si.unit() || !is_small && !scale.is_in_increments() {
+        return unit.times(number).ok().map(|meant| format!("write `{meant}`"));
+    }
+    let whole = scale.position(&si).ok()?;
+    let meant = scale.with_unit(unit.unit()).ok()?.format_increments(whole);
+    Some(format!("a number without a unit is in increments; `{si}` is `{meant}`"))
 }
 
 /// Reads a code by number or name.

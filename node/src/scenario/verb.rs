@@ -77,8 +77,9 @@ pub(crate) const VERBS: [&str; 35] = [
     "inject",
 ];
 
+const VELOCITY: u8 = 3;
 const MODES: [(&str, u8); 5] =
-    [("absolute", 0), ("relative", 1), ("additive", 2), ("velocity", 3), ("superimposed", 4)];
+    [("absolute", 0), ("relative", 1), ("additive", 2), ("velocity", VELOCITY), ("superimposed", 4)];
 const UNITS: [(&str, u8); 3] = [("si", 0), ("axis_unit", 1), ("increments", 2)];
 const BUFFER_MODES: [(&str, u8); 6] = [
     ("aborting", 0),
@@ -328,7 +329,7 @@ impl Reader<'_> {
                 .map(|(key, names)| number(&mut map, key, names));
         let [mode, units, buffer_mode, direction] = numbers;
         let in_increments = units == Some(2);
-        let position = optional_amount(&mut map, "position", 0, scale.as_ref(), in_increments);
+        let position = self.position(&mut map, mode, scale.as_ref(), in_increments);
         let rates = optional_rates(&mut map, scale.as_ref(), in_increments);
         map.finish();
         let deed = (|| {
@@ -351,6 +352,16 @@ impl Reader<'_> {
             self.to_command(value, resolved.map(Action::Move))
         })();
         (deed, id.flatten())
+    }
+
+    /// Reads the position of a motion. Only mode velocity has none; otherwise a forgotten position would be 0. A
+    /// recorded command is read as it was.
+    fn position(&self, map: &mut Map<'_>, mode: Option<u8>, scale: Option<&Scale>, inc: bool) -> Option<Amount> {
+        let has_target = mode.is_some_and(|mode| mode != VELOCITY && usize::from(mode) < MODES.len());
+        if has_target && !self.recorded {
+            return amount(&map.required("position")?, 0, scale, inc);
+        }
+        optional_amount(map, "position", 0, scale, inc)
     }
 
     fn cancel(&mut self, value: &Value<'_>) -> Option<Effect> {

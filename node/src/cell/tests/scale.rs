@@ -209,3 +209,38 @@ fn a_value_that_follows_from_others_may_leave_its_range() {
     let text = macs(&[("max_velocity", "0 m/s"), ("rampmin", "1"), ("jerkmin", "1")]);
     assert_eq!(said(&text), "8:19: max_velocity is `0 m/s`; more than 0 up to 2147483648 mm/s is allowed");
 }
+
+/// A number without a unit is in SI, whatever the unit of the axis is; 0 is the same in both.
+#[test]
+fn number_without_unit_in_axis_with_another_unit_is_warned_of() {
+    let x = "  x:\n    type: linear\n    unit: mm\n    scale: {increments: 1000, per: 10}\n    drive: {backend: plant, address: 0}\n    \
+             min_position: -50\n    max_position: 850\n    max_velocity: 1200\n    max_acceleration: 8\n    \
+             homing: {method: 35, velocity: 0.1 m/s, offset: 0}\n    \
+             sim: {model: ideal, negative_limit_switch: {at: -52}, index: {every: 1e-1}}\n";
+    let turret = "  turret:\n    type: rotary\n    unit: deg\n    scale: {increments: 3600, per: 360 deg}\n    \
+                  drive: {backend: plant, address: 1}\n    max_velocity: 90\n    max_acceleration: 360 deg/s^2\n";
+    let text = format!("{HEAD}axes:\n{x}{turret}");
+    assert_eq!(
+        good(&text).bare_numbers,
+        [
+            "c:10:36: per: 10 is 10 m; write 10 mm if that is meant",
+            "c:12:19: min_position: -50 is -50 m; write -50 mm if that is meant",
+            "c:13:19: max_position: 850 is 850 m; write 850 mm if that is meant",
+            "c:14:19: max_velocity: 1200 is 1200 m/s; write 1200 mm/s if that is meant",
+            "c:15:23: max_acceleration: 8 is 8 m/s^2; write 8 mm/s^2 if that is meant",
+            "c:17:53: at: -52 is -52 m; write -52 mm if that is meant",
+            "c:17:74: every: 1e-1 is 0.1 m; write 1e-1 mm if that is meant",
+            "c:23:19: max_velocity: 90 is 90 rad/s; write 90 deg/s if that is meant",
+        ]
+    );
+    // People read these axes in SI.
+    for (unit, si) in [("    unit: mm\n", ""), ("    unit: mm\n", "    unit: m\n")] {
+        let text = format!("{HEAD}axes:\n{}", x.replace(unit, si));
+        assert_eq!(good(&text).bare_numbers, [""; 0]);
+    }
+    let in_increments = good(&format!("{HEAD}axes:\n{}", x.replace("unit: mm", "unit: inc")));
+    assert!(in_increments.bare_numbers[3].ends_with("1200 is 1200 m/s; write 1200 inc/s if that is meant"));
+    // The user unit of MACS and WF is the axis unit.
+    let of_sources = with(&[("unit", "mm"), ("posencqc", "2000"), ("amc.following_error_window", "3")]);
+    assert_eq!(good(&of_sources).bare_numbers, [""; 0]);
+}

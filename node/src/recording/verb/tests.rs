@@ -464,7 +464,7 @@ fn a_scenario_takes_the_texts_but_for_the_two_that_are_no_verbs() {
     let cell = Cell::parse("cell.yaml", CELL).unwrap();
     let read = |verb: &str| {
         let text = format!(
-            "{{scenario: s, cycles: 9, steps: [{{at: 0, do: {{move_axis: {{id: 17, axis: x}}}}}}, {{at: 1, do: {verb}}}]}}"
+            "{{scenario: s, cycles: 9, steps: [{{at: 0, do: {{move_axis: {{id: 17, axis: x, position: 0}}}}}}, {{at: 1, do: {verb}}}]}}"
         );
         crate::scenario::Scenario::parse("s", &text, &cell).map(drop).map_err(|problems| problems.to_string())
     };

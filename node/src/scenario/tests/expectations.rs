@@ -436,7 +436,12 @@ fn errors_of_an_expectation_are_reported() {
     );
     assert_eq!(
         bad("{signal: x.command.position, is: ^0.5}"),
-        "x.command.position is 0.5; whole increments, or a position with its unit is allowed, write `0.5 mm`"
+        "x.command.position is 0.5; whole increments, or a position with its unit is allowed, a number without a unit is in increments; \
+         `0.5 m` is `500 mm`"
+    );
+    assert_eq!(
+        bad("{signal: x.command.position, is: ^1.5}"),
+        "x.command.position is 1.5; whole increments, or a position with its unit is allowed, write `1.5 mm`"
     );
     assert_eq!(
         bad("{signal: x.command.velocity, is: ^1 mm}"),

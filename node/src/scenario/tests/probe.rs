@@ -69,14 +69,18 @@ fn an_active_input_refuses_the_probe_before_motion_unless_that_is_allowed() {
 #[test]
 fn what_is_wrong_with_it_is_told_at_its_place() {
     let wrong = |arguments: &str| problem("steps", &format!("{{at: 1, do: {arguments}}}"));
-    assert_eq!(wrong("{probe_axis: ^{axis: x}}"), "missing key `event` in probe_axis");
-    assert_eq!(wrong("{probe_axis: ^{axis: x, event: start}}"), "`start` does not latch; mark, belt, x, turret can");
+    assert_eq!(wrong("{probe_axis: ^{axis: x, position: 1 mm}}"), "missing key `event` in probe_axis");
+    assert_eq!(wrong("{probe_axis: ^{axis: x, event: mark}}"), "missing key `position` in probe_axis");
+    assert_eq!(
+        wrong("{probe_axis: ^{axis: x, position: 1 mm, event: start}}"),
+        "`start` does not latch; mark, belt, x, turret can"
+    );
     assert_eq!(
         wrong("{probe_axis: {axis: x, event: mark, mode: ^velocity}}"),
         "mode is `velocity`; one of absolute, relative is allowed"
     );
     assert_eq!(
-        wrong("{probe_axis: {axis: x, event: mark, ^buffer_mode: 1}}"),
+        wrong("{probe_axis: {axis: x, position: 1 mm, event: mark, ^buffer_mode: 1}}"),
         "unknown key `buffer_mode` in probe_axis"
     );
 }

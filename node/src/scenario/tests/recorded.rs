@@ -62,7 +62,7 @@ fn generated(played: &Played, cell: &Cell) -> String {
     for (cycle, command) in played.commands.iter().enumerate().flat_map(|(k, c)| c.iter().map(move |c| (k, c))) {
         let verb = match &command.action {
             // No verb of a scenario gives a request that never became a command; any refused request replaces it.
-            Action::Refuse(_) => "{move_axis: {axis: nothing}}".to_owned(),
+            Action::Refuse(_) => "{move_axis: {axis: nothing, position: 0}}".to_owned(),
             _ => to_json(command, &cell.machine),
         };
         let refusal = played.events.iter().find(|e| e.command == command.sequence && e.kind == Kind::Refused);
@@ -90,7 +90,7 @@ fn generated(played: &Played, cell: &Cell) -> String {
     for goal in named.difference(&carried) {
         let axis = &cell.machine.axes[0].name;
         let never = "optional: true, when: {signal: machine.overruns, min: 1}";
-        writeln!(text, "- {{{never}, do: {{move_axis: {{id: \"{goal}\", axis: {axis}}}}}}}").unwrap();
+        writeln!(text, "- {{{never}, do: {{move_axis: {{id: \"{goal}\", axis: {axis}, position: 0}}}}}}").unwrap();
     }
     text
 }
@@ -128,7 +128,7 @@ drive:
 - {signal: flag, at: 9, values: [1, 0], then: repeat}
 steps:
 - {at: 0, do: {cancel: {id: 17}}, refused: UNKNOWN_GOAL}
-- {at: 1, do: {move_axis: {axis: nothing}}, refused: no axis is called}
+- {at: 1, do: {move_axis: {axis: nothing, position: 0}}, refused: no axis is called}
 - {at: 1, do: {enable: {}}}
 - {at: 90, do: {set_parameters: {x.max_jerk: 1e3 m/s^3, x.profile: trapezoid, x.in_position_time: 3 ms, x.max_position: 9 m,
     x.error_reaction: 2, turret.max_velocity: 1.2345 rad/s}}}

@@ -60,7 +60,7 @@ fn messages_show_values_in_the_axis_unit() {
     let bare = "scenario: s\ncycles: 9\nexpect: [{signal: x.command.position, at: end, is: 0.5}]";
     assert_eq!(
         Scenario::parse("s.yaml", bare, &cell).unwrap_err().to_string(),
-        "s.yaml:3:52: x.command.position is 0.5; whole increments, or a position with its unit is allowed, write `0.05 \
-         mm`\n"
+        "s.yaml:3:52: x.command.position is 0.5; whole increments, or a position with its unit is allowed, a number \
+         without a unit is in increments; `0.5 m` is `500 mm`\n"
     );
 }

@@ -350,7 +350,17 @@ fn a_refusal_fails_the_scenario_unless_it_is_expected() {
         "no code is called `above_max_position`; a number or a name is expected, did you mean `ABOVE_MAX_POSITION`?"
     );
     assert_eq!(
-        failure(&step(", refused: 10007")),
+        problem("steps", "{at: 1, do: {enable: {}}, refused: ^10007}"),
+        format!("refused is 10007; {part}, write `refused: {{code: 10007}}`")
+    );
+    for (given, hint) in [("yes", "write `refused: any`"), ("Off", "leave `refused` out")] {
+        assert_eq!(
+            problem("steps", &format!("{{at: 1, do: {{enable: {{}}}}, refused: ^{given}}}")),
+            format!("refused is {given}; {part}, {hint}")
+        );
+    }
+    assert_eq!(
+        failure(&step(", refused: '10007'")),
         format!(
             "{sentence}; a refusal with the text `10007` (a code is written `{{code: 10007}}`) was expected; in cycle 10 (0.01 s)"
         )
@@ -379,7 +389,7 @@ fn every_large_velocity_is_refused_with_one_range() {
 #[test]
 fn what_is_no_request_counts_as_refused_where_that_is_expected() {
     passes(
-        "{scenario: s, cycles: 9, steps: [{at: 1, do: {move_axis: {axis: z}}, refused: {code: BAD_REQUEST, text: NO axis}}]}",
+        "{scenario: s, cycles: 9, steps: [{at: 1, do: {move_axis: {axis: z, position: 0}}, refused: {code: BAD_REQUEST, text: NO axis}}]}",
     );
     let report = run("scenario: s\ncycles: 20\nsteps:\n\
          - {at: 1, do: {move_axis: {axis: z, position: 5 mm}}, refused: no axis is called}\n\
@@ -456,6 +466,11 @@ fn errors_of_a_verb_are_reported() {
     assert_eq!(bad("{enable: {axes: ^x}}"), "axes is `x`; a list is expected");
     assert_eq!(bad("{halt: {^axis: [x]}}"), "unknown key `axis` in halt, did you mean `axes`?");
     assert_eq!(bad("{move_axis: ^{position: 5 mm}}"), "missing key `axis` in move_axis");
+    for mode in ["absolute", "relative", "2", "superimposed"] {
+        let said = bad(&format!("{{move_axis: ^{{axis: x, mode: {mode}, velocity: 5 mm/s}}}}"));
+        assert_eq!(said, "missing key `position` in move_axis", "{mode}");
+    }
+    assert_eq!(bad("{move_axis: ^{axis: x}}"), "missing key `position` in move_axis");
     assert_eq!(
         bad("{move_axis: ^{axis: x, position: 90 deg}}"),
         "position: `90 deg` is an angle; a length such as `90 mm` is expected"
@@ -465,7 +480,7 @@ fn errors_of_a_verb_are_reported() {
         "position: `9mm` has no blank between number and unit, write `9 mm`"
     );
     assert_eq!(
-        bad("{move_axis: {axis: x, velocity: ^9 furlong}}"),
+        bad("{move_axis: {axis: x, position: 0, velocity: ^9 furlong}}"),
         "velocity: `furlong` in `9 furlong` is not a unit; a velocity has nm/s, um/s, mm/s, cm/s, m/s"
     );
     assert_eq!(
@@ -476,7 +491,10 @@ fn errors_of_a_verb_are_reported() {
         bad("{move_axis: ^{axis: x, mode: 9}}"),
         "mode is 9; 0 ABSOLUTE, 1 RELATIVE, 2 ADDITIVE, 3 VELOCITY, 4 SUPERIMPOSED are allowed"
     );
-    assert_eq!(bad("{move_axis: ^{axis: x, units: 3}}"), "units is 3; 0 SI, 1 AXIS_UNIT, 2 INCREMENTS are allowed");
+    assert_eq!(
+        bad("{move_axis: ^{axis: x, position: 0, units: 3}}"),
+        "units is 3; 0 SI, 1 AXIS_UNIT, 2 INCREMENTS are allowed"
+    );
     assert_eq!(bad("{move_axis: {axis: x, mode: ^300}}"), "mode is 300; 0..255 is allowed");
     assert_eq!(
         bad("{synchronize: ^{axis: x, master: mark}}"),
@@ -529,7 +547,10 @@ fn errors_of_a_verb_are_reported() {
         "direction is 1; 0 SHORTEST is allowed, as the axis has no modulo"
     );
     assert_eq!(bad("{cancel: {id: ^m}}"), "no command has the id `m`");
-    assert_eq!(bad("[{move_axis: {id: m, axis: x}}, {move_axis: {id: ^m, axis: x}}]"), "id `m` stands twice");
+    assert_eq!(
+        bad("[{move_axis: {id: m, axis: x, position: 0}}, {move_axis: {id: ^m, axis: x, position: 0}}]"),
+        "id `m` stands twice"
+    );
     assert_eq!(bad("{set_parameters: ^{}}"), "set_parameters is empty; `axis.key: value` is expected");
     assert_eq!(
         bad("{set_parameters: {x.max_velocity: ^5 mm}}"),

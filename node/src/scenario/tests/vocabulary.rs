@@ -91,7 +91,7 @@ fn what_is_wrong_is_one_sentence_with_its_place() {
         ("", "saia", "{}", "no axis is called ``; there are"),
         ("x", "saja", "{}", "verb is `saja`; saia, wf, set_parameters are allowed, did you mean `saia`?"),
         ("x", "halt", "{}", "verb is `halt`; saia, wf, set_parameters are allowed"),
-        ("x", "saia", "{", "arguments:2:1: this is not YAML: "),
+        ("x", "saia", "{", "arguments:1:1: this is not YAML: `}` is missing for `{` at 1:1"),
         ("x", "saia", "a: b\n c: d", "arguments:2:3: this is not YAML: "),
         ("x", "saia", "[1]", "arguments:1:1: saia is a list; a mapping is expected"),
         ("x", "wf", "fast", "arguments:1:1: wf is `fast`; a mapping is expected"),

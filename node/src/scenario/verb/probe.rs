@@ -17,7 +17,7 @@ impl Reader<'_> {
         let [mode, units, edge] = [("mode", &MODES[..]), ("units", &UNITS), ("edge", &EDGES)]
             .map(|(key, names)| number(&mut map, key, names));
         let in_increments = units == Some(2);
-        let position = optional_amount(&mut map, "position", 0, scale.as_ref(), in_increments);
+        let position = self.position(&mut map, mode, scale.as_ref(), in_increments);
         let rates = optional_rates(&mut map, scale.as_ref(), in_increments);
         let distance = optional_amount(&mut map, "distance", 0, scale.as_ref(), in_increments);
         map.finish();
