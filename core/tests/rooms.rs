@@ -8,7 +8,7 @@
 mod program;
 mod tree;
 
-use program::{Token, behind_item, is_test_only};
+use program::{Token, end_of_item, is_test_only};
 use std::collections::{BTreeMap, BTreeSet};
 use tree::{files, read};
 
@@ -94,9 +94,9 @@ fn named(text: &str, module: &Module) -> Named {
         let here = inner.last().map_or_else(Module::new, |(_, module)| module.clone());
         match word(at) {
             "#" if is_test(at) => {
-                let names = (at..behind_item(&tokens, at + 7)).find(|at| word(*at) == "mod").map(|at| word(at + 1));
+                let names = (at..end_of_item(&tokens, at + 7)).find(|at| word(*at) == "mod").map(|at| word(at + 1));
                 named.tests.extend(names.map(|name| [here, vec![name.to_owned()]].concat()));
-                at = behind_item(&tokens, at + 7);
+                at = end_of_item(&tokens, at + 7);
                 continue;
             }
             "mod" if word(at + 2) == "{" => inner.push((depth + 1, [here, vec![word(at + 1).to_owned()]].concat())),
@@ -114,7 +114,7 @@ fn named(text: &str, module: &Module) -> Named {
                 at = paths(&tokens, at + 2, Module::new(), &mut named.imports);
                 continue;
             }
-            "macro_rules" => macro_end = behind_item(&tokens, at),
+            "macro_rules" => macro_end = end_of_item(&tokens, at),
             // The place of expansion of a macro decides the meaning of these.
             "super" | "self" | "use" if at < macro_end => {}
             "super" | "self" if word(at + 1) == "::" && word(at.wrapping_sub(1)) != "::" => {

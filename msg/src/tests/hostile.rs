@@ -38,7 +38,7 @@ fn no_length_takes_memory_that_no_bytes_stand_for() {
     let before = requested_memory();
     macro_rules! call {
         ($type:ty) => {
-            lies::<$type>()
+            replace_lengths::<$type>()
         };
     }
     for_every_struct!(call);

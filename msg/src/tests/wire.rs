@@ -71,7 +71,7 @@ proptest! {
 
     #[test]
     fn every_struct_knows_its_length(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        macro_rules! call { ($type:ty) => { knows_its_length::<$type>(&bytes) } }
+        macro_rules! call { ($type:ty) => { checks_length::<$type>(&bytes) } }
         for_every_struct!(call);
     }
 
@@ -79,7 +79,7 @@ proptest! {
     fn no_bytes_make_it_panic(
         bytes in prop::collection::vec(prop_oneof![Just(0), Just(1), Just(2), any::<u8>()], 0..300),
     ) {
-        macro_rules! call { ($type:ty) => { survives::<$type>(&bytes) } }
+        macro_rules! call { ($type:ty) => { decodes_or_rejects::<$type>(&bytes) } }
         for_every_struct!(call);
     }
 

@@ -124,7 +124,7 @@ pub(super) fn load(map: &mut Map<'_>, travel: &Travel) -> Option<f64> {
 }
 
 /// Returns the outputs that give the drive the sign of its reference, according to REVERS.
-pub(super) fn sign(parameters: &AxisParameters) -> Option<Sign> {
+pub(super) fn sign(parameters: &AxisParameters) -> Option<SignOutputs> {
     match parameters.reversing().polarity {
         Polarity::Bipolar => None,
         Polarity::Direction(output) => Some(SignOutputs::Direction(usize::from(output).checked_sub(1)?)),
@@ -178,7 +178,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// Reads the reference switch: the range in which it is actuated, and its wire.
-    fn home(&mut self, value: &Value<'d>) -> Option<((i64, i64), Option<Wire>)> {
+    fn home(&mut self, value: &Value<'d>) -> Option<((i64, i64), Option<SwitchWiring>)> {
         let mut map = value.map("home_switch")?;
         let lower = map.required("from");
         let from = lower.as_ref().and_then(|value| self.place(value));
@@ -196,7 +196,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// Reads a limit switch: the position from which it is actuated, and its wire.
-    fn limit_switch(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<Wire>)> {
+    fn limit_switch(&mut self, value: &Value<'d>, key: &str, bit: u32) -> Option<(i64, Option<SwitchWiring>)> {
         let mut map = value.map(key)?;
         let at = map.required("at").and_then(|value| self.place(&value));
         let wire = self.wire(&mut map, bit);
@@ -205,7 +205,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// Reads keys `input` and `normally_closed`.
-    fn wire(&mut self, map: &mut Map<'d>, switch: u32) -> Option<Option<Wire>> {
+    fn wire(&mut self, map: &mut Map<'d>, switch: u32) -> Option<Option<SwitchWiring>> {
         let closed = map.optional("normally_closed");
         let normally_closed = closed.as_ref().map_or(Some(false), Value::boolean);
         let Some(value) = map.optional("input") else {

@@ -572,7 +572,7 @@ impl<'d> Reader<'_, 'd> {
     }
 
     /// Returns the memory that the cell requires, and at least the usual one.
-    fn room(&self, slot: &SlotConfig) -> Room {
+    fn room(&self, slot: &SlotConfig) -> MemorySize {
         const MEAN: usize = 256;
         const HEAD: usize = 32;
         const WORDS_PER_CAM: usize = 4;

@@ -6,7 +6,7 @@ use super::row::{refuse_range, refuse_type, whole};
 use super::scale::Travel;
 use crate::document::{Allowed, Map, Value};
 pub(crate) use agree::{contradictions, double_views, inverted_limits};
-use lineshaft_core::axis::{may_tell_sign, may_turn_loop};
+use lineshaft_core::axis::{may_output_sign, may_turn_loop};
 use lineshaft_core::code::{Code, not_built_here};
 use lineshaft_core::config::max_of_row;
 use lineshaft_core::drive::Interface;
@@ -94,7 +94,7 @@ pub(super) fn read<'d>(
     Axis { who, law, has_two, absolute, cycle_ns }: Axis,
 ) -> (AxisParameters, Given<'d>) {
     // Without a given limit, no other value must seem to exceed it.
-    let mut parameters = AxisParameters::new(MOST, MOST).reading(absolute);
+    let mut parameters = AxisParameters::new(MOST, MOST).with_sources(absolute);
     let mut given = Given::new();
     let mut set = Vec::new();
     for row in ROWS.iter().filter(|row| row.storage != Storage::Cell) {

@@ -62,7 +62,7 @@ fn machine_lines(now: &MachineParameters, takes: impl Fn(&Row) -> bool) -> Strin
 fn lines(config: &MachineConfig, parameters: &[AxisParameters], takes: impl Fn(usize, &Row) -> bool) -> String {
     let mut text = String::new();
     for (index, (axis, parameters)) in config.axes.iter().zip(parameters).enumerate() {
-        for row in ROWS.iter().filter(|row| row.applies.to(axis) && parameters.gives(row) && takes(index, row)) {
+        for row in ROWS.iter().filter(|row| row.applies.to(axis) && parameters.is_given_by(row) && takes(index, row)) {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{}.{}: {}", axis.name, row.key, exact_text(row, parameters));
         }

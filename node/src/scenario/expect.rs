@@ -278,7 +278,7 @@ impl Reader<'_> {
                 Mode::Never => (0, Some(0)),
                 Mode::Always => {
                     let sentence = "mode is always, but an event stands in one cycle; eventually or never is allowed";
-                    mode.refuse(message, Some("count, min and max say how often it comes".to_owned()));
+                    mode.refuse(sentence, Some("count, min and max say how often it comes".to_owned()));
                     return None;
                 }
             };

@@ -130,7 +130,7 @@ impl Outcome {
             }
         };
         let sentence = format!("{said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.wrong_times));
-        Some(Failure { place: source.place, message })
+        Some(Failure { place: source.place, sentence })
     }
 
     /// Returns the refusal that was expected.
@@ -138,7 +138,7 @@ impl Outcome {
         let (cycle, event) = self.refused.as_ref()?;
         let (verb, said) = (source.verb, said(event, source, plan));
         let sentence = format!("{verb}: {said}; in {}{}", text(*cycle, plan.cycle_ns), again(self.refused_times));
-        Some(Failure { place: source.place, message })
+        Some(Failure { place: source.place, sentence })
     }
 }
 

@@ -178,7 +178,7 @@ impl Player {
                     continue;
                 }
                 Effect::Stream(setpoints) => {
-                    self.stream.take(setpoints);
+                    self.stream.merge(setpoints);
                     continue;
                 }
             };

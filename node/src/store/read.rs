@@ -83,7 +83,7 @@ fn check_axes(axes: &[(Value<'_>, Value<'_>)], config: &MachineConfig) -> bool {
         let Some(axis) = config.axes.iter().find(|axis| axis.name == name_text) else {
             let all: Vec<_> = config.axes.iter().map(|axis| axis.name.as_str()).collect();
             let sentence = format!("the cell has no axis `{}`; its axes are {}", excerpt(name_text), all.join(", "));
-            name.refuse(message, None);
+            name.refuse(sentence, None);
             fits = false;
             continue;
         };
@@ -93,7 +93,7 @@ fn check_axes(axes: &[(Value<'_>, Value<'_>)], config: &MachineConfig) -> bool {
                 "{name_text} was saved with a scale of {}, and has {expected} in the cell: its increments mean something else",
                 excerpt(given)
             );
-            scale.refuse(message, None);
+            scale.refuse(sentence, None);
             fits = false;
         }
     }
@@ -113,7 +113,7 @@ fn check_senses(axes: &[(Value<'_>, Value<'_>)], sets: &[Option<AxisParameters>]
                 "{} was saved with posdrct {saved} 0, and the cell has posdrct {posdrct}: its positions count the other way",
                 axis.name
             );
-            scale.refuse(message, None);
+            scale.refuse(sentence, None);
         }
     }
 }
@@ -161,7 +161,7 @@ fn sets(values: &Value<'_>, config: &MachineConfig) -> Option<Sets> {
                 let root = |change: &Change| change.row().map_or("", Row::root);
                 let guilty = of_axis().find(|(_, change)| root(change) == key).or_else(|| of_axis().next());
                 guilty
-                    .map_or_else(|| values.refuse(&*message, None), |((_, value), _)| value.refuse(&*message, None));
+                    .map_or_else(|| values.refuse(&*sentence, None), |((_, value), _)| value.refuse(&*sentence, None));
                 is_good = false;
             }
         }

@@ -77,7 +77,7 @@ pub(super) fn body_with(
 /// Returns the rows that must be stored.
 fn saved_rows<'a>(axis: &'a AxisConfig, user: &'a AxisParameters) -> impl Iterator<Item = &'static Row> + 'a {
     // Reading begins with the cell in the saved direction of rotation.
-    let turned = axis.parameters.in_sense_of(user);
+    let turned = axis.parameters.with_direction_of(user);
     // The same value set by another row differs, because it depends on other values.
     let differs = move |row: &&Row| {
         let init = if row.key == "posdrct" { &axis.parameters } else { &turned };

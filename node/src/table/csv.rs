@@ -295,7 +295,7 @@ mod tests {
         let long = vec![b'0'; 64 << 20 | 1];
         assert_eq!(load_of(&long).expect_err("long").sentence, "it is longer than 67108864 bytes");
         // The longest numbers, with as many digits after the point, fit.
-        assert!("-2147483648.0000000000,-2147483648.0000000000\r\n".len() * MOST <= 64 << 20);
+        assert!("-2147483648.0000000000,-2147483648.0000000000\r\n".len() * MAX_NUMBERS <= 64 << 20);
     }
 
     proptest! {

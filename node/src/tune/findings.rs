@@ -123,7 +123,7 @@ pub struct Findings {
     /// Whether the record has backlash or another effect that the model lacks.
     pub is_misfit: bool,
     /// Requirements of the design.
-    pub wish: Wish,
+    pub wish: DesignSpec,
     /// Step of both responses.
     pub step: Move,
     /// Move of both responses.
@@ -160,7 +160,7 @@ impl Findings {
     ///
     /// # Errors
     /// Returns the reason why there is no model.
-    pub fn find(subject: Subject, record: &Record, wish: &Wish, before: &Loops) -> Result<Self, Refusal> {
+    pub fn find(subject: Subject, record: &Record, wish: &DesignSpec, before: &Loops) -> Result<Self, Refusal> {
         let identified = identify(record)?;
         let designed = design(&identified.for_design(wish.inertia_ratio), wish);
         let mut found = Self::of(subject, identified, wish, before, designed);

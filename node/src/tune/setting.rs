@@ -181,7 +181,7 @@ pub struct Setting {
     /// Present loops.
     pub before: Loops,
     /// Requirements of the design.
-    pub wish: Wish,
+    pub wish: DesignSpec,
 }
 
 impl Setting {
@@ -280,7 +280,7 @@ fn takes(axis: &AxisConfig) -> Result<Takes, Unfit> {
 }
 
 /// Returns the present loops and the requirements of the design.
-fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> Result<(Loops, Wish), Unfit> {
+fn loops(axis: &AxisConfig, p: &AxisParameters, cycle_ns: u64, takes: Takes) -> Result<(Loops, DesignSpec), Unfit> {
     let timer = u32::try_from(p.pid.period_ms).unwrap_or(1);
     let (position, law) = match axis.law {
         Law::Pid => {

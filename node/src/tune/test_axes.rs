@@ -19,8 +19,8 @@ pub(super) fn subject() -> Subject {
 }
 
 /// Returns the requirements of a PID controller at 1 ms.
-pub(super) fn wish() -> Wish {
-    Wish {
+pub(super) fn wish() -> DesignSpec {
+    DesignSpec {
         law: Law::Pid { timer: 1 },
         velocity: None,
         max_velocity: 95_493.0,
@@ -38,7 +38,7 @@ pub(super) fn before() -> Loops {
 }
 
 /// Returns kv and a velocity loop, for a drive with effort interface.
-pub(super) fn cascade() -> (Wish, Loops) {
+pub(super) fn cascade() -> (DesignSpec, Loops) {
     let method = VelocityMethod::Filtered { time: 0.001 };
     let wish = DesignSpec { law: Law::Proportional, velocity: Some(method), max_velocity: 45.0 * TURN, ..wish() };
     let gains = VelocityGains { proportional: 200, integral: 5, limit: 1000, cycle: 1.0 };

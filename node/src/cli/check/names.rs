@@ -20,7 +20,7 @@ const VALUES: [(&str, &str); 7] = [
 pub(super) fn judge(cell: &Cell) -> Vec<String> {
     let machine = &cell.machine;
     let axes = machine.axes.iter().map(|axis| ("axis", axis.name.as_str()));
-    let joints = cell.joint_names.renamed(machine).map(|(_, joint)| ("joint", joint));
+    let joints = cell.joint_names.different_names(machine).map(|(_, joint)| ("joint", joint));
     let io = machine.io.iter().map(|io| ("input or output", io.name.as_str()));
     let memory = machine.memory.iter().map(|memory| ("memory cell", memory.name.as_str()));
     let encoders = machine.encoders.iter().map(|encoder| ("encoder", encoder.name.as_str()));

@@ -2,7 +2,7 @@
 //! `~/vocabulary`, the machine itself.
 
 use super::rig::{DRIVES, Interface, Rig};
-use lineshaft_core::config::{highest_of, highest_velocity};
+use lineshaft_core::config::{max_of_row, max_velocity_of_cycle};
 use lineshaft_core::parameter::{Applies, Change, MACHINE, Measure, ROWS, Range, Row, Storage, Value};
 use lineshaft_core::text::{allowed_text, value_text};
 use lineshaft_core::unit::Scale;
