@@ -10,7 +10,7 @@ mod slots;
 mod switches;
 
 pub use error::{AnalogProblem, ConfigError, GantryProblem, PitchProblem};
-pub use functions::{Function, OutputShared, OutputOwner};
+pub use functions::{Function, OutputOwner, OutputShared};
 pub use masters::{MAX_MASTERS, MAX_MEMBERS, SumConfig, SumProblem, sums};
 pub use numbers::{IoCounts, NoSuchIo, missing_io_text};
 pub use slots::{
@@ -20,7 +20,7 @@ pub use slots::{
 
 use crate::axis::{
     AxisSetup, BrakeConfig, ENABLE_TIMEOUT_NS, MISSED_CYCLES, Safety, Wired, may_be_analog, may_carry, may_close_loop,
-    may_find_velocity, may_name, may_read, may_output_sign, may_turn_loop,
+    may_find_velocity, may_name, may_output_sign, may_read, may_turn_loop,
 };
 use crate::code::Code;
 use crate::drive::{AnalogWiring, Capabilities, Interface, SpeedOutputs};
@@ -348,7 +348,11 @@ impl MachineConfig {
                     .and_then(|()| may_name(place, self.axes.len(), self.encoders.len(), &parameters))
                     .map_err(|(key, code)| ConfigError::NotImplemented { axis: name(), key, code })?;
                 if !may_turn_loop(axis.drive.map(|_| axis.interface), &parameters) {
-                    return Err(ConfigError::NotImplemented { axis: name(), key: "posdrct", code: Code::LOOP_IN_DRIVE });
+                    return Err(ConfigError::NotImplemented {
+                        axis: name(),
+                        key: "posdrct",
+                        code: Code::LOOP_IN_DRIVE,
+                    });
                 }
                 if !may_output_sign(axis.drive.map(|_| axis.interface), &parameters) {
                     let code = Code::REVERSING_BY_POSITION;

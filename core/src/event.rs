@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn a_full_queue_tells_how_many_events_it_lost_and_takes_no_memory() {
+    fn full_queue_reports_lost_events_without_allocation() {
         let mut queue = EventQueue::new(4);
         queue.begin(7, 0);
         let room = queue.events.capacity();

@@ -384,7 +384,7 @@ impl Machine {
     #[inline]
     fn begin_axes(&mut self, told: CycleInputs<'_>) -> (bool, bool) {
         if self.state.virtual_master.source() != VirtualSource::Off {
-            return self.begin_around_virtual_master(told);
+            return self.begin_axes_and_virtual_master(told);
         }
         self.begin_axes_at(0..self.state.order.len(), told)
     }

@@ -162,7 +162,7 @@ mod tests {
     /// An axis at a position, as accurately as positions can represent it, has reached it: no direction causes a turn
     /// for the rounding error.
     #[test]
-    fn a_place_within_rounding_is_no_turn_away() {
+    fn position_within_rounding_error_is_reached() {
         use Direction::*;
         let modulo = Modulo::new(1_000, 3).unwrap();
         for turns in [-7, 0, 1, 2, 3_000_001] {
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_turn_is_refused() {
+    fn invalid_turn_is_refused() {
         for (numerator, denominator) in [(0, 1), (1, 0), (-5, 1), (1, 2), (1 << 61, 1), (5, 1 << 31)] {
             assert_eq!(Modulo::new(numerator, denominator), None);
         }

@@ -159,7 +159,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_may_latch_has_a_number_of_its_own() {
+    fn latching_objects_have_unique_numbers() {
         for object in [Object::Io(0), Object::Io(u16::MAX), Object::Encoder(0), Object::Axis(7), Object::Axis(u16::MAX)]
         {
             assert_eq!(Object::from_number(object.to_number()), Some(object));

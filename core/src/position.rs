@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beyond_all_positions_saturates() {
+    fn position_beyond_range_saturates() {
         let (low, high, one) = (Position(i128::MIN), Position(i128::MAX), Position(1));
         assert_eq!([high + one, low - one, high - low, low - high, -low], [high, low, high, low, high]);
         assert_eq!([high + low, low + one, high - one].map(Position::raw), [-1, i128::MIN + 1, i128::MAX - 1]);
@@ -229,7 +229,7 @@ mod tests {
 
         /// The fast and the general conversion are equal bit for bit, for every f64 and every position.
         #[test]
-        fn no_number_tells_in_how_many_bits_it_was_converted(
+        fn fast_and_general_conversion_are_equal(
             bits in prop_oneof![any::<u64>(), (-4e9..4e9_f64).prop_map(f64::to_bits)],
             halves in -(1_i64 << 53)..1 << 53,
             raw in prop_oneof![

@@ -29,7 +29,7 @@ pub use rates::Rates;
 pub use setpoints::SetpointRequest;
 pub use synchronize::{CamRequest, SynchronizeRequest, factor};
 pub use touch_probe::{AbortTriggerRequest, TouchProbeRequest};
-pub use trajectory::{MAX_START_NS, ZERO_VELOCITY_TOLERANCE, PointRequest, ToleranceRequest, TrajectoryRequest};
+pub use trajectory::{MAX_START_NS, PointRequest, ToleranceRequest, TrajectoryRequest, ZERO_VELOCITY_TOLERANCE};
 
 use crate::command::{Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{AxisConfig, IoKind, MachineConfig, max_of_row};

@@ -9,7 +9,7 @@ mod pitch;
 mod shape;
 
 pub use cam::{CamError, CamSetting, CamShape, Interpolation, MAX_LENGTH, MAX_VALUE};
-pub use pitch::{PitchError, MAX_SLOPE_DIVISOR};
+pub use pitch::{MAX_SLOPE_DIVISOR, PitchError};
 pub use shape::{CurveError, CurveShape};
 
 use crate::law::Spline;
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_table_is_refused_with_its_number() {
+    fn invalid_table_is_refused_with_number() {
         let refused = |form, x: &[i64], y: &[i64]| Table::new(form, x, y).unwrap_err().to_string();
         assert_eq!(refused(Form::Words, &[], &[0, 65_536]), "word 1 is 65536; -32768 to 65535 is possible");
         assert_eq!(refused(Form::Y, &[], &[]), "a table has 0 numbers; 1 to 1000000 are possible");

@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_recorder_notes_is_told_with_its_number() {
+    fn note_of_recorder_has_its_number() {
         let text = |code, number| {
             let event = Event::new(Severity::Warn, Kind::Warning, Object::Machine, code);
             message(&event.with(Number::Count(number), Number::None), &MachineConfig::default())
@@ -254,7 +254,7 @@ mod tests {
 
     /// For a value that is set through another name, the message contains both the given and the resulting value.
     #[test]
-    fn what_follows_from_a_value_is_told_with_it() {
+    fn derived_value_is_reported_with_given_value() {
         let text = |code, key, asked, limit| {
             let event = Event::new(Severity::Warn, Kind::Refused, Object::Machine, code).with(asked, limit);
             let parameter = Row::find(key).map(|(row, _)| row);

@@ -172,7 +172,7 @@ fn page(open: &BTreeSet<String>) -> String {
 }
 
 #[test]
-fn what_is_proved_exists_and_is_not_set_aside() {
+fn proofs_exist_and_are_not_ignored() {
     let (known, aside) = (requirements(), aside());
     let proofs = proofs();
     assert!(proofs.len() > 500, "{} proofs", proofs.len());
@@ -181,7 +181,7 @@ fn what_is_proved_exists_and_is_not_set_aside() {
 }
 
 #[test]
-fn what_is_set_aside_exists() {
+fn ignored_tests_exist() {
     let known = requirements();
     for (id, place) in aside() {
         assert!(known.contains_key(&id), "{place}: {id} stands in no book of docs/spec");

@@ -260,7 +260,7 @@ fn cycles_take_and_give_back_no_memory(config: MachineConfig) -> usize {
 
 /// The check works: an allocation in the cycle is detected.
 #[test]
-fn the_watch_sees_an_allocation() {
+fn allocation_counter_detects_an_allocation() {
     let before = violation_count();
     let bytes = assert_no_alloc(|| std::hint::black_box(vec![1_u8; 16]));
     assert!(violation_count() > before, "{} bytes were taken unseen", bytes.len());

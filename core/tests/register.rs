@@ -32,7 +32,7 @@ fn disturbed(control: Control) -> Run {
 ///
 /// Proves: AMK-PMC-06, AMK-PMC-22, AMK-PMC-23
 #[test]
-fn an_even_drift_leaves_its_closed_form() {
+fn error_after_constant_drift_equals_closed_form() {
     let passes = run(&Web::stretched(|_| 60), WIDE).passes;
     let first = passes[..10].iter().map(|pass| (pass.off, pass.deviation, pass.correction)).collect::<Vec<_>>();
     let by_hand = [

@@ -244,7 +244,7 @@ fn order(page: &str, folder: &str) -> Order {
 }
 
 #[test]
-fn no_room_imports_one_that_stands_above_it() {
+fn no_room_imports_a_higher_one() {
     let page = read(PAGE);
     let mut faults = Vec::new();
     for (folder, own, least) in HOUSES {
@@ -280,7 +280,7 @@ fn folders(texts: &[(&str, &str)]) -> Folders {
 }
 
 #[test]
-fn an_arrow_upwards_is_named_with_its_place() {
+fn upward_import_is_reported_with_its_position() {
     let house = folders(&[
         ("", "use b::B;"),
         ("a", "use crate::b::{B, c};\n\n/// [`b`](crate::b)\nfn f() { crate::e::g(\"crate::b\") }"),
@@ -304,7 +304,7 @@ fn an_arrow_upwards_is_named_with_its_place() {
 }
 
 #[test]
-fn what_tests_alone_import_is_no_arrow() {
+fn imports_by_tests_alone_do_not_count() {
     let text = "
         #[cfg(test)] mod tests { use crate::b; fn f(a: u8, b: u8) { super::b() } }
         #[cfg(test)] use crate::{b, c::d};
@@ -323,7 +323,7 @@ fn what_tests_alone_import_is_no_arrow() {
 }
 
 #[test]
-fn files_that_import_each_other_round_a_corner_are_a_circle() {
+fn indirect_mutual_imports_are_a_cycle() {
     let house = folders(&[
         ("a", "mod b; mod c; use b::B;"),
         ("a/b", "use crate::a::c::C;"),

@@ -9,7 +9,7 @@ use lineshaft_core::config::{
 };
 use lineshaft_core::drive::Inputs;
 use lineshaft_core::encoder::Form;
-use lineshaft_core::function::{Kind, Requirement, Order, MemorySize, TYPES};
+use lineshaft_core::function::{Kind, MemorySize, Order, Requirement, TYPES};
 use lineshaft_core::machine::{MAX_COMMANDS, Machine};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::parameter::AxisParameters;

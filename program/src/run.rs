@@ -7,7 +7,7 @@
 use crate::code::{Code, Function};
 use crate::image::MOST_KEPT;
 use crate::module::{Module, PAGE};
-use crate::number::{Float, I32, I64, U32, U64, truncate, max, min, result};
+use crate::number::{Float, I32, I64, U32, U64, max, min, result, truncate};
 use crate::trap::Trap;
 use std::fmt;
 use std::ops::Range;

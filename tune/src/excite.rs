@@ -314,7 +314,9 @@ impl Excitation {
 
     /// Returns hold + sense (friction + `shake` amplitude), limited to the permitted command.
     fn command(&self, shake: f64) -> ExcitationOutput {
-        ExcitationOutput::Command(self.within(self.holding_command() + self.sense * (self.friction() + shake * self.amplitude)))
+        ExcitationOutput::Command(
+            self.within(self.holding_command() + self.sense * (self.friction() + shake * self.amplitude)),
+        )
     }
 
     /// Returns the command against a motion at that fraction of the permitted velocity: half of the permitted command
@@ -322,9 +324,9 @@ impl Excitation {
     fn brake(&self, part: f64) -> ExcitationOutput {
         match self.permitted.takes {
             Takes::Velocity => ExcitationOutput::Command(0.0),
-            Takes::Effort => {
-                ExcitationOutput::Command(self.within(self.holding_command() - 0.5 * part.clamp(-1.0, 1.0) * self.permitted.command))
-            }
+            Takes::Effort => ExcitationOutput::Command(
+                self.within(self.holding_command() - 0.5 * part.clamp(-1.0, 1.0) * self.permitted.command),
+            ),
         }
     }
 

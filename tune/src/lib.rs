@@ -46,12 +46,13 @@ mod record;
 mod response;
 
 pub use design::{
-    COUPLING_DAMPING, Design, DesignError, INNER_INTEGRAL, INTEGRAL, Law, MOST_INERTIA_RATIO, Targets, DesignSpec, design,
-    regimes,
+    COUPLING_DAMPING, Design, DesignError, DesignSpec, INNER_INTEGRAL, INTEGRAL, Law, MOST_INERTIA_RATIO, Targets,
+    design, regimes,
 };
-pub use excite::{Abort, ExcitationOutput, Excitation, Permitted};
+pub use excite::{Abort, Excitation, ExcitationOutput, Permitted};
 pub use identify::{
-    Deviation, Identified, LEAST_EXPLAINED, LEAST_MOTION, LEAST_REACTION, LEAST_WAY, Refusal, MAX_RESONANCE_RATIO, identify,
+    Deviation, Identified, LEAST_EXPLAINED, LEAST_MOTION, LEAST_REACTION, LEAST_WAY, MAX_RESONANCE_RATIO, Refusal,
+    identify,
 };
 pub use loops::{Inner, LoopError, Loops, PositionLaw};
 pub use model::{Dynamics, Model, ModelError, Resonance, Takes};

@@ -191,7 +191,7 @@ pub(crate) fn second_order(omega: f64, damping: f64) -> Continuous {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::discrete::{poles, magnitude};
+    use crate::discrete::{magnitude, poles};
 
     fn elastic(viscous: f64) -> Model {
         let resonance = Some(Resonance { frequency: 50.0, damping: 0.05, inertia_ratio: 4.0 });

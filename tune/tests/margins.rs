@@ -2,8 +2,8 @@
 
 use lineshaft_core::regulator::{K_OUT, VELOCITY_GAIN, VelocityMethod};
 use lineshaft_tune::{
-    Design, DesignError, Dynamics, Inner, Law, Loops, Margins, Model, PositionLaw, Resonance, Targets, DesignSpec, bode,
-    design, velocity_bode,
+    Design, DesignError, DesignSpec, Dynamics, Inner, Law, Loops, Margins, Model, PositionLaw, Resonance, Targets,
+    bode, design, velocity_bode,
 };
 use nalgebra::{Complex, DMatrix};
 use proptest::prelude::*;
@@ -229,7 +229,7 @@ fn targets_are_met_as_they_are_given() {
 }
 
 #[test]
-fn what_cannot_be_designed_is_refused() {
+fn impossible_design_is_refused() {
     let velocity = Dynamics::Velocity { gain: 1e5, time_constant: 0.01, offset: 0.0 };
     let effort = Dynamics::Effort { acceleration: 1e6, viscous: 0.0, coulomb: 0.0, load: 0.0, resonance: None };
     let model = |dynamics| Model { cycle: CYCLE, delay: 0.0, dynamics };

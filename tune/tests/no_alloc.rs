@@ -1,13 +1,13 @@
 //! An excitation runs in a cycle: it neither allocates nor frees memory in any of its phases.
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
-use lineshaft_tune::{ExcitationOutput, Excitation, Permitted, Takes};
+use lineshaft_tune::{Excitation, ExcitationOutput, Permitted, Takes};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 #[test]
-fn an_excitation_takes_no_memory() {
+fn excitation_does_not_allocate() {
     for (takes, is_stuck, sense) in [
         (Takes::Effort, false, 1.0),
         (Takes::Velocity, false, 1.0),

@@ -7,7 +7,7 @@ use lineshaft_core::config::{
     TableConfig,
 };
 use lineshaft_core::encoder::Form;
-use lineshaft_core::function::{Description, Kind, Requirement, Order, MemorySize};
+use lineshaft_core::function::{Description, Kind, MemorySize, Order, Requirement};
 use lineshaft_core::object::{Leader, Object};
 use lineshaft_core::table::{Form as Numbering, Table};
 use lineshaft_core::unit::Scale;

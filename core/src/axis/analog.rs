@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn full_is_the_most_and_the_drive_tells_nothing() {
+    fn full_output_is_the_largest_and_the_drive_reports_nothing() {
         let (velocity, torque) = (Interface::Velocity, Interface::Torque);
         let encoder = Wired::Encoder(0);
         assert_eq!(check(velocity, encoder, |_| {}), None);

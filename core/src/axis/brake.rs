@@ -180,7 +180,8 @@ impl Axis {
     /// Whether a drive that stops by itself has stopped, and the closing time of the brake has elapsed.
     pub(super) fn has_stopped_by_itself(&self, cycle: u64) -> bool {
         let Power::DriveStops { since, .. } = self.power else { return true };
-        let is_held = self.holding.closed && self.has_brake_time_elapsed(cycle, self.holding.closed_at, |brake| brake.engage_ns);
+        let is_held =
+            self.holding.closed && self.has_brake_time_elapsed(cycle, self.holding.closed_at, |brake| brake.engage_ns);
         self.has_drive_stopped(cycle, since) && (self.own_brake().is_none() || is_held)
     }
 
@@ -221,7 +222,7 @@ impl Axis {
     /// Whether an axis whose command is at rest is at rest itself, so that the power may be switched off and the brake
     /// closed. The wait is limited like that of a reset for a coasting motor. There is no wait if the axis runs away.
     /// In open loop the wait has ended before.
-    pub(super) fn has_come_to_rest(&mut self, cycle: u64) -> bool {
+    pub(super) fn has_settled_or_timed_out(&mut self, cycle: u64) -> bool {
         let since = *self.holding.settles_since.get_or_insert(cycle);
         let is_led = !self.is_virtual() && !self.is_open_loop();
         let settles = is_led && (self.moves() || !self.is_compensated()) && !self.runs_away();

@@ -182,7 +182,9 @@ impl Axis {
             let largest = Limits { velocity: course.limits.velocity, ..self.parameters.largest_limits() };
             let constant = Limits { shape: Shape::Trapezoid, ..largest };
             let stays = |limits: &Limits| match course.aim {
-                Aim::Target(target) => self.check_plan_limits(&self.plan_to(self.base(), target, limits), *limits).is_ok(),
+                Aim::Target(target) => {
+                    self.check_plan_limits(&self.plan_to(self.base(), target, limits), *limits).is_ok()
+                }
                 _ => true,
             };
             let limits = [course.limits, largest].into_iter().find(stays).unwrap_or(constant);
@@ -323,7 +325,9 @@ impl Axis {
             stays_between_ends(&plan, from.position, target, Position::from_f64(ROUNDING))
                 && match after {
                     // The end may be at a limit.
-                    Some(end) => stays_between_ends(&self.plan_to(there, end, &next_limits), target, end, Position::ZERO),
+                    Some(end) => {
+                        stays_between_ends(&self.plan_to(there, end, &next_limits), target, end, Position::ZERO)
+                    }
                     None => self.can_stop(there, &next_limits),
                 }
         };

@@ -100,7 +100,8 @@ impl Axis {
     fn may_continue(&self, next: Motion, is_watched: bool) -> bool {
         // False for NaN.
         let leads_on = next.velocity >= 0.0
-            || next.velocity < 0.0 && (self.command.velocity < 0.0 || self.parameters.reversing().rule == ReversingRule::Always);
+            || next.velocity < 0.0
+                && (self.command.velocity < 0.0 || self.parameters.reversing().rule == ReversingRule::Always);
         leads_on
             && self.at_limits.is_free()
             && self.is_inside(self.command.position)

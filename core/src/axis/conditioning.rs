@@ -17,7 +17,7 @@ use crate::encoder::Lead;
 use crate::parameter::{OffsetRates, Synchronization};
 use crate::position::Position;
 use crate::sync::filter::{Filtering, Keeps, MasterFilter};
-use crate::sync::follower::{Band, AddedMotion, Follower};
+use crate::sync::follower::{AddedMotion, Band, Follower};
 use crate::sync::{Shift, SyncMode};
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};
@@ -392,7 +392,7 @@ impl Axis {
 
     /// Treats the offset as already moved: a pair of positions includes it, and a later offset shifts the slave by the
     /// difference.
-    pub(super) fn take_offset_for_given(&mut self) {
+    pub(super) fn treat_offset_as_moved(&mut self) {
         self.conditioning.offset = self.parameters.sync.offset;
     }
 

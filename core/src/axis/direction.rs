@@ -15,7 +15,7 @@ use super::{Axis, Context, Generator};
 use crate::code::Code;
 use crate::drive::{Interface, Switching};
 use crate::event::{Number, Refusal};
-use crate::parameter::{AxisParameters, Polarity, ReversingRule, CountDirection};
+use crate::parameter::{AxisParameters, CountDirection, Polarity, ReversingRule};
 use crate::position::Position;
 use crate::profile::{self, Motion};
 use crate::vocabulary::Notice;

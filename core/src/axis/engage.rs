@@ -218,7 +218,7 @@ impl Axis {
                     self.begin_conditioning(engagement.request.mode, lead);
                 }
                 if Pair::of(engagement.request.engage).is_some() {
-                    self.take_offset_for_given();
+                    self.treat_offset_as_moved();
                 }
                 (self.overlay, self.phasing) = shifts;
                 let reference = if engagement.request.cam.is_some() { Reference::Cam } else { Reference::Gear };

@@ -71,7 +71,8 @@ impl Axis {
         started: Started,
     ) -> Result<Follower, Refusal> {
         let Started { leader, lead, after, .. } = started;
-        let (bounds, present, led) = (self.bounds_of(request)?, self.present_motion(), self.leading_distance(request.mode));
+        let (bounds, present, led) =
+            (self.bounds_of(request)?, self.present_motion(), self.leading_distance(request.mode));
         let new = |transmission, target: Position| {
             let offset = target + led - present.position;
             Follower::new(lead.uneven, transmission, request.mode, present, offset, bounds).leading_by(led)

@@ -10,7 +10,7 @@ use super::{Axis, Context, judge};
 use crate::code::Code;
 use crate::encoder::source::{Feedback, Master};
 use crate::event::{Event, Kind, Number, Severity};
-use crate::parameter::{AxisParameters, Change, ROWS, Reversing, CountDirection, Value, ValuesByAxis};
+use crate::parameter::{AxisParameters, Change, CountDirection, ROWS, Reversing, Value, ValuesByAxis};
 use crate::position::Position;
 use crate::profile::Limits;
 use serde::{Deserialize, Serialize};

@@ -244,7 +244,7 @@ impl Axis {
         self.judge.following_error = error;
         let is_within = error.unsigned_abs() <= self.parameters.max_following_error.unsigned_abs();
         let lasts = match self.parameters.supervision.following_error_check {
-            1 => self.is_found_in_turn(cx.cycle, is_within),
+            1 => self.exceeds_tolerated_checks(cx.cycle, is_within),
             _ => self.exceeds_for_long(cx.cycle, is_within),
         };
         if !lasts || self.state == AxisState::ErrorStop {
@@ -305,7 +305,8 @@ impl Axis {
     pub(super) fn moves(&self) -> bool {
         let change = self.actual.change.to_f64().abs().max(self.holding.second_change.saturating_abs() as f64);
         let moved = change * STILL_NS as f64;
-        self.shown.is_awaited(self.setup.missed_cycles) || moved > self.rest_tolerance().to_f64() * self.setup.cycle_ns as f64
+        self.shown.is_awaited(self.setup.missed_cycles)
+            || moved > self.rest_tolerance().to_f64() * self.setup.cycle_ns as f64
     }
 
     /// Whether the following error is exceeded for too long, checked in each cycle.
@@ -332,7 +333,7 @@ impl Axis {
 
     /// Whether more successive checks than tolerated were exceeded. The check is made when it is the turn of this axis
     /// (MACS-ERR-07).
-    fn is_found_in_turn(&mut self, cycle: u64, is_within: bool) -> bool {
+    fn exceeds_tolerated_checks(&mut self, cycle: u64, is_within: bool) -> bool {
         let (place, count) = (u64::from(self.setup.round.0), u64::from(self.setup.round.1.max(1)));
         let turn = |cycle: u64| cycle.saturating_mul(self.setup.cycle_ns) / TURN_NS;
         let is_new = cycle == 0 || turn(cycle) != turn(cycle - 1);

@@ -12,7 +12,7 @@ use super::alarm::{NO_NUMBERS, Numbers};
 use super::engage::passed;
 use super::{Axis, Context};
 use crate::code::Code;
-use crate::command::{GearOut, DisengageAt};
+use crate::command::{DisengageAt, GearOut};
 use crate::event::{Event, Refusal};
 use crate::modulo::Modulo;
 use crate::object::Leader;

@@ -23,7 +23,7 @@ use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::object::{Leader, Object};
 use crate::parameter::{MarkSignal, Marks, OffsetRates, Synchronization};
 use crate::position::Position;
-use crate::sync::marker::{LawInputs, Found, Marker, MarkSide, Situation};
+use crate::sync::marker::{Found, LawInputs, MarkSide, Marker, Situation};
 use crate::sync::{Leads, SyncMode, Transmission, status};
 use serde::{Deserialize, Serialize};
 

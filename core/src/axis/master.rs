@@ -294,7 +294,7 @@ mod tests {
         /// A number of up to six decimals that was converted to 2^-32 inc of any unit of a master is displayed
         /// unchanged.
         #[test]
-        fn what_was_given_is_shown(
+        fn given_value_is_displayed(
             digits in -1_000_000_000_i64..1_000_000_000,
             places in 0_u32..7,
             increments in 1_i64..100_000,
@@ -320,7 +320,7 @@ mod tests {
         }
 
         #[test]
-        fn no_value_is_moved_by_more_than_it_can_tell(value in any::<f64>(), step in any::<f64>()) {
+        fn values_move_at_most_by_their_resolution(value in any::<f64>(), step in any::<f64>()) {
             let shown = Grid::with(step).decimal(value);
             let tellable = step.abs().max(value.abs() * 4.0 * f64::EPSILON);
             prop_assert!(value.is_nan() || shown == value || (shown - value).abs() <= 6.0 * tellable);

@@ -107,7 +107,7 @@ use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Motion;
-use crate::regulator::{Law, Compensator};
+use crate::regulator::{Compensator, Law};
 use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
@@ -313,7 +313,8 @@ pub struct Axis {
 }
 
 /// Bytes of an axis that each cycle accesses: its present motion, its supervision and its limits.
-pub const HOT_BYTES: usize = std::mem::offset_of!(Axis, judge) + Supervision::HOT_BYTES + size_of::<in_force::Derived>();
+pub const HOT_BYTES: usize =
+    std::mem::offset_of!(Axis, judge) + Supervision::HOT_BYTES + size_of::<in_force::Derived>();
 const _: () = assert!(HOT_BYTES <= 1024, "a cycle of an axis touches more than 1 KiB");
 
 impl Axis {

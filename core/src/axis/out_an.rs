@@ -122,7 +122,7 @@ impl Axis {
     }
 
     /// Whether no loop here stops the axis: its position loop is open, or its drive stops it because it was open.
-    pub(super) fn is_left_to_drive(&self) -> bool {
+    pub(super) fn drive_stops_axis(&self) -> bool {
         self.out_an().is_some() || matches!(self.power, Power::DriveStops { .. })
     }
 

@@ -212,7 +212,9 @@ impl Axis {
             })
         };
         let straight = self.direction_of_motion().filter(|up| *up == (end > shown.position));
-        let beside = straight.and_then(|up| with(RelativeDirection::Same).ok().filter(|overlay| overlay.remaining_direction() == Some(up)));
+        let beside = straight.and_then(|up| {
+            with(RelativeDirection::Same).ok().filter(|overlay| overlay.remaining_direction() == Some(up))
+        });
         let overlay = beside.map_or_else(|| with(RelativeDirection::Any), Ok)?;
         self.check_overlay_forward(&overlay)?;
         self.check_sum(&overlay)?;
@@ -301,7 +303,8 @@ impl Axis {
         let most = self.parameters.largest_limits();
         let is_same = up.is_some() && up == overlay.remaining_direction() && up == self.direction_of_motion();
         let (taken, code) = (overlay.limits, Code::SUPERIMPOSED_TOO_MUCH);
-        let (speeding, slowing) = if is_same { RelativeDirection::Same } else { RelativeDirection::Any }.left(&most, &taken);
+        let (speeding, slowing) =
+            if is_same { RelativeDirection::Same } else { RelativeDirection::Any }.left(&most, &taken);
         let check = |asked: f64, left: f64, number: fn(f64) -> Number| {
             // The remaining rate was rounded.
             let fits = asked <= left * (1.0 + 1e-12);

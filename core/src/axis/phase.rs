@@ -81,7 +81,8 @@ impl Axis {
         // Velocity without the shift that it replaces.
         let own = before.map_or(0.0, |before| before.speed() / cycle_s * gear.unwrap_or_default());
         let left = p.max_velocity - (self.underlying().velocity - own).abs() - reserve.velocity;
-        let velocity = self.rate_of_master(asked.velocity, gear, (p.default_goal_velocity(), left), Number::Velocity)?;
+        let velocity =
+            self.rate_of_master(asked.velocity, gear, (p.default_goal_velocity(), left), Number::Velocity)?;
         let left = p.max_acceleration.min(p.deceleration_limit()) - reserve.acceleration;
         let usual = p.default_goal_acceleration().min(p.default_goal_deceleration());
         let acceleration = self.rate_of_master(asked.acceleration, gear, (usual, left), Number::Acceleration)?;

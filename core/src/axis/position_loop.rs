@@ -177,7 +177,8 @@ impl Axis {
                 self.position_loop.pid.step(&p.pid, cycles, input) * full
             }
             Law::Integer => {
-                let error = self.commanded_increment().saturating_add(ahead).saturating_sub(self.actual.position.floor());
+                let error =
+                    self.commanded_increment().saturating_add(ahead).saturating_sub(self.actual.position.floor());
                 self.vocabularies.close_loop(&self.parameters, self.setup.cycle_ns, error) * full
             }
         };

@@ -115,7 +115,7 @@ impl Axis {
                 if let Some(code) = failure {
                     self.raise(cx, Failure::of(code).before_motion());
                 } else if self.is_enabled_as_asked(input) && cx.cycle > since.saturating_add(self.delay()) {
-                    if let Some(failure) = self.unfit_to_come_on(cx) {
+                    if let Some(failure) = self.switch_on_failure(cx) {
                         return self.raise(cx, failure);
                     }
                     self.power = self.power_is_on(cx.cycle);
@@ -175,11 +175,11 @@ impl Axis {
         let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
         let last = self.watch.emergency;
         let ends = code == 0 && last.is_some_and(|(last, _)| last != 0);
-        if last.is_some_and(|(last, cycle)| last == code && !self.is_time_to_tell(cx.cycle, cycle)) {
+        if last.is_some_and(|(last, cycle)| last == code && !self.is_report_due(cx.cycle, cycle)) {
             return;
         }
         let (since, count) = self.watch.emergencies;
-        let (since, count) = if self.is_time_to_tell(cx.cycle, since) { (cx.cycle, 0) } else { (since, count) };
+        let (since, count) = if self.is_report_due(cx.cycle, since) { (cx.cycle, 0) } else { (since, count) };
         if !ends && count >= MOST_EMERGENCIES {
             return;
         }
@@ -193,7 +193,7 @@ impl Axis {
         cx.events.push(Event { position: self.actual.position, ..event });
     }
 
-    fn is_time_to_tell(&self, cycle: u64, told: u64) -> bool {
+    fn is_report_due(&self, cycle: u64, told: u64) -> bool {
         cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns) >= TELL_AGAIN_NS
     }
 
@@ -208,7 +208,7 @@ impl Axis {
         let watch = self.watch;
         // While the axis is on, the same failure is an error.
         let is_idle = self.power == Power::Off && self.alarm.is_none();
-        let may_tell = watch.told.is_none_or(|told| self.is_time_to_tell(cx.cycle, told));
+        let may_tell = watch.told.is_none_or(|told| self.is_report_due(cx.cycle, told));
         if is_idle && watch.was_well && !watch.is_told && may_tell {
             (self.watch.told, self.watch.is_told) = (Some(cx.cycle), true);
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
@@ -259,7 +259,7 @@ impl Axis {
 
     /// Selects the control word and sets the outputs to the drive.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
-        if self.power == Power::SwitchingOff && self.rests() && self.has_come_to_rest(cx.cycle) {
+        if self.power == Power::SwitchingOff && self.rests() && self.has_settled_or_timed_out(cx.cycle) {
             self.switch_off_after_brake(cx.cycle);
             if self.power == Power::Off {
                 self.switch_off(cx);
@@ -353,7 +353,7 @@ mod tests {
 
     /// Drives that read their control word in every nth cycle see the edge, from any first cycle.
     #[test]
-    fn a_drive_that_looks_seldom_leaves_its_fault() {
+    fn drive_that_reads_seldom_leaves_its_fault() {
         for cycle_ns in CYCLES {
             for (every, first) in (1..=5_u64).flat_map(|every| (0..every).map(move |first| (every, first))) {
                 let (mut state, mut last, mut elapsed) = (DriveState::Fault, control::DISABLE_VOLTAGE, first);

@@ -54,7 +54,8 @@ impl Axis {
             return Shown { error: error.nearest(), ..Shown::default() };
         }
         let Some(coupling) = self.coupling() else { return Shown::default() };
-        let shown = displayed_values(coupling, leads, coupling.follower.error(self.command.position) + self.missing_distance());
+        let shown =
+            displayed_values(coupling, leads, coupling.follower.error(self.command.position) + self.missing_distance());
         Shown {
             status: shown.status | self.status_of_marks(),
             in_sync: shown.in_sync && !self.is_late() && self.has_marks(),

@@ -171,8 +171,8 @@ impl Axis {
     fn as_far_as_possible(&self, deed: Reaction, moment: Moment) -> Reaction {
         match deed {
             Reaction::Report | Reaction::End => deed,
-            Reaction::Stop { then } if self.is_left_to_drive() => Reaction::LeaveToDrive { then },
-            Reaction::DriveStops if self.is_left_to_drive() => Reaction::LeaveToDrive { then: 4 },
+            Reaction::Stop { then } if self.drive_stops_axis() => Reaction::LeaveToDrive { then },
+            Reaction::DriveStops if self.drive_stops_axis() => Reaction::LeaveToDrive { then: 4 },
             _ if moment == Moment::AtLimit => deed.after_stop(),
             // There is neither power nor a drive.
             _ if self.is_virtual() => deed.after_stop(),
@@ -360,7 +360,7 @@ impl Axis {
 
     /// Executes the rest of an error reaction once the command is at rest.
     pub(super) fn finish_stop(&mut self, cycle: u64) {
-        if self.is_finishing_stop() && !self.has_come_to_rest(cycle) {
+        if self.is_finishing_stop() && !self.has_settled_or_timed_out(cycle) {
             return;
         }
         let reaction = std::mem::replace(&mut self.judge.after_stop, -1);

@@ -64,7 +64,9 @@ impl Axis {
             && match rhythm.found {
                 Pace::Full => false,
                 Pace::Reduced => input.is_none_or(|input| equals_except_motion(input, told)),
-                Pace::Skipped => input.is_none_or(|input| equals_except_motion(input, told) && is_same_motion(input, told)),
+                Pace::Skipped => {
+                    input.is_none_or(|input| equals_except_motion(input, told) && is_same_motion(input, told))
+                }
             };
         rhythm.pace = if rhythm.goes_on { rhythm.next } else { Pace::Full };
         rhythm.pace
@@ -122,7 +124,8 @@ impl Axis {
             _ => Pace::Full,
         };
         let fails = |input| self.failure(input).is_some();
-        let found = if found == Pace::Full || input.is_some_and(fails) || !self.is_reducible() { Pace::Full } else { found };
+        let found =
+            if found == Pace::Full || input.is_some_and(fails) || !self.is_reducible() { Pace::Full } else { found };
         let switches = self.has_own_brake() || self.parameters.outputs.brake != 0 || self.speed_outputs().is_some();
         let rhythm = &mut self.rhythm;
         rhythm.switches = switches;

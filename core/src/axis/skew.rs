@@ -52,7 +52,7 @@ impl Axis {
     }
 
     /// Returns the failure that prevents switching on with its two drives at their positions.
-    pub(super) fn unfit_to_come_on(&self, cx: &Context<'_>) -> Option<Failure> {
+    pub(super) fn switch_on_failure(&self, cx: &Context<'_>) -> Option<Failure> {
         let (code, found, limit) = self.check_skew_at_present(cx.gantry.as_deref()?).err()?;
         Some(Failure::of(code).with(found, limit).before_motion().taking_power())
     }

@@ -49,7 +49,9 @@ impl Axis {
     /// Returns the motion of a stream that ends at a limit, with the requested velocity; none if another motion is
     /// active, or the motion would pass the limit.
     pub(super) fn stream_to_limit(&self, cycle: u64, before: Motion, up: bool) -> Option<PlannedMotion> {
-        let Generator::Plan(PlannedMotion { aim: Aim::Velocity(asked), limits, .. }) = &self.generator else { return None };
+        let Generator::Plan(PlannedMotion { aim: Aim::Velocity(asked), limits, .. }) = &self.generator else {
+            return None;
+        };
         let is_towards = if up { *asked > 0.0 } else { *asked < 0.0 };
         if !is_towards || !self.streams() || !self.stops_streams() || self.overlay.is_some() {
             return None;

@@ -220,7 +220,11 @@ impl Axis {
         let Some(goal) = self.goal else { return };
         let Some(tracker) = goal.track else { return };
         let generator = if !tracker.waits {
-            self.track_from(self.present_motion(), tracker.begin.position + tracker.shift, run.trajectory.limits().margin)
+            self.track_from(
+                self.present_motion(),
+                tracker.begin.position + tracker.shift,
+                run.trajectory.limits().margin,
+            )
         } else {
             if goal.before.is_none() {
                 self.brake_to_rest(cx, &self.parameters.default_goal_limits());

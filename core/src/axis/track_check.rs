@@ -216,7 +216,10 @@ impl Axis {
         // The stop begins in the first cycle that is not before the end.
         let cycle_ns = run.cycle_ns.max(1);
         let passed = velocity * ((cycle_ns - run.duration_ns() % cycle_ns) % cycle_ns) as f64 / 1e9;
-        let stop = profile::stopping_distance(Motion { velocity, ..Motion::default() }, &self.parameters.default_goal_limits());
+        let stop = profile::stopping_distance(
+            Motion { velocity, ..Motion::default() },
+            &self.parameters.default_goal_limits(),
+        );
         (ends_with != 0.0).then(|| last + Position::from_f64(passed + stop))
     }
 

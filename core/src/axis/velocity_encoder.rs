@@ -232,14 +232,14 @@ mod tests {
         /// With a ratio between half and twice the given one, and changes in one direction, the difference is at most a
         /// section and a change.
         #[test]
-        fn a_ratio_adds_nothing_up(ratio in 0.51..1.95_f64, changes in prop::collection::vec(0.0..50.0_f64, 1..500)) {
+        fn ratio_accumulates_no_error(ratio in 0.51..1.95_f64, changes in prop::collection::vec(0.0..50.0_f64, 1..500)) {
             prop_assert!(most(changes.iter().map(|change| (*change, change * ratio))) <= 200.0);
             prop_assert!(most(changes.iter().map(|change| (-change, -change * ratio))) <= 200.0);
         }
 
         /// If one encoder stops while the other one moves in any direction, the difference is the whole travel.
         #[test]
-        fn a_way_alone_is_all_told(changes in prop::collection::vec(-50.0..80.0_f64, 1..500), is_motor in any::<bool>()) {
+        fn motion_of_one_encoder_alone_counts_fully(changes in prop::collection::vec(-50.0..80.0_f64, 1..500), is_motor in any::<bool>()) {
             let mut pair = Pair::default();
             let mut way = 0.0;
             for change in changes {

@@ -15,7 +15,7 @@ use crate::signal::Board;
 use crate::signal::axis::AxisSignal;
 use crate::sync::Leads;
 use crate::table::Table;
-use crate::vocabulary::{LatchView, Order, Owner, Problem, View, Vocabulary, ParameterChange, check};
+use crate::vocabulary::{LatchView, Order, Owner, ParameterChange, Problem, View, Vocabulary, check};
 use std::sync::Arc;
 
 impl Axis {

@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn those_that_end_leave_the_others_in_their_order() {
+    fn ended_commands_keep_the_order_of_the_rest() {
         let (mut waiting, mut events) = (Waiting::default(), EventQueue::new(16));
         for (sequence, until) in (1..).zip([Until::Standstill, Until::Enabled, Until::Standstill, Until::Healthy]) {
             assert!(waiting.add(sequence, until));
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn a_state_tells_only_who_waits_and_is_no_longer_than_the_room() {
+    fn state_lists_only_waiting_commands_within_capacity() {
         let mut waiting = Waiting::default();
         while waiting.add(7, Until::Disabled) {}
         assert!(!waiting.has_room());

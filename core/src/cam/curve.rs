@@ -110,7 +110,7 @@ mod tests {
 
     /// Proves: AMK-FIPW-03, AMK-XFIPW-10, AMK-XFIPW-11, AMK-XFIPW-12, AMK-XFIPW-25
     #[test]
-    fn both_forms_give_the_same_where_they_say_the_same() {
+    fn even_and_uneven_forms_agree() {
         let twin: Vec<_> = T.iter().enumerate().map(|(i, y)| (2500 * i as i64, *y)).collect();
         let (y, xy) = (even(&T), uneven(&twin));
         let (even, uneven) = (Curve::new(Some(&y), 20_000, 1), Curve::new(Some(&xy), 77, 1));

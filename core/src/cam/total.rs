@@ -86,7 +86,7 @@ mod tests {
 
     /// Proves: AMK-FIPW-O3
     #[test]
-    fn half_an_increment_of_an_end_is_not_lost() {
+    fn half_increment_at_an_end_is_kept() {
         let scale = Scale { mult: 1, div_exp: 1 };
         let mut total = Total::default();
         total.pass(1001, 1, scale);

@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_master_can_be_is_refused() {
+    fn invalid_master_is_refused() {
         let sum = Leader::Sum;
         assert_eq!(problem(vec![master(&[BELT, Leader::AxisActual(X)], &[Leader::AxisCommand(Y)])]), None);
         assert_eq!(problem(vec![master(&[], &[BELT])]), None);

@@ -7,8 +7,8 @@
 
 use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
-    self, Bit, OutputCell, Description, Input, Kind, LINES, Mark, Requirement, OnAxisError, Output, MemorySize, Sink, Source, WORDS,
-    Width, Wires, Word,
+    self, Bit, Description, Input, Kind, LINES, Mark, MemorySize, OnAxisError, Output, OutputCell, Requirement, Sink,
+    Source, WORDS, Width, Wires, Word,
 };
 use crate::modulo::Modulo;
 use crate::object::{Leader, Object, VIRTUAL_MASTER};
@@ -207,7 +207,8 @@ impl MachineConfig {
 
     fn check_slot(&self, place: usize, slot: &SlotConfig) -> Result<(), SlotProblem> {
         let row = slot.kind.description();
-        let is_wrong = |need: Requirement, has: bool| need == Requirement::Must && !has || need == Requirement::Never && has;
+        let is_wrong =
+            |need: Requirement, has: bool| need == Requirement::Must && !has || need == Requirement::Never && has;
         let has_source = slot.source != SourceConfig::None;
         if is_wrong(row.source, has_source) {
             return Err(SlotProblem::Source(row.name, !has_source));

@@ -120,7 +120,7 @@ mod tests {
 
     /// 2.5 ms are three cycles: enable in the first, operation enabled is reported after three cycles of waiting.
     #[test]
-    fn it_counts_as_enabled_behind_its_time() {
+    fn drive_counts_as_enabled_after_enable_time() {
         let mut drive = enabled();
         assert_eq!(shown(&mut drive, true), Enabled);
         let mut at_once = AnalogDrive::default();
@@ -183,7 +183,7 @@ mod tests {
     /// In a quick stop it stays enabled at 0 V, with which a velocity drive brakes. When disabled, it is neither
     /// enabled nor has a reference.
     #[test]
-    fn a_quick_stop_is_no_volts_and_disabling_no_enable() {
+    fn quick_stop_outputs_zero_volts_and_disable_removes_enable() {
         let mut drive = enabled();
         drive.read(true);
         assert_eq!(drive.write(&WIRING, &output(control::QUICK_STOP, 500.0), 1_000_000), (0.0, true));

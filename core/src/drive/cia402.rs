@@ -160,7 +160,7 @@ mod tests {
 
     /// The table of transitions: each command word in each state.
     #[test]
-    fn a_control_word_leads_one_transition_on() {
+    fn control_word_executes_one_transition() {
         use DriveState::*;
         let words = [
             (

@@ -108,7 +108,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_number_says_what_it_was_made_of(axis in prop::option::of(0..NO_AXIS), node: u8, place in 0..NodeChange::ALL.len(), code: u16, register: u8) {
+        fn number_decodes_to_encoded_notice(axis in prop::option::of(0..NO_AXIS), node: u8, place in 0..NodeChange::ALL.len(), code: u16, register: u8) {
             let notice = NodeNotice { axis, node, change: NodeChange::ALL[place].0 };
             prop_assert_eq!(NodeNotice::from_number(notice.to_number()), Some(notice));
             let message = ForeignEmergency { node, code, register };

@@ -78,7 +78,7 @@ fn scan(reader: &mut Reader, words: &[i64]) -> Vec<(i64, bool, bool)> {
 ///
 /// Proves: MACS-ENC-01, MACS-ENC-07
 #[test]
-fn an_absolute_encoder_with_overflow_counts_on_over_its_seam() {
+fn absolute_encoder_with_overflow_continues_across_its_wrap() {
     let mut reader = Reader::new(Form::Absolute(Absolute::single_turn(1000)));
     let seen = scan(&mut reader, &[998, 1, 995, 495, 996]);
     let expected = [(0, true), (3, true), (-6, true), (500, true), (-499, true)];
@@ -132,7 +132,7 @@ fn after_a_hundred_bad_words_none_is_replaced() {
 ///
 /// Proves: WF-ABS-04
 #[test]
-fn without_correction_a_bad_word_is_no_value() {
+fn bad_word_without_correction_is_invalid() {
     let mut reader = Reader::new(Form::Absolute(Absolute { max_step: Some(20), ..Absolute::single_turn(1024) }));
     let seen = scan(&mut reader, &[100, 120, 141, 120, 2000, 130, 600, 605, 606]);
     let none = (0, false, false);
@@ -263,7 +263,7 @@ proptest! {
     ///
     /// Proves: WF-MON-02
     #[test]
-    fn exact_pulses_never_alarm(start in -150_i64..150, ways in ways()) {
+    fn exact_pulses_raise_no_error(start in -150_i64..150, ways in ways()) {
         let check = PulseCheck { every: 100, tolerance: 0 };
         let mut plant = Plant { every: 100, place: start, missing: 0 };
         let mut pulses = Pulses::default();
@@ -285,7 +285,7 @@ proptest! {
     ///
     /// Proves: WF-MON-02
     #[test]
-    fn one_missing_pulse_is_told(
+    fn one_missing_pulse_is_reported(
         start in -150_i64..150, ways in ways(), lost in any::<bool>(), forward in any::<bool>(),
     ) {
         let check = PulseCheck { every: 100, tolerance: 0 };
@@ -316,7 +316,7 @@ proptest! {
 }
 
 #[test]
-fn several_turns_in_a_cycle_tell_the_last_mark_only() {
+fn several_turns_in_a_cycle_report_only_the_last_mark() {
     assert_eq!(pulses(&[(100, Some(100)), (430, Some(400)), (760, Some(700)), (1090, Some(1007))])[3], Some(7));
 }
 
@@ -337,7 +337,7 @@ fn long_way(encoder: Absolute, steps: &[i64]) -> Result<(), TestCaseError> {
 
 proptest! {
     #[test]
-    fn any_absolute_encoder_is_followed_over_its_seam(
+    fn any_absolute_encoder_is_followed_across_its_wrap(
         steps in 8_u32..1 << 20, turns in 1_u32..1 << 12, gray in any::<bool>(), shares in prop::collection::vec(-1000_i64..=1000, 1..300),
     ) {
         let code = if gray { WordCode::Gray } else { WordCode::Binary };

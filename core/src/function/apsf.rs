@@ -9,7 +9,7 @@
 //! Source   AMK-APSF-01 to -46, A-32 to -36
 
 use super::field::{Field, Words, number, place, width};
-use super::program::{Fault, LINES, Occasion, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, LINES, Occasion, Outcome, Setting};
 use super::wires::{OutputCell, Word};
 use crate::code::Code;
 use crate::signal::Board;

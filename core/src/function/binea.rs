@@ -9,7 +9,7 @@
 //! Source   AMK-BINEA-01 to -35, B1 to B10
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
 use super::time::{self, HALF_MS, wrapped};
 use super::track::{self, Track};
 use super::window::Window;

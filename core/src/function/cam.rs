@@ -13,12 +13,12 @@ mod master;
 mod table;
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
 use super::time;
 use super::track::{self, Track};
 use super::window::Window;
 use crate::code::Code;
-use hysteresis::{TrackPosition, HysteresisState, Ring, is_inside};
+use hysteresis::{HysteresisState, Ring, TrackPosition, is_inside};
 use master::Master;
 use serde::{Deserialize, Serialize};
 use table::CamTable;

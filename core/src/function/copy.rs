@@ -9,7 +9,7 @@
 //! Source   AMK-DCOPY-01 to -05 with A-15, AMK-ECOPY-01 to -05 with, AMK-GEN-16 to -18 with A-11
 
 use super::field::{Field, Words, place};
-use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
 use serde::{Deserialize, Serialize};
 
 /// Parameter set of DCOPY.

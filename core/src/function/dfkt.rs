@@ -17,7 +17,7 @@
 mod points;
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Occasion, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, LINES, Occasion, Outcome, Setting};
 use super::shown::Shown;
 use super::time::check_cycle;
 use crate::code::Code;

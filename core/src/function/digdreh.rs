@@ -8,7 +8,7 @@
 //! Source   AMK-DIGDREH-01 to -08 with
 
 use super::field::{Field, Words, place};
-use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -117,7 +117,7 @@ mod tests {
     proptest! {
         /// It runs if there was an edge with enable and without stop, and neither condition has changed since then.
         #[test]
-        fn it_runs_where_the_last_edge_that_counts_is_younger_than_the_last_stop(
+        fn runs_if_last_valid_edge_follows_last_stop(
             inputs in proptest::collection::vec(0_u8..8, 1..60),
         ) {
             let is_free = |k: usize| inputs[k] & 0b101 == 0b001;

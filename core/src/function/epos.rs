@@ -17,10 +17,13 @@
 mod ramp;
 
 use super::field::{Field, Words, number, place};
-use super::program::{GoalRequest, Fault, Outcome, FunctionProgram, Progress, CallInputs, Setting, WORDS};
+use super::program::{CallInputs, Fault, FunctionProgram, GoalRequest, Outcome, Progress, Setting, WORDS};
 use super::time::{check_cycle, check_cycle_bounds};
 use crate::code::Code;
-use ramp::{MAX_DISTANCE, MAX_VELOCITY, INC, approach, approach_end, change, is_long_enough, length, quotient_in_parts, velocity};
+use ramp::{
+    INC, MAX_DISTANCE, MAX_VELOCITY, approach, approach_end, change, is_long_enough, length, quotient_in_parts,
+    velocity,
+};
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -253,7 +256,8 @@ impl Epos {
     }
 
     fn take_share(&mut self, share: i64) {
-        self.acceleration_override = if self.has_words[1] { share.clamp(MIN_ACCELERATION_OVERRIDE, FULL) } else { FULL };
+        self.acceleration_override =
+            if self.has_words[1] { share.clamp(MIN_ACCELERATION_OVERRIDE, FULL) } else { FULL };
         self.take_ramps();
     }
 

@@ -16,10 +16,10 @@
 mod pace;
 
 use super::field::{Field, Words, number, place};
-use super::program::{Drive, Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Drive, Fault, FunctionProgram, LINES, Outcome, Setting};
 use super::time::check_cycle;
 use crate::code::Code;
-use pace::{FULL, Motion, VelocityStep, Rate};
+use pace::{FULL, Motion, Rate, VelocityStep};
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -215,7 +215,8 @@ impl Fgen {
             self.motion.approach(target, self.mode.has_two_ramps && inputs & E2 != 0);
         }
         let step = self.motion.advance();
-        (self.travel_since_start, self.position) = (self.travel_since_start.wrapping_add(step), self.position.wrapping_add(step));
+        (self.travel_since_start, self.position) =
+            (self.travel_since_start.wrapping_add(step), self.position.wrapping_add(step));
         if self.is_sequence && self.is_done() {
             let end = self.mode.cycle_increments;
             let surplus = self.travel_since_start.wrapping_sub(if self.travel_since_start < 0 { -end } else { end });
@@ -231,7 +232,9 @@ impl Fgen {
     /// negative direction too early.
     fn is_done(&self) -> bool {
         let end = self.mode.cycle_increments;
-        self.travel_since_start >= end || self.travel_since_start < -end || self.travel_since_start == -end && !self.motion.has_rest()
+        self.travel_since_start >= end
+            || self.travel_since_start < -end
+            || self.travel_since_start == -end && !self.motion.has_rest()
     }
 
     /// Counts the travel from the last boundary of a cycle instead of the start, so that a sequence ends at the next

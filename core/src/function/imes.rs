@@ -9,7 +9,7 @@
 //! Source   AMK-IMES-01 to -26 with I1 to I10
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
 use crate::code::Code;
 use crate::event::Number;
 use serde::{Deserialize, Serialize};
@@ -94,7 +94,15 @@ const A2: u8 = 1 << 1;
 
 impl Imes {
     pub(super) fn new() -> Self {
-        Self { mode: Mode::Absolute, restarts_at_invalid: false, spacing: 0, window: 0, blocked: 0, pulses: None, was_valid: false }
+        Self {
+            mode: Mode::Absolute,
+            restarts_at_invalid: false,
+            spacing: 0,
+            window: 0,
+            blocked: 0,
+            pulses: None,
+            was_valid: false,
+        }
     }
 
     /// Evaluates a pulse. Returns the value of the sink if the pulse is valid.

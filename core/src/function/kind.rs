@@ -432,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn types_stand_in_their_order_and_their_defaults_in_their_ranges() {
+    fn types_are_in_order_and_defaults_in_range() {
         for (place, row) in TYPES.iter().enumerate() {
             assert_eq!((row.kind as usize, Kind::find(row.name)), (place, Some(row.kind)));
             // A field that does not allow 0 must be given, or have a default.

@@ -39,11 +39,11 @@ mod window;
 mod wires;
 
 pub use field::Field;
-pub use kind::{Description, Kind, Requirement, Quantity, TYPES};
+pub use kind::{Description, Kind, Quantity, Requirement, TYPES};
 pub use program::{Drive, Fault, LINES, NO_DRIVES, WORDS};
 pub use sak::{Origin, factor as sak_factor};
 pub use shown::Shown;
 pub(crate) use slot::Cycle;
 pub use slot::{Order, Slot};
 pub(crate) use types::modes;
-pub use wires::{Bit, OutputCell, Input, Mark, OnAxisError, Output, MemorySize, Sink, Source, Width, Wires, Word};
+pub use wires::{Bit, Input, Mark, MemorySize, OnAxisError, Output, OutputCell, Sink, Source, Width, Wires, Word};

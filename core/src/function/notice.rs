@@ -66,13 +66,13 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_told_in_its_cycle_and_a_state_that_lasts_is_not() {
+    fn change_is_reported_in_its_cycle_and_constant_state_is_not() {
         assert_eq!(told([0, 0, 0]), []);
         assert_eq!(told([0, 0, 1, 1, 1, 0, 256]), [(2, 0), (5, 0), (6, 0)]);
     }
 
     #[test]
-    fn what_changes_in_every_cycle_is_told_once_a_second_with_a_count() {
+    fn change_in_every_cycle_is_reported_once_per_second_with_count() {
         // 1, 0, 1, 0 .. for 3 s, then 1 for 6 s.
         let states = (0..3000).map(|cycle| (cycle + 1) % 2).chain(std::iter::repeat_n(1, 6000));
         let mut wanted: Vec<_> = (0..8).map(|cycle| (cycle, 0)).collect();
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn a_calm_while_gives_the_burst_back() {
+    fn burst_is_available_again_after_pause() {
         let again = std::iter::repeat_n(0, 10_000).chain((0..9).map(|cycle| (cycle + 1) % 2));
         let states = (0..9).map(|cycle| (cycle + 1) % 2).chain(again);
         let cycles: Vec<usize> = told(states).into_iter().map(|(cycle, _)| cycle).collect();
@@ -95,7 +95,7 @@ mod tests {
     proptest! {
         /// Events and counts add up to all changes, and ten seconds have at most 8 + 10 events.
         #[test]
-        fn told_and_left_out_are_all_changes(states in proptest::collection::vec(0_u16..4, 1..4000)) {
+        fn reported_and_counted_changes_are_all_changes(states in proptest::collection::vec(0_u16..4, 1..4000)) {
             let calm = std::iter::repeat_n(*states.last().expect("one"), 20_000);
             let changes = std::iter::once(0).chain(states.iter().copied()).zip(&states).filter(|(a, b)| a != *b).count();
             let told = told(states.iter().copied().chain(calm));

@@ -12,7 +12,7 @@
 //! Source   AMK-REGL-01 to -41 with R1 to R9
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting, WORDS};
+use super::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting, WORDS};
 use crate::code::Code;
 use serde::{Deserialize, Serialize};
 

@@ -11,7 +11,7 @@
 //! Source   AMK-SIDIFF-01 to -17 with
 
 use super::field::{Field, Words, place};
-use super::program::{Drive, Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Drive, Fault, FunctionProgram, LINES, Outcome, Setting};
 use super::window::Window;
 use crate::code::Code;
 use crate::table::{Form, Table};

@@ -21,7 +21,7 @@ use super::field::{Field, Words};
 use super::goal::{Goal, GoalEnd};
 use super::kind::{Description, Quantity};
 use super::notice::EventRateLimit;
-use super::program::{GoalRequest, Drive, Fault, LINES, Occasion, Outcome, SourceValue, CallInputs, Setting, Tables};
+use super::program::{CallInputs, Drive, Fault, GoalRequest, LINES, Occasion, Outcome, Setting, SourceValue, Tables};
 use super::reading::{SourceReading, millivolts, read_inputs};
 use super::shown::{ANSWER, MOST_SHOWN};
 use super::types::Any;
@@ -420,7 +420,13 @@ impl Slot {
 
     /// Executes a cycle with START or RESET, and the one after RESET, in which the lead comes to rest.
     #[cold]
-    fn start_or_stop(&mut self, wires: &Wires, cx: &Cycle<'_>, source: SourceReading<'_>, board: &mut Board) -> Written {
+    fn start_or_stop(
+        &mut self,
+        wires: &Wires,
+        cx: &Cycle<'_>,
+        source: SourceReading<'_>,
+        board: &mut Board,
+    ) -> Written {
         let rests = self.phase == Phase::Reset;
         let written = match self.phase {
             Phase::Starting => self.begin(wires, cx, source, board),

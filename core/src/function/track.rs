@@ -5,7 +5,7 @@
 //! Refuses  both codes of logic at once; no table, a table of another form
 //! Source   AMK-BINEA-17 to -22, -29, AMK-CAM-13, -14, B3, B4, B10, A-54, A-60, A-61
 
-use super::program::{Fault, CallInputs, Setting};
+use super::program::{CallInputs, Fault, Setting};
 use super::time;
 use crate::code::Code;
 use crate::table::{Form, Table};
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bit_that_stands_at_start_is_no_edge() {
+    fn bit_set_at_start_is_no_edge() {
         let mut track = Track::new(16);
         assert!(!track.start(true, false));
         assert!(!track.step(true, 9, false, 1_000_000));

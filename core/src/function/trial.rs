@@ -1,7 +1,7 @@
 //! Helpers for tests of function types: a set by the names of its fields, and a call without any change.
 
 use super::field::Field;
-use super::program::{GoalRequest, LINES, NO_DRIVES, Occasion, SourceValue, CallInputs, Setting, Tables, WORDS};
+use super::program::{CallInputs, GoalRequest, LINES, NO_DRIVES, Occasion, Setting, SourceValue, Tables, WORDS};
 use crate::table::Table;
 use std::sync::Arc;
 

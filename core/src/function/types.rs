@@ -14,7 +14,7 @@ use super::interpolator::fipz::{self, Fipz};
 use super::interpolator::xfipw::{self, Xfipw};
 use super::interpolator::{self, fipw, fipw::Fipw};
 use super::kind::Kind;
-use super::program::{Fault, Outcome, FunctionProgram, Progress, CallInputs, Setting, WORDS};
+use super::program::{CallInputs, Fault, FunctionProgram, Outcome, Progress, Setting, WORDS};
 use super::regl::{self, PidFunction};
 use super::shown::Shown;
 use super::sidiff::{self, Sidiff};

@@ -10,7 +10,7 @@
 //! Source   AMK-VARSYNC-01 to -16 with A-38 to -40, AMK-SAK-05
 
 use super::field::{Field, Words, number, place};
-use super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
+use super::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
 use super::sak::Sak;
 use super::time::check_cycle;
 use crate::code::Code;

@@ -36,7 +36,8 @@ fn worse(one: BusState, other: BusState) -> BusState {
 /// Returns the joined inputs. The reference switch is set by the gantry.
 pub(super) fn joined([first, second]: [&DriveInput; 2]) -> DriveInput {
     let is_in_fault = |input: &DriveInput| matches!(state(input), DriveState::Fault | DriveState::FaultReaction);
-    let further = if distance_from_enabled(state(second)) > distance_from_enabled(state(first)) { second } else { first };
+    let further =
+        if distance_from_enabled(state(second)) > distance_from_enabled(state(first)) { second } else { first };
     let fault = if is_in_fault(first) || !is_in_fault(second) { first.fault } else { second.fault };
     DriveInput {
         effort: first.effort + second.effort,
@@ -84,7 +85,7 @@ mod tests {
 
     /// From any pair of states without fault, the control words for the joined state bring both to operation enabled.
     #[test]
-    fn the_words_for_the_joined_state_bring_both_on() {
+    fn control_words_of_joined_state_enable_both_drives() {
         let word = |state| match state {
             SwitchOnDisabled => 0x06,
             Ready => 0x07,
@@ -105,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_either_is_wrong_with_both() {
+    fn error_of_either_drive_is_error_of_the_pair() {
         let good = shows(Enabled);
         for place in [0, 1] {
             let with = |change: fn(&mut DriveInput)| {

@@ -211,7 +211,8 @@ impl Gantry {
         if (self.is_unsure || !is_read) && first.valid && second.valid && self.is_fresh && self.squaring.is_none() {
             // Values that start again at any number give the offset up to their range.
             let [count, other] = [first, second].map(|side| side.reader.count().unwrap_or(side.raw));
-            let skew = offset.map_or(0, |offset| self.setup.form.circle().shortest_distance(offset, other.wrapping_sub(count)));
+            let skew = offset
+                .map_or(0, |offset| self.setup.form.circle().shortest_distance(offset, other.wrapping_sub(count)));
             self.square = Some(self.position_difference().saturating_sub(skew));
             self.is_unsure = false;
         }

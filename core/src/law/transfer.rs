@@ -314,7 +314,7 @@ mod tests {
         }
 
         #[test]
-        fn nothing_is_beyond_its_peak(z in 0.0_f64..=1.0) {
+        fn no_value_exceeds_its_peak(z in 0.0_f64..=1.0) {
             for (law, _) in Law::ALL {
                 let (now, peaks) = (law.at(z), law.peaks());
                 for (value, peak) in [(now.v, peaks.v), (now.a, peaks.a), (now.j, peaks.j)] {

@@ -1,7 +1,7 @@
 //! Handling of commands before the axes: commands that concern several objects are checked for all of them, then
 //! executed.
 
-use super::{MAX_COMMANDS, Machine, CycleInputs};
+use super::{CycleInputs, MAX_COMMANDS, Machine};
 use crate::axis::Axis;
 use crate::code::Code;
 use crate::command::{

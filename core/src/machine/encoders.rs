@@ -27,7 +27,9 @@ pub(super) fn event(told: EncoderReport, encoder: u16, errors: u64) -> Event {
     let event = Event::new(severity, kind, Object::Encoder(encoder), code(told));
     match told {
         EncoderReport::Invalid => event,
-        EncoderReport::Substituted => event.with(Number::Count(errors.min(i64::MAX as u64).cast_signed()), Number::None),
+        EncoderReport::Substituted => {
+            event.with(Number::Count(errors.min(i64::MAX as u64).cast_signed()), Number::None)
+        }
         EncoderReport::Pulses { by, tolerance } => event.with(Number::Position(by), Number::Position(tolerance)),
     }
 }
@@ -114,7 +116,9 @@ impl Machine {
         if let Err(number) = self.check_share(encoder, last) {
             // The new zero of each axis applies to this axis only.
             for index in 0..self.state.axes.len() {
-                for _ in self.state.axes[index].zero_claims(encoder).into_iter().flatten().filter(|claim| !claim.is_soft) {
+                for _ in
+                    self.state.axes[index].zero_claims(encoder).into_iter().flatten().filter(|claim| !claim.is_soft)
+                {
                     let object = Object::Axis(index as u16);
                     let event = Event::new(Severity::Warn, Kind::Warning, object, Code::ENCODER_NOT_SHARED);
                     self.events.push(event.with(number, Number::None));

@@ -1,7 +1,7 @@
 //! Function slots of a machine: their commands, their steps in a cycle, their tables.
 
 use super::signals::locate;
-use super::{Machine, State, CycleInputs};
+use super::{CycleInputs, Machine, State};
 use crate::axis::{Axis, MovedBy, no_cam};
 use crate::code::Code;
 use crate::command::{Command, CommandFunction, RunFunction};

@@ -27,7 +27,10 @@ pub(super) struct Dependencies {
 impl Dependencies {
     pub(super) fn of(config: &MachineConfig) -> Self {
         let all = |count: usize, leader: fn(u16) -> Leader| {
-            let way = |leader| Dependency { axes: config.commanded_axes(leader), reads_virtual: config.reads_virtual(leader) };
+            let way = |leader| Dependency {
+                axes: config.commanded_axes(leader),
+                reads_virtual: config.reads_virtual(leader),
+            };
             (0..count as u16).map(|place| way(leader(place))).collect()
         };
         Self { sinks: all(config.slots.len(), Leader::Sink), sums: all(config.masters.len(), Leader::Sum) }

@@ -349,14 +349,18 @@ impl Machine {
         if is_new && candidate.max_velocity > highest {
             let change = guilty(["max_velocity"; 2]);
             return Err(change.map_or(Refusal::new(Code::PARAMETER_OUT_OF_RANGE, Object::Machine), |change| {
-                refusal_of_change(&change, Code::PARAMETER_OUT_OF_RANGE).with(change.number(), Number::Velocity(highest))
+                refusal_of_change(&change, Code::PARAMETER_OUT_OF_RANGE)
+                    .with(change.number(), Number::Velocity(highest))
             }));
         }
         match self.position_outside_limits(index) {
-            Some(place) => Err(guilty(["min_position", "max_position"])
-                .map_or(Refusal::new(Code::GOAL_BEYOND_NEW_LIMITS, Object::Machine), |change| {
-                    refusal_of_change(&change, Code::GOAL_BEYOND_NEW_LIMITS).with(change.number(), Number::Position(place))
-                })),
+            Some(place) => Err(guilty(["min_position", "max_position"]).map_or(
+                Refusal::new(Code::GOAL_BEYOND_NEW_LIMITS, Object::Machine),
+                |change| {
+                    refusal_of_change(&change, Code::GOAL_BEYOND_NEW_LIMITS)
+                        .with(change.number(), Number::Position(place))
+                },
+            )),
             None => Ok(()),
         }
     }

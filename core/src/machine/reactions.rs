@@ -4,7 +4,7 @@
 //!          own error_reaction
 //! Source   MACS-ERR-05, A-44
 
-use super::{Machine, CycleInputs};
+use super::{CycleInputs, Machine};
 
 impl Machine {
     /// Stops the other axes if an error of this cycle requires it.

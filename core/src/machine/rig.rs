@@ -119,7 +119,17 @@ impl Rig {
         let plain = Some(Machine { steps_all: true, ..Machine::new(config.clone()).unwrap() });
         let machine = Machine::new(config).unwrap();
         let (inputs, outputs) = (machine.inputs(), machine.outputs());
-        Self { machine, plant, inputs, outputs, sequence: 0, events: Vec::new(), modify_inputs: |_| {}, mirror: None, full_cycle_machine: plain }
+        Self {
+            machine,
+            plant,
+            inputs,
+            outputs,
+            sequence: 0,
+            events: Vec::new(),
+            modify_inputs: |_| {},
+            mirror: None,
+            full_cycle_machine: plain,
+        }
     }
 
     /// Returns a rig with x and y switched on.

@@ -9,7 +9,7 @@
 //! Source   ros2_controllers' joint_trajectory_controller, for times and tolerances
 
 use super::trajectory_lag::STEPS_PER_CYCLE;
-use super::{Machine, CycleInputs};
+use super::{CycleInputs, Machine};
 use crate::axis::{Axis, Excess, LagEstimate, Run};
 use crate::code::Code;
 use crate::command::Command;

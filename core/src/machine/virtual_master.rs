@@ -6,7 +6,7 @@
 //! Refuses  a source that closes a loop, a start without a ramp
 //! Source   MACS-VM-01..08, MACS-ERR-09
 
-use super::{Machine, State, CycleInputs};
+use super::{CycleInputs, Machine, State};
 use crate::code::Code;
 use crate::config::IoKind;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -114,7 +114,7 @@ impl Machine {
     /// others.
     #[cold]
     #[inline(never)]
-    pub(super) fn begin_around_virtual_master(&mut self, told: CycleInputs<'_>) -> (bool, bool) {
+    pub(super) fn begin_axes_and_virtual_master(&mut self, told: CycleInputs<'_>) -> (bool, bool) {
         let State { virtual_master, order, .. } = &self.state;
         let followed = virtual_master.axis().and_then(|axis| order.iter().position(|&other| other == axis));
         let (ahead, count) = (followed.map_or(0, |place| place + 1), order.len());

@@ -121,7 +121,7 @@ mod tests {
         }
     }
     #[test]
-    fn what_runs_the_virtual_master_is_not_saved() {
+    fn virtual_master_velocities_are_not_saved() {
         let init = MachineParameters { pulsacc: 500, ..MachineParameters::default() };
         let now = MachineParameters { pulsvel: 7, pulsacc: 8, setsys_15: 9, vmenctyp: 100, o_error: 1, ..init };
         assert_eq!(now.saved(&init), MachineParameters { vmenctyp: 100, o_error: 1, ..init });

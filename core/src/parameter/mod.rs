@@ -36,7 +36,7 @@ pub use axis::{AxisParameters, Contradiction};
 pub use border::{BorderRange, BorderType, BorderValue};
 pub use compensation::Compensation;
 pub use convert::{ConvertError, ParameterInput, convert};
-pub use direction::{Polarity, Reversing, ReversingRule, CountDirection};
+pub use direction::{CountDirection, Polarity, Reversing, ReversingRule};
 pub use encoder::Encoders;
 pub use gantry::GantryParameters;
 pub use homing::{Assigned, AssignedOutputs, Homing, HomingParts};

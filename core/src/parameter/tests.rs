@@ -15,7 +15,7 @@ fn parameters() -> AxisParameters {
 }
 
 #[test]
-fn keys_and_source_numbers_stand_once() {
+fn keys_and_source_numbers_are_unique() {
     for (index, row) in ROWS.iter().enumerate() {
         let later = &ROWS[index + 1..];
         assert!(later.iter().all(|other| other.key != row.key), "{}", row.key);
@@ -32,7 +32,10 @@ fn keys_and_source_numbers_stand_once() {
 fn defaults_are_half_of_the_maximum_and_deceleration_takes_the_share_of_acceleration() {
     let mut p = parameters();
     p.max_deceleration = Some(2000.0);
-    assert_eq!((p.default_goal_velocity(), p.default_goal_acceleration(), p.default_goal_deceleration()), (500.0, 2500.0, 1000.0));
+    assert_eq!(
+        (p.default_goal_velocity(), p.default_goal_acceleration(), p.default_goal_deceleration()),
+        (500.0, 2500.0, 1000.0)
+    );
     p.default_acceleration = Some(5000.0);
     assert_eq!(p.default_goal_deceleration(), 2000.0);
 }

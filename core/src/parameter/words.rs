@@ -58,7 +58,11 @@ impl Word {
     /// Returns all words: those of the rows in their order, then the others.
     pub fn all() -> impl Iterator<Item = Word> {
         let named = ROWS.iter().filter(|row| !row.mnemonic.is_empty());
-        let of_rows = named.map(|row| Word { system: row.system, name: row.mnemonic, equivalent: Equivalent::Parameter(row.key) });
+        let of_rows = named.map(|row| Word {
+            system: row.system,
+            name: row.mnemonic,
+            equivalent: Equivalent::Parameter(row.key),
+        });
         of_rows.chain(ELSEWHERE)
     }
 
@@ -77,9 +81,14 @@ impl Word {
         let is_of = |known: System| system.is_none_or(|system| system == known);
         let rest = without_separators(rest);
         let by_number = ROWS.iter().find(|row| is_of(row.system) && row.number.contains('.') && row.number == rest);
-        let by_number =
-            by_number.map(|row| Word { system: row.system, name: row.number, equivalent: Equivalent::Parameter(row.key) });
-        by_number.or_else(|| Self::all().find(|word| is_of(word.system) && without_separators(&word.name.to_lowercase()) == rest))
+        let by_number = by_number.map(|row| Word {
+            system: row.system,
+            name: row.number,
+            equivalent: Equivalent::Parameter(row.key),
+        });
+        by_number.or_else(|| {
+            Self::all().find(|word| is_of(word.system) && without_separators(&word.name.to_lowercase()) == rest)
+        })
     }
 
     /// Returns the equivalent in one clause: `MD18 of Siemens WF 725 is key modulo of the axis in its cell`. A

@@ -112,7 +112,11 @@ impl CurrentLoop {
         let voltage = self.advance(before, error);
         let part = |loops: &Self, gains: &CurrentGains| within(loops.law(gains, error), gains.voltage) / gains.voltage;
         let old = part(self, before);
-        let carried = if gains.volts_per_ampere_and_sample() == 0.0 { 0.0 } else { before.volts_per_ampere_and_sample() * self.sum / gains.volts_per_ampere_and_sample() };
+        let carried = if gains.volts_per_ampere_and_sample() == 0.0 {
+            0.0
+        } else {
+            before.volts_per_ampere_and_sample() * self.sum / gains.volts_per_ampere_and_sample()
+        };
         self.sum = within(carried, gains.limit);
         self.fade.make_up_for(part(self, gains) - old);
         within(voltage, gains.voltage)

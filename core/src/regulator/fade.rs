@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_no_step() {
+    fn nan_causes_no_step() {
         let mut fade = Fade::default();
         for step in [f64::NAN, f64::INFINITY, 0.0] {
             fade.make_up_for(step);

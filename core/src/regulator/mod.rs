@@ -15,7 +15,7 @@ pub use estimator::{EstimatorError, MotionModel, VelocityEstimator, VelocityMeth
 pub use i2t::{Heat, HeatFilter, I2T_WARNING, I2t, I2tSettings};
 pub use pid::{K_OUT, Pid, PidGains, PidInput, Window};
 pub use proportional::{KV, Proportional};
-pub(crate) use take_up::{PAST, Compensator, past};
+pub(crate) use take_up::{Compensator, PAST, past};
 pub use velocity::{CARRY_TIME, VELOCITY_GAIN, VELOCITY_SUM, VelocityGains, VelocityLoop};
 
 use serde::{Deserialize, Serialize};

@@ -55,7 +55,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_distance_asks_for_more_than_the_maximum(
+        fn velocity_never_exceeds_the_maximum(
             command in any::<i64>(), actual in any::<i64>(), gain in 0.1..2000.0_f64, most in 1e-3..1e15_f64,
         ) {
             let regulator = Proportional { gain, max_velocity: most };

@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn a_command_that_trembles_by_an_increment_reverses_nothing() {
+    fn one_increment_of_jitter_is_no_reversal() {
         let mut compensation = Compensator::new(0);
         let mut senses = |places: &[i64]| {
             let note = |place: &i64| {
@@ -273,14 +273,14 @@ mod tests {
 
     /// The gap is against the direction of the reference, and 0 before any motion.
     #[test]
-    fn the_gap_lies_in_the_other_sense_than_the_reference() {
+    fn gap_is_opposite_to_the_reference_direction() {
         let gap = |reference, sense| Compensator { reference, sense, ..Compensator::new(0) }.gap(40);
         assert_eq!([gap(1, 1), gap(1, -1), gap(1, 0), gap(0, -1), gap(0, 1)], [0, -40, 0, -40, 0]);
         assert_eq!([gap(-1, -1), gap(-1, 1), gap(-1, 0)], [0, 40, 0]);
     }
 
     #[test]
-    fn what_is_taken_off_goes_into_a_new_zero_and_what_is_asked_for_stays_ahead() {
+    fn removed_compensation_moves_the_zero_and_commanded_one_stays() {
         let (mut compensation, _) = led(2, &[12; 4], 3.0);
         let ahead = compensation.ahead();
         assert_eq!((compensation.asked, compensation.taken), (12, 3));

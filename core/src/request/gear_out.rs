@@ -8,7 +8,7 @@
 
 use super::RequestError;
 use super::synchronize::checked_position;
-use crate::command::{GearOut, DisengageAt};
+use crate::command::{DisengageAt, GearOut};
 use crate::config::MachineConfig;
 use crate::sync::Disengage;
 

@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_by_its_axis() {
+    fn error_names_the_axis() {
         let sentence = |requests: &[SetpointRequest]| {
             config().resolve_setpoints(Source::Ros, Units::Si, requests).unwrap_err().to_string()
         };

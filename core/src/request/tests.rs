@@ -50,7 +50,7 @@ fn the_same_place_is_the_same_increment_in_every_unit() {
 }
 
 #[test]
-fn what_rounding_leaves_is_kept_and_never_rounds_again() {
+fn remainder_of_rounding_is_kept_and_not_rounded_again() {
     let scale = scale(1, Unit::METRE);
     let length = |text: &str| {
         let quantity = Quantity::parse(text, &scale.dimensions(0)).unwrap();
@@ -64,7 +64,7 @@ fn what_rounding_leaves_is_kept_and_never_rounds_again() {
 }
 
 #[test]
-fn what_is_wrong_in_a_request_is_said_with_what_is_allowed() {
+fn request_error_contains_allowed_values() {
     let config = config();
     let error = |request| config.resolve_move(&request).unwrap_err().to_string();
     assert_eq!(error(to("z", Units::Si, 0.0)), "no axis is called `z`; there are x, turret");
@@ -152,7 +152,7 @@ fn leaders_are_found_by_their_names() {
 }
 
 #[test]
-fn what_is_not_built_is_refused_by_name() {
+fn missing_feature_is_refused_by_name() {
     let config = config();
     let couple = SynchronizeRequest { axis: "x".into(), master: "belt".into(), mode: 1, ..Default::default() };
     let error = |request| config.resolve_synchronize(&request).unwrap_err().to_string();

@@ -6,7 +6,7 @@ use super::analog::Analog;
 use super::driven::ScenarioCount;
 use super::homing::{DriveHoming, Track};
 use super::mechanics::Brake;
-use super::motor::{MAX_VELOCITY, Lag, CountAccumulator, TwoSpeed, Valve, VelocityLag};
+use super::motor::{CountAccumulator, Lag, MAX_VELOCITY, TwoSpeed, Valve, VelocityLag};
 use super::plant::Servo;
 use super::word::Word;
 use super::{Fixtures, Mechanics, Model, SecondOrder, SignOutputs, age};
@@ -490,7 +490,8 @@ impl SimDrive {
         let cycle_s = self.cycle_ns as f64 / 1e9;
         let mean = self.velocity + self.load * cycle_s / 2.0;
         self.velocity = (self.velocity + self.load * cycle_s).clamp(-MAX_VELOCITY, MAX_VELOCITY);
-        self.count = self.count.wrapping_add(self.travel.advance(mean.clamp(-MAX_VELOCITY, MAX_VELOCITY), self.cycle_ns));
+        self.count =
+            self.count.wrapping_add(self.travel.advance(mean.clamp(-MAX_VELOCITY, MAX_VELOCITY), self.cycle_ns));
         self.rest_here();
     }
 

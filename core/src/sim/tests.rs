@@ -161,7 +161,7 @@ fn every_damping_settles_on_the_setpoint_and_stays() {
 }
 
 #[test]
-fn what_is_no_model_is_refused_with_its_range() {
+fn invalid_model_is_refused_with_range() {
     let message = |bandwidth, damping| SecondOrder::new(bandwidth, damping, MS).unwrap_err().to_string();
     assert_eq!(message(0.0, 1.0), "bandwidth is 0 Hz; more than 0 Hz up to 100000 Hz is allowed");
     assert_eq!(message(1.0, f64::NAN), "damping is NaN; 0.01 to 100 is allowed");

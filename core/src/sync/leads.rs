@@ -155,7 +155,7 @@ mod tests {
         }
     }
     #[test]
-    fn what_moves_a_member_moves_the_sum_by_its_sign() {
+    fn change_of_a_member_changes_the_sum_with_its_sign() {
         let (x, actual) = (Leader::AxisCommand(1), Leader::AxisActual(1));
         let sums = vec![Sum::default().with(x, false), Sum::default().with(x, true).with(actual, false)];
         let leads = Leads { sums, ..Leads::default() };

@@ -137,7 +137,7 @@ mod tests {
 
     /// At 1 inc per cycle: nothing of the step was moved, a part, or the opposite.
     #[test]
-    fn one_that_was_held_speeds_up_from_what_has_come() {
+    fn limited_shift_accelerates_from_its_real_velocity() {
         let mut shift = Shift::new(Position::whole(-100), 1_000.0, 250_000.0, 1e-3, None);
         for _ in 0..4 {
             shift.step();

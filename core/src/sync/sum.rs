@@ -105,7 +105,7 @@ mod tests {
 
     /// Twice the belt minus the other: 2 * 3 - 5 units, as uneven as three counts.
     #[test]
-    fn members_count_with_their_signs_as_often_as_they_stand() {
+    fn members_count_with_sign_and_multiplicity() {
         let twice = Sum::default().with(BELT, true).with_sum(&Sum::default().with(BELT, true), true);
         let sum = twice.with_sum(&Sum::default().with(OTHER, true), false);
         assert!(sum.is_small());

@@ -183,7 +183,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_cam_is_told_with_its_point() {
+    fn invalid_cam_is_reported_with_point() {
         let long = |length| CamSetting { length, ..CamSetting::default() };
         let of = |x: &[i64], y: &[i64]| CamShape::of(Form::Xy, x, y, CamSetting::default());
         let even = |length, y: &[i64]| CamShape::of(Form::Y, &[], y, long(length));

@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pitch_error_is_told_with_its_point() {
+    fn invalid_pitch_error_is_reported_with_point() {
         let of = |points: &[(i64, i64)], turn| table(points).check_pitch(turn);
         let even = Table::new(Form::Y, &[], &[0, 1]).expect("values");
         assert_eq!(even.check_pitch(None), Err(PitchError::Form(Form::Y)));

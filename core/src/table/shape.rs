@@ -77,7 +77,7 @@ mod tests {
 
     /// Proves: AMK-FIPW-02, AMK-XFIPW-05, AMK-XFIPW-18, AMK-XFIPW-20
     #[test]
-    fn what_is_no_curve_is_told_with_its_point() {
+    fn invalid_curve_is_reported_with_point() {
         let of = |table: Table| table.shape().map(|shape| shape.max_magnitude);
         assert_eq!(of(Table::new(Form::Words, &[], &[0, 1]).expect("words")), Err(CurveError::Words));
         assert_eq!(of(even(&[0])), Err(CurveError::Few(1)));

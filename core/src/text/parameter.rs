@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_is_told_in_the_units_of_its_row() {
+    fn range_text_is_in_unit_of_row() {
         assert_eq!(range("error_reaction"), "0 to 5");
         assert_eq!(range("wf.md22"), "0.01 to 100");
         assert_eq!(range("following_error_time"), "0 ms to 10000 ms");
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn many_ranges_are_told_by_their_rule() {
+    fn many_ranges_are_shortened_to_their_rule() {
         // rule 0 to 2 + 10 output + 100 node, and -10 to -90.
         assert_eq!(range("revers"), "-90, -80, .. -10, 0 to 2, 10 to 12, .. 12790 to 12792");
         assert_eq!(range("canbaud"), "0 to 8, 10 to 18, .. 80 to 88");

@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn factors_without_meaning_are_the_nearest_that_have_one() {
+    fn invalid_factors_become_the_nearest_valid_one() {
         assert_eq!(Stretch::at_least(f64::NAN), Stretch::NONE);
         assert_eq!(Stretch::at_least(0.5), Stretch::NONE);
         assert_eq!(Stretch::at_least(f64::INFINITY), Stretch(u64::MAX));

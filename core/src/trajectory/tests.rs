@@ -85,7 +85,7 @@ fn what_rounding_to_a_fraction_may_add_is_no_acceleration() {
 
 /// A constant velocity whose coefficients in f64 do not add up to zero.
 #[test]
-fn what_f64_rounds_is_no_acceleration() {
+fn rounding_of_f64_is_no_acceleration() {
     for (velocity, ms) in [(1e9 / 3.0, 700), (-1e9 / 7.0, 1_100), (1e9 / 11.0, 130)] {
         let end = Position::from_f64(velocity * ms as f64 / 1e3);
         for acceleration in [None, Some(0.0)] {
@@ -105,7 +105,7 @@ fn trajectory(times: &[u64], knots: Vec<Knot>) -> Option<Trajectory> {
 }
 
 #[test]
-fn what_breaks_the_law_is_no_trajectory() {
+fn invalid_points_are_no_trajectory() {
     let one = || knot(1, None, None);
     assert!(trajectory(&[0, 1], vec![one(), one()]).is_some());
     assert!(trajectory(&[], vec![]).is_none());

@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_decimal_is_refused() {
+    fn text_that_is_no_decimal_is_refused() {
         for text in
             ["", "-", ".", "e3", "1e", "1/3", "1,5", "0x10", "1_000", "inf", "nan", ".nan", " 1", "1 ", "--1", "٣"]
         {
@@ -305,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn an_overflow_says_so() {
+    fn overflow_is_reported() {
         for text in ["1e39", "1e-39", "1e99999999999999999999", "123456789012345678901234567890123456789.5"] {
             let error = parse_decimal(text).unwrap_err();
             assert!(matches!(error, UnitError::TooManyDigits { .. }), "{error}");
@@ -374,7 +374,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_f64_in_reach_comes_back(value in prop_oneof![-1e15_f64..1e15, -1.0_f64..1.0]) {
+        fn any_f64_in_range_round_trips(value in prop_oneof![-1e15_f64..1e15, -1.0_f64..1.0]) {
             prop_assume!(value == 0.0 || value.abs() > 1e-6);
             prop_assert_eq!(fraction_to_f64(&fraction_from_f64(value).unwrap()), value);
         }

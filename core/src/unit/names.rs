@@ -428,7 +428,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_stands_in_the_order_of_the_enum() {
+    fn table_is_in_order_of_enum() {
         for (index, row) in BASES.iter().enumerate() {
             assert_eq!(row.base as usize, index, "{}", row.name);
         }

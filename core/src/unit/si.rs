@@ -47,7 +47,9 @@ impl SiScale {
             {
                 product as f64 / numerator
             }
-            DivisionMethod::Ratio(..) | DivisionMethod::Exact => return self.scale.position_to_si(increments, fraction),
+            DivisionMethod::Ratio(..) | DivisionMethod::Exact => {
+                return self.scale.position_to_si(increments, fraction);
+            }
         };
         whole + fraction / self.nearest
     }

@@ -300,7 +300,7 @@ mod tests {
 
     /// Zeros, targets and alarms belonged to the other direction.
     #[test]
-    fn a_turned_axis_begins_as_after_its_power_came_on() {
+    fn inverted_axis_restarts_as_after_power_on() {
         let mut turned = Vocabularies::default();
         turned.notice(Notice::Alarm(7));
         turned.notice(Notice::ZeroSet);

@@ -17,7 +17,7 @@ pub mod wf;
 pub use all::Vocabularies;
 pub(crate) use all::{Notice, add_signals};
 pub use amc::{Problem, Setting, check};
-pub(crate) use one::{Vocabulary, ParameterChange};
+pub(crate) use one::{ParameterChange, Vocabulary};
 pub use request::{Outcome, Request};
 
 use crate::code::Code;

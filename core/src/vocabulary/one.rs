@@ -51,7 +51,11 @@ impl Vocabulary {
         match self {
             Self::Amc(amc) => {
                 let step = amc.step(view);
-                StepResult { order: step.order, problem: step.problem, writes: Some(Self::selection_change(step.select)) }
+                StepResult {
+                    order: step.order,
+                    problem: step.problem,
+                    writes: Some(Self::selection_change(step.select)),
+                }
             }
             Self::Saia(saia) => StepResult::of(saia.step(view)),
             Self::Wf(wf) => StepResult::of(wf.step(view)),

@@ -2,8 +2,8 @@
 
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{
-    AbortTrigger, Action, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, DisengageAt, Level,
-    MasterPosition, Move, MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory,
+    AbortTrigger, Action, BufferMode, CamIn, CommandFunction, DisengageAt, Engage, GearOut, HomeAxis, HomingMethod,
+    Level, MasterPosition, Move, MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory,
     RunFunction, SetEncoderPosition, SetMasterPosition, SetPosition, ShiftPosition, Synchronize, TouchProbe,
 };
 use lineshaft_core::function::{Order, TYPES};

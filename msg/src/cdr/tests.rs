@@ -109,7 +109,7 @@ impl<'de> Deserialize<'de> for Room {
 }
 
 #[test]
-fn no_more_room_is_asked_for_than_there_are_bytes() {
+fn allocation_is_limited_to_available_bytes() {
     let mut bytes = vec![5, 0, 0, 0];
     bytes.extend([0; 5]);
     assert_eq!(decode::<Room>(&bytes, Endian::Little).unwrap().0, 5);
@@ -171,7 +171,7 @@ fn a_header_says_the_order_of_the_bytes() {
 }
 
 #[test]
-fn what_no_message_holds_is_refused() {
+fn type_that_no_message_contains_is_refused() {
     let error = refusal::<Option<u8>>(&[0, 0, 0, 0]);
     assert_eq!(error.to_string(), "an option cannot stand in a message");
 }

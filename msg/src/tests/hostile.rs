@@ -34,7 +34,7 @@ fn requested_memory() -> u64 {
 }
 
 #[test]
-fn no_length_takes_memory_that_no_bytes_stand_for() {
+fn wrong_length_causes_no_large_allocation() {
     let before = requested_memory();
     macro_rules! call {
         ($type:ty) => {
@@ -48,7 +48,7 @@ fn no_length_takes_memory_that_no_bytes_stand_for() {
 }
 
 #[test]
-fn a_text_of_ten_megabytes_stands_in_no_sentence() {
+fn error_message_of_ten_megabyte_text_is_short() {
     use crate::srv::AxesCommandRequest;
     let mut bytes = encode(&AxesCommandRequest { axes: vec!["x".to_owned(), "y".repeat(10_000_000)] });
     let last = bytes.len() - 1;

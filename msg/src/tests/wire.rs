@@ -64,13 +64,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn every_value_comes_back(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+    fn every_value_round_trips(bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         macro_rules! call { ($type:ty) => { comes_back::<$type>(&bytes) } }
         for_every_struct!(call);
     }
 
     #[test]
-    fn every_struct_knows_its_length(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+    fn every_struct_checks_its_length(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         macro_rules! call { ($type:ty) => { checks_length::<$type>(&bytes) } }
         for_every_struct!(call);
     }

@@ -22,8 +22,8 @@ use super::wiring;
 use crate::document::{Allowed, Value};
 use lineshaft_can::drive::probe::Probe;
 use lineshaft_core::axis::{
-    ENABLE_TIMEOUT_NS, MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity, may_read,
-    may_output_sign,
+    ENABLE_TIMEOUT_NS, MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity,
+    may_output_sign, may_read,
 };
 use lineshaft_core::code::{Code, not_built_here};
 use lineshaft_core::config::{AxisConfig, EncoderConfig, TableConfig};

@@ -13,7 +13,9 @@ use lineshaft_core::config::{
     SinkConfig, SlotConfig, SourceConfig, TableConfig,
 };
 use lineshaft_core::drive::Interface;
-use lineshaft_core::function::{Description, Kind, LINES, Requirement, OnAxisError, Quantity, MemorySize, TYPES, Width};
+use lineshaft_core::function::{
+    Description, Kind, LINES, MemorySize, OnAxisError, Quantity, Requirement, TYPES, Width,
+};
 use lineshaft_core::object::{Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::signal::Directory;
 use lineshaft_core::unit::{ScaleKind, excerpt};

@@ -8,7 +8,7 @@ mod terminal;
 pub use markdown::{markdown, renewed};
 pub use terminal::{details, listing};
 
-use lineshaft_core::function::{Description, Field, Requirement, Quantity, Shown};
+use lineshaft_core::function::{Description, Field, Quantity, Requirement, Shown};
 
 /// Returns the facts about a type other than its fields: a label, and the rest of the sentence.
 fn facts(row: &Description) -> Vec<(&'static str, String)> {

@@ -1,7 +1,7 @@
 //! Generates docs/parameters.md from the rows of the catalogue.
 
 use super::words::{default_text, effect_text, range_words, storage_text, unit_text, views_of};
-use lineshaft_core::parameter::{Effect, Group, Equivalent, ROWS, Row, System, Word};
+use lineshaft_core::parameter::{Effect, Equivalent, Group, ROWS, Row, System, Word};
 use std::fmt::Write;
 
 const INTRODUCTION: &str = "\

@@ -17,8 +17,8 @@ use lineshaft_core::config::AxisConfig;
 use lineshaft_core::parameter::{AxisParameters, Range, Row};
 use lineshaft_core::regulator::PidGains;
 use lineshaft_tune::{
-    Bode, Design, DesignError, Identified, LoopError, Loops, Margins, Model, Move, PositionLaw, Record, Refusal, Trace,
-    DesignSpec, bode, check_fit, design, identify, regimes, simulate, velocity_bode,
+    Bode, Design, DesignError, DesignSpec, Identified, LoopError, Loops, Margins, Model, Move, PositionLaw, Record,
+    Refusal, Trace, bode, check_fit, design, identify, regimes, simulate, velocity_bode,
 };
 use serde::Serialize;
 

@@ -14,7 +14,9 @@ use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::Interface;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
-use lineshaft_tune::{Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets, DesignSpec};
+use lineshaft_tune::{
+    DesignSpec, Inner, Loops, MOST_INERTIA_RATIO, ModelError, Permitted, PositionLaw, Takes, Targets,
+};
 
 /// Bounds given by the user; the default is that of the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

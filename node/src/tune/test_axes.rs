@@ -2,7 +2,9 @@
 
 use super::Subject;
 use lineshaft_core::regulator::{PidGains, VelocityGains, VelocityMethod};
-use lineshaft_tune::{ExcitationOutput, Excitation, Inner, Law, Loops, Permitted, PositionLaw, Record, Takes, Targets, DesignSpec};
+use lineshaft_tune::{
+    DesignSpec, Excitation, ExcitationOutput, Inner, Law, Loops, Permitted, PositionLaw, Record, Takes, Targets,
+};
 
 /// Increments per revolution.
 const TURN: f64 = 2000.0;

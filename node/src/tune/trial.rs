@@ -21,7 +21,7 @@ use lineshaft_core::machine::Machine;
 use lineshaft_core::object::{AxisSet, Object};
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::state::{AXIS_STATES, AxisState};
-use lineshaft_tune::{Abort, ExcitationOutput, Excitation, Record};
+use lineshaft_tune::{Abort, Excitation, ExcitationOutput, Record};
 
 /// Reason why a trial was stopped early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

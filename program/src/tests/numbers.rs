@@ -87,7 +87,7 @@ fn floats_become_whole_numbers_up_to_their_edges() {
 }
 
 #[test]
-fn memory_ends_where_it_ends() {
+fn access_beyond_memory_traps() {
     assert_eq!(whole("(i64.load (i32.const 65528))"), Ok(0));
     assert_eq!(whole("(i64.load (i32.const 65529))"), Err(Trap::MemoryOutOfBounds));
     assert_eq!(whole("(i64.load offset=4294967295 (i32.const -1))"), Err(Trap::MemoryOutOfBounds));
@@ -107,7 +107,7 @@ fn memory_ends_where_it_ends() {
 
 /// Both branches of an `if` set the local that takes its result.
 #[test]
-fn what_meets_behind_two_ways_is_that_of_the_way_taken() {
+fn joined_value_is_that_of_taken_branch() {
     for (condition, expected) in [(1, 5), (0, 6)] {
         let text = format!(
             "(local.set $b (i64.const 2)) (local.set $a (if (result i64) (i32.const {condition}) \

@@ -50,7 +50,7 @@ fn a_module_without_entry_or_image_is_refused() {
 }
 
 #[test]
-fn what_is_not_the_same_everywhere_is_refused() {
+fn machine_dependent_feature_is_refused() {
     let start = program("(func (export \"cycle\")) (func $first) (start $first)");
     assert_eq!(refusal(&start), "it has a start function; a program begins in `cycle`, with command 1");
     let pages = "(module (memory 17) (func (export \"cycle\")))";
@@ -94,7 +94,7 @@ fn a_hostile_module_is_refused_soon() {
 }
 
 #[test]
-fn what_is_no_module_is_refused() {
+fn bytes_that_are_no_module_are_refused() {
     let refused = |bytes: &[u8]| Module::load(bytes).unwrap_err().to_string();
     assert_eq!(refused(b""), "it is no WebAssembly: its first four bytes are others than \\0asm");
     assert_eq!(refused(b"cycle"), "it is no WebAssembly: its first four bytes are others than \\0asm");

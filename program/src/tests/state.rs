@@ -37,7 +37,7 @@ fn a_copy_goes_on_as_the_original_does() {
 }
 
 #[test]
-fn what_was_read_may_be_anything() {
+fn any_restored_state_is_handled() {
     let module = load(&program(COUNTS));
     let whole = postcard::to_allocvec(&Instance::new(&module, 1)).unwrap();
     let mut taken = 0;
@@ -87,7 +87,7 @@ fn an_exchange_keeps_the_programs_own_part_and_begins_all_else_anew() {
 
 /// A failed state may have been restored with any memory.
 #[test]
-fn an_exchange_of_what_has_no_memory_begins_anew() {
+fn exchange_of_instance_without_memory_restarts() {
     let module = load(&program(COUNTS));
     let mut instance = Instance::with_room(1);
     assert!(instance.exchange((&module, &module), false));

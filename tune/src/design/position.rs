@@ -1,7 +1,7 @@
 //! Design of the position loop: kv, or KPROP, KDER, KINT, KILIM, FFVEL, FFACC.
 
 use super::search::{FoundGains, Search};
-use super::{DesignError, INTEGRAL, Law, Targets, DesignSpec, regimes};
+use super::{DesignError, DesignSpec, INTEGRAL, Law, Targets, regimes};
 use crate::discrete::{Discrete, radius, unit_circle};
 use crate::loops::{Inner, Loops, PositionLaw, gain, pid};
 use crate::model::{Dynamics, Model};

@@ -1,7 +1,7 @@
 //! Design of the velocity loop: VELKPROP, VELKINT, VELKILIM.
 
 use super::search::Search;
-use super::{DesignError, INNER_INTEGRAL, DesignSpec, regimes};
+use super::{DesignError, DesignSpec, INNER_INTEGRAL, regimes};
 use crate::discrete::Discrete;
 use crate::loops::{Inner, LoopError, pi};
 use crate::model::Model;
@@ -39,8 +39,7 @@ pub(super) fn design(
     let seen = |model| Discrete::of(model).connect(&estimator).scaled(1.0 / wish.max_velocity);
     let seen: Vec<Discrete> = models.iter().map(seen).collect();
     let grid = grid(model, cycle);
-    let search =
-        Search::new(&grid, cycle, &seen, &[pi(1.0, 0.0), pi(0.0, 1.0)], targets, regimes::max_imaginary(wish));
+    let search = Search::new(&grid, cycle, &seen, &[pi(1.0, 0.0), pi(0.0, 1.0)], targets, regimes::max_imaginary(wish));
     let shape = |crossover: f64| {
         let integral = if targets.integral { crossover / INNER_INTEGRAL } else { 0.0 };
         vec![1.0, integral]

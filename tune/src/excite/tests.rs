@@ -64,7 +64,7 @@ fn steps_are_random_with_each_seed() {
 
 /// It never exceeds the permitted values, returns, and stays ended.
 #[test]
-fn it_goes_to_and_fro_and_comes_back() {
+fn excitation_moves_back_and_forth_and_returns() {
     for takes in [Takes::Effort, Takes::Velocity] {
         let run = follows(Permitted { takes, duration: 3.0, ..PERMITTED }, 8000);
         let places: Vec<f64> = run.iter().map(|(place, _)| *place).collect();

@@ -1,8 +1,8 @@
 //! Identification of a drive with effort interface: acceleration, frictions, load, delay, and a resonance if there is
 //! one.
 
-use super::fit::{InitialState, Fit, Stretches, minimize};
-use super::{Deviation, Identified, Refusal, Squares, MAX_RESONANCE_RATIO};
+use super::fit::{Fit, InitialState, Stretches, minimize};
+use super::{Deviation, Identified, MAX_RESONANCE_RATIO, Refusal, Squares};
 use crate::discrete::Delayed;
 use crate::model::{Dynamics, Model, Resonance, first_order, second_order};
 use crate::record::Record;
@@ -226,7 +226,8 @@ pub(super) fn identify(record: &Record) -> Result<Identified, Refusal> {
     let found = search.fit(&swinging);
     let ratio = found.figures[4] / found.figures[0];
     // A ratio outside this range does not come from two masses.
-    let has_resonance = left < MAX_RESONANCE_RATIO * rigid_left && found.figures[0] > 0.0 && (0.02..1000.0).contains(&ratio);
+    let has_resonance =
+        left < MAX_RESONANCE_RATIO * rigid_left && found.figures[0] > 0.0 && (0.02..1000.0).contains(&ratio);
     if has_resonance {
         at = swinging;
     }
@@ -301,7 +302,14 @@ mod tests {
                 _ => {}
             }
         }
-        assert_eq!(stretches_of_one_direction(&senses, 100).iter().map(|range| range.len().min(99)).filter(|n| *n == 99).count(), 2);
+        assert_eq!(
+            stretches_of_one_direction(&senses, 100)
+                .iter()
+                .map(|range| range.len().min(99))
+                .filter(|n| *n == 99)
+                .count(),
+            2
+        );
         assert!(of(|_| 0.0).iter().all(|sense| *sense == 0.0));
     }
 

@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn what_each_stretch_begins_with_does_not_count() {
+    fn initial_state_of_each_stretch_has_no_effect() {
         let column = line(|k| 1e-3 * k * k);
         // Another position and another velocity from 100 on, and from 200 on.
         let jump = |k: f64| (k / 100.0).floor() * (1e6 - 33.0 * k);
@@ -244,7 +244,8 @@ mod tests {
         let fit = stretches.fit(&[stretches.reduced(&column)]);
         assert!((fit.figures[0] - 7.0).abs() < 1e-6, "{:?}", fit.figures);
         assert!(fit.residual_squares < 1e-6 * stretches.whole(), "{}", fit.residual_squares);
-        let place = Stretches::new(vec![0..100, 100..200], InitialState::Place, &line(|k| 2.0 * k + (k / 100.0).floor()));
+        let place =
+            Stretches::new(vec![0..100, 100..200], InitialState::Place, &line(|k| 2.0 * k + (k / 100.0).floor()));
         let fit = place.fit(&[place.reduced(&line(|k| k))]);
         assert!((fit.figures[0] - 2.0).abs() < 1e-9, "{:?}", fit.figures);
     }

@@ -1,6 +1,6 @@
 //! Identification of a velocity drive: gain, offset, time constant, delay.
 
-use super::fit::{InitialState, Fit, Stretches, minimize};
+use super::fit::{Fit, InitialState, Stretches, minimize};
 use super::{Deviation, Identified, Refusal, Squares};
 use crate::discrete::Delayed;
 use crate::model::{Dynamics, Model, first_order};

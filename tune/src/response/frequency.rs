@@ -9,7 +9,7 @@
 //!
 //! Between two points logarithm and angle are interpolated linearly.
 
-use crate::discrete::{C64, Discrete, poles, radius, magnitude, unit_circle};
+use crate::discrete::{C64, Discrete, magnitude, poles, radius, unit_circle};
 use crate::loops::{LoopError, Loops};
 use crate::model::{Dynamics, Model};
 use core::f64::consts::PI;

@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_that_is_none_is_refused() {
+    fn invalid_record_is_refused() {
         let mut record = record();
         record.positions.pop();
         assert!(matches!(retrace(&model(5e4), &record), Err(Refusal::Uneven { .. })));

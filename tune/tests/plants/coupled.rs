@@ -5,7 +5,7 @@ use super::catalogue::{all, coupled};
 use super::fastest;
 use super::simulator::{Axis, excite, figures, permitted, run_until, trapezoid};
 use lineshaft_core::regulator::VelocityMethod;
-use lineshaft_tune::{Design, Identified, Law, Loops, PositionLaw, Targets, DesignSpec, design, identify};
+use lineshaft_tune::{Design, DesignSpec, Identified, Law, Loops, PositionLaw, Targets, design, identify};
 use std::fmt;
 
 /// Random figures of an axis with backlash.
@@ -321,7 +321,8 @@ fn without_a_ratio_nothing_changes() {
 fn a_hidden_delay_counts() {
     for ratio in [1.0, 3.0, 10.0] {
         for delay in [1.0, 2.0] {
-            let drawn = RandomAxis { ratio, play: 20.0, friction: (0.0, 0.0), delay, coupling: (150.0, 0.03), told: 1.0 };
+            let drawn =
+                RandomAxis { ratio, play: 20.0, friction: (0.0, 0.0), delay, coupling: (150.0, 0.03), told: 1.0 };
             let found = drawn.identified().expect("a model");
             let (counts, truth) = (found.for_design(ratio).delay, drawn.axis().delay);
             assert!(counts >= truth - 5e-5, "1:{ratio}, {truth} s: {counts}");

@@ -8,10 +8,11 @@ mod play;
 mod refusals;
 mod simulator;
 
-use catalogue::{TestAxis, LoopCase, all};
+use catalogue::{LoopCase, TestAxis, all};
 use lineshaft_core::regulator::{PidGains, VelocityGains};
 use lineshaft_tune::{
-    Abort, Design, ExcitationOutput, Dynamics, Identified, Loops, PositionLaw, Resonance, Targets, DesignSpec, design, identify,
+    Abort, Design, DesignSpec, Dynamics, ExcitationOutput, Identified, Loops, PositionLaw, Resonance, Targets, design,
+    identify,
 };
 use simulator::{Axis, Mechanics, excite, figures, permitted, run, trapezoid};
 
@@ -34,7 +35,7 @@ fn resonances_agree(name: &str, found: Resonance, truth: Resonance) {
 }
 
 #[test]
-fn what_is_found_is_true() {
+fn identified_model_is_true_model() {
     for TestAxis { name, axis, .. } in all() {
         let (found, truth) = (found(axis), axis.truth());
         println!("{name}: {:.3} % explained\n  found {:?}\n  true  {:?}\n", found.explained, found.model, truth);
@@ -109,7 +110,7 @@ fn an_excitation_keeps_its_bounds_and_comes_back() {
 
 /// A push that no command can brake ends the excitation with 0.
 #[test]
-fn an_axis_that_is_pushed_out_of_its_travel_is_left() {
+fn excitation_ends_when_axis_is_pushed_out_of_travel() {
     let axis = all().remove(0).axis;
     let excited = excite(axis, permitted(&axis), |k| if k > 2000 { 1.8 } else { 0.0 });
     let ExcitationOutput::Aborted(Abort::Travel { position, most }) = excited.end else { panic!("{:?}", excited.end) };
@@ -138,7 +139,7 @@ fn the_cycle_changes_nothing_but_the_grid() {
 
 /// Reported efforts replace the commands: what was commanded, and when, has no effect.
 #[test]
-fn efforts_that_are_told_count() {
+fn reported_efforts_replace_commands() {
     let axis = all().into_iter().find(|named| named.name == "1:5").unwrap().axis;
     let mut record = excite(axis, permitted(&axis), |_| 0.0).record;
     record.efforts = record.commands.iter().map(|command| 3.0 * command).collect();

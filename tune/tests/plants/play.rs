@@ -3,7 +3,7 @@
 use super::catalogue::{all, with_play};
 use super::simulator::{Mechanics, excite, figures, permitted, run};
 use lineshaft_core::regulator::VelocityMethod;
-use lineshaft_tune::{Law, Refusal, Targets, DesignSpec, check_fit, design, identify};
+use lineshaft_tune::{DesignSpec, Law, Refusal, Targets, check_fit, design, identify};
 
 #[test]
 fn play_is_refused_whatever_the_load_is() {

@@ -50,7 +50,7 @@ fn an_axis_that_is_wired_the_other_way_round() {
 
 /// A phase is open, and an external force moves the axis.
 #[test]
-fn an_axis_that_moves_without_its_command() {
+fn axis_that_moves_without_command_is_refused() {
     let axis = torque();
     let open = Axis { wired: 0.0, ..axis };
     for takes in [Takes::Effort, Takes::Velocity] {
@@ -68,7 +68,7 @@ fn an_axis_that_moves_without_its_command() {
 }
 
 #[test]
-fn an_encoder_that_tells_too_little() {
+fn too_coarse_encoder_is_refused() {
     let axis = Axis { encoder: 20.0, ..torque() };
     let excited = excite(axis, permitted(&axis), |_| 0.0);
     let refusal = identify(&excited.record).unwrap_err();
@@ -81,7 +81,7 @@ fn an_encoder_that_tells_too_little() {
 
 /// The command moves the axis, and an external force as much.
 #[test]
-fn an_axis_with_another_mind() {
+fn axis_with_strong_external_force_is_refused() {
     let axis = torque();
     let excited = excite(axis, permitted(&axis), |_| 0.0);
     let mut record = Record::with_capacity(1e-3, Takes::Effort, 8000);
@@ -96,7 +96,7 @@ fn an_axis_with_another_mind() {
 }
 
 #[test]
-fn records_that_are_none() {
+fn invalid_records_are_refused() {
     let record = |commands: usize, positions: usize| Record {
         cycle: 1e-3,
         takes: Takes::Effort,

@@ -5,7 +5,7 @@
 
 use lineshaft_core::position::Position;
 use lineshaft_core::regulator::{Pid, PidInput, Proportional, VelocityEstimator, VelocityLoop};
-use lineshaft_tune::{ExcitationOutput, Excitation, Loops, Permitted, PositionLaw, Record, Takes};
+use lineshaft_tune::{Excitation, ExcitationOutput, Loops, Permitted, PositionLaw, Record, Takes};
 use std::f64::consts::TAU;
 
 pub(crate) const STEPS: u32 = 40;

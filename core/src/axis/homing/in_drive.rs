@@ -266,7 +266,7 @@ mod tests {
 
     /// CiA 402-2, homing mode: bits 12 and 10 are 0 during homing, and both 1 at its end.
     #[test]
-    fn a_first_homing_is_over_with_both_bits() {
+    fn first_homing_ends_with_both_bits() {
         assert_eq!(homed(1, &[(0, REACHED), (3, 0), (900, ATTAINED), (950, ATTAINED | REACHED)]), (Shown::Done, 950));
         assert_eq!(homed(1, &[(0, REACHED), (3, 0), (900, ERROR)]), (Shown::Failed, 900));
     }
@@ -286,7 +286,7 @@ mod tests {
 
     /// After the counts were set again, the bits belong to this homing, even if a change of the bits was not seen.
     #[test]
-    fn bits_that_stay_count_once_the_counts_were_set_anew() {
+    fn constant_bits_count_after_the_counts_were_reset() {
         let both = ATTAINED | REACHED;
         let mut drive = InDrive::since(0, Position::ZERO).start(0, (both, 3));
         let since = |time_ns| Since { time_ns, answers: true, is_instant: false };
@@ -296,7 +296,7 @@ mod tests {
 
     /// Methods 35 and 37 need no motion: bits that stay set count after 50 ms. All others must have begun within 5 s.
     #[test]
-    fn bits_that_stay_end_nothing_but_methods_without_a_way() {
+    fn constant_bits_end_only_methods_without_motion() {
         let both = ATTAINED | REACHED;
         for method in [35, 37] {
             assert_eq!(homed(method, &[(0, both)]), (Shown::Done, 51));

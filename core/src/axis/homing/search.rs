@@ -115,7 +115,9 @@ impl Axis {
         let was_on = std::mem::replace(&mut search.was_on, is_on);
         run.stage = Stage::Search(search);
         self.homing.run = Some(run);
-        if let Some((gone, most)) = self.distance_with_one_switch(cx).filter(|_| self.watched(leg) == Some(Switch::Home)) {
+        if let Some((gone, most)) =
+            self.distance_with_one_switch(cx).filter(|_| self.watched(leg) == Some(Switch::Home))
+        {
             return self.fail_homing(cx, Code::NOT_SQUARE, Number::Position(gone), Number::Position(most));
         }
         if matches!(leg.until, Until::On(Switch::Home)) && !is_on && self.has_passed_switch(cx) {

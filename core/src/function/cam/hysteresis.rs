@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_reached_of_a_cam_is_cut_off() {
+    fn unreachable_part_of_cam_is_clipped() {
         let rest = |on, off| Ring::of(TURN).arc(on, off).gap();
         assert_eq!(rest(19_000, 25_000), Some(19_000));
         assert_eq!(rest(-5, 10), Some(19_990));

@@ -343,7 +343,7 @@ fn a_track_goes_from_the_place_to_the_output_in_the_order_of_its_stages() {
 /// The transitions of the state machine in increments of the table, through the function.
 /// Proves: AMK-CAM-15, AMK-CAM-36
 #[test]
-fn a_hysteresis_is_told_in_hundreds() {
+fn hysteresis_is_given_in_hundreds() {
     let mut bench = Bench::new(table(&[], &[(10_000, 11_000), (15_000, 16_000)]));
     bench.start(&set(&[(BA, 1), (CAMS, 2), (HYSTERESIS, 3)]), 0);
     assert_eq!(bench.steps(&[9_000, 10_000, 9_700, 9_699, 9_999, 10_000]), "011001");
@@ -354,7 +354,7 @@ fn a_hysteresis_is_told_in_hundreds() {
 
 /// Proves: AMK-CAM-01
 #[test]
-fn an_edited_cam_begins_anew_and_the_others_go_on() {
+fn edited_cam_restarts_and_others_continue() {
     let mut bench = Bench::new(table(&[], &[(10_000, 11_000), (12_000, 13_000)]));
     bench.start(&set(&[(BA, 1), (CAMS, 1), (CAMS + 1, 1), (HYSTERESIS, 5), (HYSTERESIS + 1, 5)]), 0);
     // Both are off, within their hysteresis or beyond: the first is passed, the second was reached from below.
@@ -476,7 +476,7 @@ fn is_on(cam: (i32, i32), x: i64, modulo: i64) -> bool {
 proptest! {
     /// Tracks without hysteresis are on where stepping from the start of a cam to its end meets x.
     #[test]
-    fn plain_tracks_are_what_a_walk_along_their_cams_meets(
+    fn plain_tracks_equal_stepping_along_their_cams(
         cams in proptest::collection::vec((0_i32..300, 0_i32..300), 1..20),
         split in 0_usize..20,
         offset in -500_i64..500,

@@ -232,7 +232,7 @@ fn a_way_per_call_is_a_speed() {
 
 /// Proves: AMK-BCOM-41
 #[test]
-fn a_speed_of_a_way_is_rounded_once_behind_all() {
+fn speed_of_travel_is_rounded_once_at_the_end() {
     // 6e14 / (7000 * 1 ms) = 85714.28.., and seven times that.
     let by_way = [("ba", 1), ("in_resolution", 7000), ("active_table", 0)];
     let mut bench = free(&[], &by_way);
@@ -670,7 +670,7 @@ fn by_the_book(values: &[(&'static str, i64)], points: &[i64], n: Fraction) -> (
 proptest! {
     /// Proves: AMK-DFKT-26, AMK-DFKT-27, AMK-DFKT-28, AMK-DFKT-29, AMK-DFKT-30, AMK-DFKT-31, AMK-DFKT-32, AMK-DFKT-33, AMK-DFKT-34
     #[test]
-    fn every_output_is_that_of_the_book_and_within_its_limits(
+    fn every_output_equals_spec_and_is_within_limits(
         (values, points, is_words) in sets(),
         inputs in prop::collection::vec(prop_oneof![-3_i64..4, -2_000_000_i64..2_000_000, -2_147_483_648_i64..2_147_483_648], 1..20),
         call_ns in prop::sample::select(vec![125_000_u64, 1_000_000, 1_333_333, 20_000_000]),

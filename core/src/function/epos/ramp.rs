@@ -157,7 +157,7 @@ mod tests {
         }
 
         #[test]
-        fn what_is_far_is_never_too_fast(v in 0_i128..5000, left in 0_i128..100_000, a in 1_i128..500) {
+        fn estimate_of_long_distance_is_never_wrong(v in 0_i128..5000, left in 0_i128..100_000, a in 1_i128..500) {
             prop_assert!(!is_clearly_long_enough(v, left, a) || way(v, a) <= left);
         }
 

@@ -398,7 +398,7 @@ fn a_start_while_it_moves_adds_to_what_is_left() {
 ///
 /// Proves: AMK-EPOS-20
 #[test]
-fn an_end_that_is_too_near_is_run_through_and_gone_back_to() {
+fn too_near_end_is_passed_and_returned_to() {
     let mut bench = started(&[("ba", 8)]);
     bench.run(E1, 100);
     bench.step(0);
@@ -519,7 +519,7 @@ fn modulo_order_stopped_on_its_last_ramp_and_continued_runs_on_while_e1_is_1() {
 ///
 /// Proves: AMK-EPOS-04, AMK-EPOS-16, AMK-EPOS-17, AMK-EPOS-37, AMK-EPOS-39, AMK-EPOS-40, AMK-EPOS-41, AMK-EPOS-O4
 #[test]
-fn behind_the_reference_it_stops_at_once_or_turns_round() {
+fn end_before_reference_causes_step_or_reversal() {
     for sense in [1, -1] {
         let mut bench = started(&[("ba", 2), ("travel", 100 * sense), ("velocity", 1_000_000 * sense)]);
         bench.run(E1, 200);
@@ -544,7 +544,7 @@ fn behind_the_reference_it_stops_at_once_or_turns_round() {
 
 /// Proves: AMK-EPOS-04, AMK-EPOS-39, AMK-EPOS-42, AMK-EPOS-O4
 #[test]
-fn a_far_end_is_braked_onto_and_nothing_adds_to_it() {
+fn far_end_is_reached_by_ramp_and_order_is_not_extended() {
     let mut bench = started(&[("ba", 2 | 8), ("velocity", 1_000_000)]);
     bench.run(E1, 200);
     bench.mark(0, 0);
@@ -569,7 +569,7 @@ fn a_far_end_is_braked_onto_and_nothing_adds_to_it() {
 ///
 /// Proves: AMK-EPOS-37, AMK-EPOS-40, AMK-EPOS-41
 #[test]
-fn a_command_beyond_the_end_steps_or_goes_back() {
+fn command_beyond_end_steps_or_moves_back() {
     let mut bench = started(&[("ba", 2), ("travel", 10), ("velocity", 1_000_000)]);
     bench.run(E1, 200);
     assert_eq!(bench.mark(0, 500), (10, A1));
@@ -678,7 +678,7 @@ fn a_flatter_ramp_on_the_way_down_passes_no_end() {
 
 /// Proves: AMK-EPOS-38
 #[test]
-fn a_start_behind_reset_knows_no_order_of_before() {
+fn start_after_reset_has_no_previous_order() {
     let mut bench = started(&[]);
     bench.run(E1, 100);
     let here = bench.sink;
@@ -693,7 +693,7 @@ type Refused = (&'static [(&'static str, i64)], Code, &'static str);
 
 /// Proves: AMK-EPOS-15, AMK-EPOS-19, AMK-EPOS-43, AMK-EPOS-44, AMK-EPOS-50, AMK-EPOS-52, AMK-EPOS-54, AMK-EPOS-56, AMK-EPOS-60, AMK-EPOS-61
 #[test]
-fn what_a_mode_has_no_use_for_is_refused_with_its_field() {
+fn field_unused_by_mode_is_refused() {
     let bench = example(&[]);
     let refused = |more: &[(&'static str, i64)]| {
         let fault = bench.checked(more).expect_err("a set that is refused");
@@ -789,7 +789,7 @@ proptest! {
     /// From any state: the end is the sum of the orders, no call is faster than the velocity before or the target, and
     /// no call changes the velocity by more than a ramp, except where a flatter ramp would pass the end.
     #[test]
-    fn orders_end_exactly_where_they_add_up_to(
+    fn orders_end_exactly_at_their_sum(
         retriggers in any::<bool>(),
         resolution in 1_i64..100_000,
         happenings in prop::collection::vec(happening(), 1..60),

@@ -456,7 +456,7 @@ fn without_a_generator_edges_zero_and_the_sink_stays() {
 
 /// Proves: AMK-FGEN-03, AMK-FGEN-09, AMK-FGEN-15
 #[test]
-fn what_no_generator_has_is_refused_with_its_field() {
+fn invalid_field_of_generator_is_refused() {
     let refused = |more: &[(&'static str, i64)]| example(&[]).checked(more, false).err();
     let fault = |code, field| Some(Fault::new(code).of(field));
     assert_eq!(refused(&[]), None);
@@ -472,7 +472,7 @@ fn what_no_generator_has_is_refused_with_its_field() {
 
 /// In the cycle of START the set may be changed again before the first call; the state can be read at any time.
 #[test]
-fn one_that_was_never_started_is_sound_and_may_be_renewed() {
+fn generator_before_start_is_valid_and_accepts_values() {
     for has_word in [false, true] {
         let mut fgen = Fgen::new(has_word);
         assert!(fgen.is_valid_state());

@@ -88,7 +88,12 @@ pub(super) struct AllowedTables {
 }
 
 /// Returns an error for tables that are missing or that are no curves of a type.
-pub(super) fn check_tables(setting: &Setting<'_>, count: usize, takes: &AllowedTables, setup: &Setup) -> Result<(), Fault> {
+pub(super) fn check_tables(
+    setting: &Setting<'_>,
+    count: usize,
+    takes: &AllowedTables,
+    setup: &Setup,
+) -> Result<(), Fault> {
     let there = count_tables(setting);
     if there < count {
         return Err(Fault::new(Code::AMK_TABLES_FEW).with(count as i64, there as i64));

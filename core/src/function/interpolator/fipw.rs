@@ -6,7 +6,7 @@
 //! Source   AMK-FIPW-01 to -55, AMK-SYNC-01 to -04; A-21 to -31
 
 use super::super::field::{Field, Words, number, place};
-use super::super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
+use super::super::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
 use super::super::time::{HALF_MS, check_cycle};
 use super::Interpolator;
 use super::check::{self, AllowedTables, check_tables, needs, within};

@@ -8,7 +8,7 @@
 //! Source   AMK-FIPZ-01 to -20, A-36, A-37
 
 use super::super::field::{Field, Words, number, place};
-use super::super::program::{Fault, LINES, Outcome, FunctionProgram, CallInputs, Setting};
+use super::super::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
 use super::super::sak::Sak;
 use super::super::time::check_cycle;
 use super::check::{self, AllowedTables, check_tables};

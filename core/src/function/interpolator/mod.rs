@@ -15,11 +15,11 @@ mod register;
 mod setup;
 pub(super) mod xfipw;
 
-use super::program::{LINES, Outcome, CallInputs};
+use super::program::{CallInputs, LINES, Outcome};
 use super::sak::Sak;
 use crate::cam::{Curve, Total};
 use movement::Sets;
-use register::{Marks, MarkControl};
+use register::{MarkControl, Marks};
 use serde::{Deserialize, Serialize};
 use setup::{Movement, Setup};
 
@@ -77,7 +77,8 @@ pub(super) struct Interpolator {
 impl Interpolator {
     /// Executes the first call: the sink keeps its value.
     fn start(&mut self, setup: Setup, seen: &CallInputs<'_>) -> Outcome {
-        *self = Self { setup, travel: seen.source.travel, origin: seen.sink, last_inputs: seen.inputs, ..Self::default() };
+        *self =
+            Self { setup, travel: seen.source.travel, origin: seen.sink, last_inputs: seen.inputs, ..Self::default() };
         self.sets.read_inputs(&self.setup, seen);
         if setup.movement == Movement::Cyclic {
             // The set that is selected at START is active at once.

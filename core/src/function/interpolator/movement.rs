@@ -5,7 +5,7 @@
 //!          may pass any number of tables
 //! Source   AMK-FIPW-42 to -55 with A-23 to -29, AMK-XFIPW-40 to -60 with to -22
 
-use super::super::program::{LINES, CallInputs};
+use super::super::program::{CallInputs, LINES};
 use super::setup::{Movement, Setup};
 use super::{Interpolator, MovementState};
 use serde::{Deserialize, Serialize};

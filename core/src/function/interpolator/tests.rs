@@ -1,13 +1,13 @@
 //! Tests of interpolators: oracles, and comparison with single increments.
 
-use super::super::program::{LINES, Outcome, FunctionProgram, CallInputs};
-use super::super::trial::{at_rest, set, setting, as_tables};
+use super::super::program::{CallInputs, FunctionProgram, LINES, Outcome};
+use super::super::trial::{as_tables, at_rest, set, setting};
 use super::fipw::{self, Fipw};
 use super::fipz::{self, Fipz};
 use super::xfipw::{self, Xfipw};
 use crate::code::Code;
 use crate::function::field::{Field, Words};
-use crate::function::program::{Fault, SourceValue, Setting};
+use crate::function::program::{Fault, Setting, SourceValue};
 use crate::table::{Form, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -59,7 +59,14 @@ impl<'a, P: FunctionProgram> Bench<'a, P> {
 
     fn seen(&self, inputs: u8, mark: Option<i64>) -> CallInputs<'a> {
         let source = SourceValue { value: self.travel, travel: self.travel, mark };
-        CallInputs { call_ns: self.call_ns, source, inputs, sink: self.sink, tables: as_tables(self.tables), ..at_rest() }
+        CallInputs {
+            call_ns: self.call_ns,
+            source,
+            inputs,
+            sink: self.sink,
+            tables: as_tables(self.tables),
+            ..at_rest()
+        }
     }
 
     fn start(&mut self, values: &[(&str, i64)], inputs: u8) -> Outcome {

@@ -10,9 +10,9 @@
 //! Source   AMK-XFIPW-01 to -68, -86 to -126; A-04 to -22, A-29, A-31
 
 use super::super::field::{Field, Words, number, place};
-use super::super::program::{Fault, Outcome, FunctionProgram, CallInputs, Setting};
+use super::super::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
 use super::super::time::check_cycle;
-use super::check::{self, AllowedTables, check_tables, needs, count_tables, within};
+use super::check::{self, AllowedTables, check_tables, count_tables, needs, within};
 use super::register::{BEFORE_SAK, MARKS, Marks};
 use super::setup::{Movement, Setup};
 use super::{Interpolator, fipw, value_at};

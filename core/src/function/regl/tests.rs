@@ -169,7 +169,7 @@ fn limits_behind_the_sum_hold_its_side() {
 
 /// Proves: AMK-REGL-24, AMK-REGL-25, AMK-REGL-30, AMK-REGL-34, AMK-REGL-36
 #[test]
-fn the_outputs_tell_which_limit_binds() {
+fn outputs_show_active_limit() {
     let mut bench = plain(&[("y_max", 50)]);
     bench.start(0, 0);
     assert_eq!([-49, -50, -51, 50, 51].map(|x| bench.step(x, 0)), [(49, 0), (50, 0), (50, A1), (-50, 0), (-50, A2)]);
@@ -217,7 +217,7 @@ fn a_source_is_converted_filtered_and_negated() {
 
 /// Proves: AMK-REGL-32, AMK-REGL-33, AMK-REGL-38, AMK-REGL-39, AMK-REGL-40, AMK-REGL-41
 #[test]
-fn switches_open_and_close_what_they_stand_for() {
+fn switches_act_on_their_terms() {
     // w1 100, w2 7000, x 30, so e is 70, and -30 with S1 open; P only.
     let mut bench = plain(&[("cmd1", 100), ("cmd2", 7000), ("switch_mask", 7)]);
     bench.start(30, 0);

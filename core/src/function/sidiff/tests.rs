@@ -203,7 +203,7 @@ fn a_table_that_does_not_fit_the_drives_is_refused_with_its_number() {
 }
 
 #[test]
-fn a_state_that_cannot_be_is_told() {
+fn invalid_state_is_detected() {
     assert!(Sidiff::new().is_valid_state());
     let unsound: [fn(&mut Sidiff); 5] = [
         |sidiff| sidiff.watches[7].limit.divider = 0,
@@ -222,7 +222,7 @@ fn a_state_that_cannot_be_is_told() {
 }
 
 #[test]
-fn a_copy_goes_on_as_its_original() {
+fn copy_continues_like_original() {
     let (mut original, _) = first(&[], (500, 3), None);
     let mut copy = Sidiff::new();
     copy.clone_from(&original);

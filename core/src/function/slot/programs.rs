@@ -3,7 +3,7 @@
 use super::{Cycle, Phase, Slot, Written};
 use crate::code::Code;
 use crate::function::apsf::Host;
-use crate::function::program::{Outcome, CallInputs};
+use crate::function::program::{CallInputs, Outcome};
 use crate::function::wires::Wires;
 use crate::signal::Board;
 use lineshaft_program::Module;
@@ -11,7 +11,13 @@ use std::sync::Arc;
 
 impl Slot {
     /// Returns the inputs of a call together with the environment of a program.
-    pub(super) fn inputs_of_program<'a>(&self, wires: &'a Wires, cx: &Cycle<'a>, board: &'a Board, sink: i64) -> CallInputs<'a> {
+    pub(super) fn inputs_of_program<'a>(
+        &self,
+        wires: &'a Wires,
+        cx: &Cycle<'a>,
+        board: &'a Board,
+        sink: i64,
+    ) -> CallInputs<'a> {
         let host = module(wires, cx.programs).map(|module| Host {
             module,
             fuel: wires.fuel,

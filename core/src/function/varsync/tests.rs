@@ -73,7 +73,7 @@ fn an_edge_takes_the_ratio_of_three_bits_and_keeps_it() {
 
 /// Proves: AMK-VARSYNC-13
 #[test]
-fn an_input_that_stands_at_the_first_call_takes_no_ratio() {
+fn input_set_at_first_call_selects_no_ratio() {
     let mut varsync = Varsync::new(false);
     assert_eq!(varsync.start(Words(&words(1, &RATIOS)), &at(0, 0b0101)).outputs, 0);
     assert_eq!(ratio_at(&mut varsync, 0b0101), (10_000, 0));

@@ -23,7 +23,7 @@ fn segments_follow_each_other() {
 /// From rest over 20 to a line of slope 2 and back: the polynomial with velocities 0 and m at its ends and travel m h
 /// / 2 has, by symmetry, degree 4: m h (u^3 - u^4 / 2).
 #[test]
-fn a_polynomial_takes_the_velocity_of_a_line_beside_it() {
+fn polynomial_takes_the_velocity_of_an_adjacent_line() {
     for law in [Law::Polynomial5, Law::Polynomial7] {
         let plan = plan(false, &[(20.0, 20.0, law), (50.0, 60.0, Law::Straight), (70.0, 20.0, law)]).expect("a plan");
         assert_eq!((plan.jumps(), plan.end()), (vec![], 100.0));
@@ -75,7 +75,7 @@ fn a_cyclic_plan_goes_round() {
 }
 
 #[test]
-fn accelerations_that_jump_are_told() {
+fn acceleration_jumps_are_reported() {
     let a = std::f64::consts::PI * std::f64::consts::PI / 2.0 * 0.04;
     let up_and_down = [(10.0, 4.0, Law::SimpleSine), (20.0, -4.0, Law::SimpleSine)];
     // Up and down again: the acceleration at the end of one is that at the start of the other.
@@ -91,7 +91,7 @@ fn accelerations_that_jump_are_told() {
 }
 
 #[test]
-fn what_is_no_plan_is_refused_with_its_segment() {
+fn invalid_plan_is_refused_with_its_segment() {
     let (nan, far) = (f64::NAN, 1e200);
     let turn = (10.0, 0.0, Law::Dwell);
     for (segments, sentence) in [

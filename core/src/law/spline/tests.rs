@@ -115,7 +115,7 @@ fn two_points_suffice_with_clamped_ends() {
 }
 
 #[test]
-fn what_is_no_spline_is_refused_with_its_point() {
+fn invalid_spline_is_refused_with_its_point() {
     let refused = |x: &[f64], y: &[f64]| Spline::cubic(x, y, &Ends::Natural).expect_err("no spline").to_string();
     assert_eq!(refused(&[0.0], &[0.0]), "a spline has 1 points; 2 at least are needed with its ends");
     assert_eq!(refused(&[0.0, 1.0], &[0.0]), "a spline has 2 places and 1 values; as many of both are needed");

@@ -61,7 +61,7 @@ fn setpoints() -> Setpoints {
 }
 
 #[test]
-fn a_machine_begins_active_and_says_what_it_is() {
+fn new_machine_is_active_and_reports_its_state() {
     let mut rig = Rig::new();
     rig.run(1);
     assert!(rig.machine.is_active());
@@ -154,7 +154,7 @@ fn deactivation_stops_with_the_maximum_deceleration_switches_off_and_is_done_onc
 }
 
 #[test]
-fn a_deactivation_waits_for_the_drive_and_not_for_the_order() {
+fn deactivation_ends_when_the_drive_reports_off() {
     let mut rig = Rig::of(config(5));
     rig.enable();
     let deactivation = rig.give(Action::Deactivate);
@@ -166,7 +166,7 @@ fn a_deactivation_waits_for_the_drive_and_not_for_the_order() {
 }
 
 #[test]
-fn in_one_cycle_the_order_of_commands_counts_and_a_deactivation_wins_over_what_stands_before() {
+fn deactivation_overrides_earlier_commands_of_its_cycle() {
     let mut rig = Rig::new();
     rig.run(3);
     let last = rig.give_all(vec![Action::Enable(all()), Action::Deactivate]);
@@ -199,7 +199,7 @@ fn activation_and_a_second_deactivation_end_the_wait_of_the_first() {
 
 /// `fstart` of SAIA switches its axis on itself.
 #[test]
-fn what_a_vocabulary_switches_on_stays_off_after_the_next_activation() {
+fn axis_enabled_by_vocabulary_stays_off_after_next_activation() {
     use saia::Command::{Initialise, LoadAcceleration, LoadDestination, LoadVelocity, Start};
     let start = || {
         let commands = [LoadAcceleration, LoadVelocity, LoadDestination, Start];
@@ -232,7 +232,7 @@ fn what_a_vocabulary_switches_on_stays_off_after_the_next_activation() {
 }
 
 #[test]
-fn power_does_not_activate_a_machine_and_a_restored_one_is_what_it_was() {
+fn power_cycle_and_restore_keep_the_active_state() {
     let mut rig = inactive();
     rig.mirror();
     rig.give(Action::PowerCycle);

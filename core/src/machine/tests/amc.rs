@@ -85,7 +85,7 @@ fn a_selector_follows_its_master_without_delay_whatever_the_order_of_the_file() 
 }
 
 #[test]
-fn no_loop_can_come_about_through_masters() {
+fn masters_that_close_a_loop_are_refused() {
     let mut looped = config(0);
     looped.axes[usize::from(X)].vocabularies.amc.master = Some(Leader::AxisCommand(Y));
     let mut good = looped.clone();
@@ -202,7 +202,7 @@ fn a_cam_that_cannot_start_is_refused_and_changes_nothing() {
 ///
 /// Proves: AMC-SEL-09
 #[test]
-fn an_event_is_stronger_than_a_write_and_a_trigger() {
+fn event_takes_precedence_over_write_and_trigger() {
     let mut rig = enabled(wired());
     set(&mut rig, X, &[("action_on_event", 2)]);
     rig.plant.add_latch(latch(MARK, 0, None));
@@ -256,7 +256,7 @@ fn a_lost_master_is_refused_and_changes_nothing() {
 ///
 /// Proves: AMC-SEL-08
 #[test]
-fn a_selection_that_cannot_begin_at_enable_is_told_and_written_back() {
+fn selection_that_cannot_start_at_enable_is_reported_and_reset() {
     let mut rig = Rig::of(wired());
     let kept = set(&mut rig, Y, &[("reference_select", 1), ("position_reference", 50_001)]);
     assert!(rig.was_accepted(kept), "off, nothing is judged yet");
@@ -292,7 +292,7 @@ fn the_integrators_of_input_and_output_never_differ_by_more_than_they_hold() {
 }
 
 #[test]
-fn positions_of_2_to_the_62_are_the_end() {
+fn positions_beyond_2_to_the_62_are_refused() {
     let mut config = wired();
     config.axes[usize::from(X)].modulo = None;
     let mut rig = enabled(config);
@@ -400,7 +400,7 @@ fn holding_after_a_speed_or_a_goal_stays_where_the_profile_was() {
 /// Every error that locks the axis ends the reference in its cycle: a following error, also that of another axis that
 /// stops all axes.
 #[test]
-fn an_error_takes_the_reference_in_its_cycle() {
+fn error_ends_the_reference_in_its_cycle() {
     let mut config = wired();
     config.axes[usize::from(X)].parameters.supervision.following_error_stops_all = 1;
     let mut rig = enabled(config);
@@ -418,7 +418,7 @@ fn an_error_takes_the_reference_in_its_cycle() {
 
 /// The gear stops without a profile, and `synchronize` takes the axis over.
 #[test]
-fn a_gear_is_left_at_once_and_taken_by_a_coupling() {
+fn gear_stops_at_once_and_coupling_replaces_it() {
     let mut rig = enabled(wired());
     rig.give(Action::Move(at(LINE, 20_000.0)));
     set(&mut rig, Y, &[("stop_mode", 1), ("reference_select", 4)]);
@@ -493,7 +493,7 @@ fn a_selection_of_the_cell_begins_in_cycle_0_on_a_virtual_axis() {
 }
 
 #[test]
-fn a_config_with_a_selection_that_does_not_exist_makes_no_machine() {
+fn config_with_unknown_selection_is_refused() {
     let mut config = wired();
     config.axes[usize::from(X)].parameters.vocabularies.amc.reference_select = 5;
     let error = Machine::new(config).unwrap_err();
@@ -501,7 +501,7 @@ fn a_config_with_a_selection_that_does_not_exist_makes_no_machine() {
 }
 
 #[test]
-fn a_refused_reference_is_told_by_a_code_of_its_own() {
+fn refused_reference_has_its_own_error_code() {
     let mut rig = enabled(wired());
     let sequence = set(&mut rig, X, &[("position_reference", 360)]);
     let refused = rig.events.iter().find(|event| event.command == sequence).unwrap();

@@ -7,9 +7,9 @@ mod locks;
 use super::rig::{Rig, at, cases, config, to};
 use crate::code::Code;
 use crate::command::{
-    AbortTrigger, Action, BufferMode, CamIn, Engage, GearOut, HomeAxis, HomingMethod, DisengageAt, Level, Move, MoveMode,
-    OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory, SetPosition, ShiftPosition, Synchronize,
-    TouchProbe,
+    AbortTrigger, Action, BufferMode, CamIn, DisengageAt, Engage, GearOut, HomeAxis, HomingMethod, Level, Move,
+    MoveMode, OutAn, Phase, PhaseShift, PhaseSide, Probe, ProbeEdge, QueryTrajectory, SetPosition, ShiftPosition,
+    Synchronize, TouchProbe,
 };
 use crate::drive::{Edge, Interface, Latch, control};
 use crate::event::Kind;

@@ -108,7 +108,7 @@ fn each_mode_passes_with_its_velocity() {
 }
 
 #[test]
-fn a_turn_is_made_at_the_target_and_at_rest() {
+fn direction_reversal_happens_at_rest_at_the_target() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(quick(10_000)));
     rig.give(after(BufferMode::BlendingHigh, quick(4_000)));
@@ -122,7 +122,7 @@ fn a_turn_is_made_at_the_target_and_at_rest() {
 
 /// From rest, 100 inc are too short for 50 mm/s: the maximum reached is sqrt(2 * 100 * 1e6) = 14142 inc/s.
 #[test]
-fn a_short_way_is_passed_as_fast_as_it_can_be_reached() {
+fn short_distance_limits_the_blending_velocity() {
     let mut rig = Rig::enabled();
     let first = rig.give(Action::Move(quick(100)));
     rig.give(after(BufferMode::BlendingPrevious, quick(20_000)));
@@ -138,7 +138,7 @@ fn a_short_way_is_passed_as_fast_as_it_can_be_reached() {
 
 /// The second goal is 100 inc long: with a start velocity above 14142 inc/s it would overrun its end.
 #[test]
-fn a_short_goal_behind_is_not_overrun() {
+fn short_next_goal_is_not_overrun() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(quick(20_000)));
     rig.give(after(BufferMode::BlendingPrevious, quick(20_100)));
@@ -167,7 +167,7 @@ fn a_velocity_goal_is_done_for_the_next_one_once_it_is_reached() {
 }
 
 #[test]
-fn a_move_may_pass_into_a_velocity() {
+fn move_may_be_blended_into_velocity_goal() {
     let mut rig = Rig::enabled();
     let first = rig.give(Action::Move(quick(10_000)));
     rig.give(after(BufferMode::BlendingHigh, Move { acceleration: 1e6, ..at(X, 80_000.0) }));
@@ -177,7 +177,7 @@ fn a_move_may_pass_into_a_velocity() {
 }
 
 #[test]
-fn what_rounding_left_out_passes_on_from_goal_to_goal() {
+fn rounding_remainder_is_carried_from_goal_to_goal() {
     let third = Length { nearest: 33, rest: Position::from_f64(1.0 / 3.0) };
     let mut rig = Rig::enabled();
     for mode in [BufferMode::Aborting, BufferMode::BlendingNext, BufferMode::Buffered] {
@@ -188,7 +188,7 @@ fn what_rounding_left_out_passes_on_from_goal_to_goal() {
 }
 
 #[test]
-fn a_stop_ends_all_that_wait() {
+fn stop_ends_all_waiting_goals() {
     for (stop, code) in [
         (Action::Halt(AxisSet::one(X)), Code::HALTED),
         (Action::QuickStop(AxisSet::one(X)), Code::QUICK_STOP),
@@ -220,7 +220,7 @@ fn a_cancelled_goal_that_waits_lets_the_one_before_it_stop_at_its_target() {
 }
 
 #[test]
-fn a_cancelled_active_goal_takes_those_behind_it_along() {
+fn cancelling_active_goal_ends_waiting_goals() {
     let mut rig = Rig::enabled();
     let first = rig.give(Action::Move(quick(10_000)));
     let second = rig.give(after(BufferMode::Buffered, quick(20_000)));
@@ -246,7 +246,7 @@ fn the_ninth_goal_that_waits_is_refused() {
 }
 
 #[test]
-fn what_cannot_wait_is_refused_and_changes_nothing() {
+fn command_that_cannot_wait_is_refused() {
     let mut rig = Rig::enabled();
     rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
     let behind = rig.give(after(BufferMode::Buffered, quick(1_000)));
@@ -264,7 +264,7 @@ fn what_cannot_wait_is_refused_and_changes_nothing() {
 /// After a stop it is not known where goals will end. A goal is not blended into one that a limit forbids: the axis
 /// stops first.
 #[test]
-fn a_goal_does_not_pass_into_one_that_will_be_refused() {
+fn goal_is_not_blended_into_a_goal_that_will_be_refused() {
     use BufferMode::{BlendingHigh, BlendingLow, BlendingNext, BlendingPrevious};
     let ends_at = 40_000;
     for mode in [BlendingLow, BlendingPrevious, BlendingNext, BlendingHigh] {

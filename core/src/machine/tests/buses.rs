@@ -62,7 +62,7 @@ fn two_buses_of_different_delay_share_a_machine() {
 ///
 /// Proves: MACS-ERR-01
 #[test]
-fn a_bus_that_goes_off_is_an_error_of_its_axes_alone() {
+fn bus_off_is_an_error_of_its_own_axes_only() {
     let mut rig = two_buses();
     rig.enable();
     let moves = [X, Y].map(|axis| rig.give(Action::Move(to(axis, 50_000))));
@@ -154,7 +154,7 @@ fn not_enabled(rig: &Rig) -> String {
 
 /// A drive without supply stays in switch on disabled. Its mode is also reported if it differs.
 #[test]
-fn a_drive_that_is_not_enabled_in_time_is_told_with_state_and_mode() {
+fn enable_timeout_reports_state_and_mode_of_drive() {
     let late = "the drive is not in operation enabled after 5000 ms: 6041h shows switch on disabled";
     let said = |tamper: fn(&mut Inputs)| {
         let mut rig = Rig::new();
@@ -172,7 +172,7 @@ fn a_drive_that_is_not_enabled_in_time_is_told_with_state_and_mode() {
 
 /// In mode pp (1) the axis sees 8 for 1, and 1 for 8: the message contains the numbers of the drive.
 #[test]
-fn a_mode_is_told_by_the_numbers_of_the_drive() {
+fn mode_is_reported_with_numbers_of_drive() {
     let mut config = config(0);
     config.axes[usize::from(X)].drive_mode = Some(1);
     let mut rig = Rig::of(config);
@@ -184,7 +184,7 @@ fn a_mode_is_told_by_the_numbers_of_the_drive() {
 
 /// The drive stays at an old setpoint, independent of the commands of the axis: power is removed.
 #[test]
-fn a_setpoint_that_is_not_acknowledged_takes_the_power() {
+fn unacknowledged_setpoint_removes_power() {
     for moves in [false, true] {
         let mut rig = Rig::enabled();
         if moves {
@@ -223,7 +223,7 @@ fn a_drive_has_the_time_of_its_cell_to_be_enabled() {
 
 /// In every cycle, at rest and in motion: the same message is reported once a second, a different one at once.
 #[test]
-fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
+fn emergency_message_is_reported_with_all_bytes_and_rate_limited() {
     let mut rig = Rig::enabled();
     rig.modify_inputs = |inputs| {
         inputs.drive[0].emergency = Some(Emergency { code: 0x8130, register: 0x11, data: [0xDE, 0xAD, 0, 0xBE, 0xEF] });
@@ -247,7 +247,7 @@ fn an_emergency_message_is_told_with_all_its_bytes_and_floods_nothing() {
 
 /// Of nine errors within a second eight are reported. Their end is still reported, once.
 #[test]
-fn the_end_of_an_emergency_is_told_beyond_the_limit_and_once() {
+fn end_of_emergency_is_reported_once_despite_rate_limit() {
     let mut rig = Rig::enabled();
     rig.modify_inputs = |inputs| {
         let code = 0x8100 + (inputs.cycle % 9) as u16;
@@ -264,7 +264,7 @@ fn the_end_of_an_emergency_is_told_beyond_the_limit_and_once() {
 /// A drive that sends another message in each cycle: eight of them are reported per second, in the three seconds
 /// covered here.
 #[test]
-fn emergency_messages_of_many_kinds_flood_nothing() {
+fn emergency_messages_of_many_kinds_are_rate_limited() {
     let mut rig = Rig::enabled();
     rig.modify_inputs = |inputs| {
         let code = 0x8100 + (inputs.cycle % 3) as u16;

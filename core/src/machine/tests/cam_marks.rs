@@ -89,7 +89,7 @@ fn place_of(slave: f64) -> f64 {
 /// cam and that of the belt counts.
 /// Proves: MACS-MARK-13
 #[test]
-fn a_pair_on_the_way_of_a_correction_tells_what_is_left() {
+fn pair_during_correction_reports_remaining_error() {
     // At a product, the cam has 300 inc left once it is 200 inc ahead, or 700 inc once it is 200 inc behind: in the
     // latter case its own mark precedes that of the belt.
     for (distance, shift) in [(300, 200.0), (700, -200.0)] {
@@ -162,7 +162,7 @@ fn windows_and_bounds_hold_for_cams() {
 /// Backwards, and with a master that runs through the table in the opposite direction.
 /// Proves: MACS-CMD-14
 #[test]
-fn marks_of_cams_go_by_the_sense_of_the_cam() {
+fn marks_of_cams_follow_the_direction_of_the_cam() {
     for (speed, scale) in [(-SPEED, 1), (SPEED, -1), (-SPEED, -1)] {
         let mut world = world(&[("syncmpulsm", 300)]);
         world.sense = ((speed / SPEED) as f64, 1.0);
@@ -217,7 +217,7 @@ fn a_cam_begins_at_the_first_mark() {
 }
 
 #[test]
-fn what_marks_of_cams_cannot_be_is_refused() {
+fn invalid_marks_of_cams_are_refused() {
     let third = CamIn { master_scale: Ratio::new(3, 1).unwrap(), ..cam(FEED, CamStart::Relative) };
     let relative = |table| cam(table, CamStart::Relative);
     let of = |mode, cam| Action::Synchronize(request(mode, cam));
@@ -288,7 +288,7 @@ fn nothing_else_shifts_a_cam_with_marks() {
 /// periods of 3000 inc, also at the end of a cycle.
 /// Proves: MACS-CMD-14
 #[test]
-fn ways_that_are_rounded_lose_no_period() {
+fn rounded_distances_lose_no_period() {
     for speed in [1, 2, 5] {
         let mut world = world(&[("syncmpulsm", 300)]);
         world.products = (0..40).map(|place| 500.0 + 3_000.0 * f64::from(place)).collect();
@@ -308,7 +308,7 @@ fn ways_that_are_rounded_lose_no_period() {
 /// Waiting marks of a sensor that is moved nearer are discarded, and do not return when the sensor is moved away again.
 /// Proves: MACS-MARK-03
 #[test]
-fn a_sensor_that_is_moved_forgets_what_waited() {
+fn moving_the_sensor_discards_waiting_marks() {
     let mut world = world(&[("syncmpulsm", 2_300)]);
     start(&mut world, SyncMode::MasterMarker);
     world.run(4_000, SPEED);
@@ -326,7 +326,7 @@ fn a_sensor_that_is_moved_forgets_what_waited() {
 /// the belt.
 /// Proves: MACS-CMD-14
 #[test]
-fn who_is_let_go_on_behind_a_correction_keeps_the_velocity_of_the_belt() {
+fn axis_released_after_correction_keeps_velocity_of_belt() {
     let mut world = world(&[("syncmpulsm", 300)]);
     let request = request(SyncMode::MasterMarker, cam(FEED, CamStart::Relative));
     let goal = world.rig.give(Action::Synchronize(Synchronize { disengage: Disengage::KeepVelocity, ..request }));

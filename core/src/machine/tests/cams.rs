@@ -75,7 +75,7 @@ fn of_knife(x: Position) -> i128 {
 }
 
 #[test]
-fn an_absolute_cam_is_where_the_table_says_over_periods_and_back() {
+fn absolute_cam_follows_table_over_periods_and_back() {
     let mut rig = rig();
     rig.give(on(cam(KNIFE, CamStart::Absolute)));
     rig.run(1);
@@ -248,7 +248,7 @@ fn a_slave_that_may_not_go_back_to_the_end_ends_its_goal_with_that() {
 
 /// Released in a dwell, the axis stands still, whatever it did before.
 #[test]
-fn off_a_dwell_it_goes_on_with_the_velocity_of_the_dwell() {
+fn axis_released_in_dwell_stands_still() {
     let mut rig = rig();
     let request = Synchronize {
         disengage: Disengage::KeepVelocity,
@@ -290,7 +290,7 @@ fn a_cam_with_an_end_may_leave_its_slave_running() {
 }
 
 #[test]
-fn what_is_no_cam_is_refused_with_its_table() {
+fn invalid_cam_is_refused_with_its_table() {
     let mut rig = rig();
     for (table, sentence) in [
         (WORDS, "words: words of a data block are no cam; form y and form xy are"),
@@ -305,7 +305,7 @@ fn what_is_no_cam_is_refused_with_its_table() {
 
 /// At 4000 the tables differ by 1000: the slave reaches the new one within its limits, and follows it exactly.
 #[test]
-fn new_numbers_hold_at_once_and_nothing_jumps() {
+fn new_table_values_apply_at_once_without_a_step() {
     let mut rig = rig();
     rig.give(on(cam(KNIFE, CamStart::Absolute)));
     rig.give(Action::Move(Move { velocity: 10_000.0, ..to(LINE, 4_000) }));

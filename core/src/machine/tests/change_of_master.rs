@@ -188,7 +188,7 @@ proptest! {
 
     /// With further influences: a velocity lead, offsets, a filter, an active shift, counts of an encoder.
     #[test]
-    fn whatever_comes_beside_no_change_is_a_step(
+    fn change_of_coupling_with_other_influences_is_no_velocity_step(
         wishes in prop::collection::vec((coupling_request(), any::<bool>(), any::<bool>()), 2..5),
         (ahead, offset, time) in (prop::sample::select(vec![0_i64, 3_000, 20_000]), -400_i64..400, prop::sample::select(vec![0_i64, 150, 600])),
         filter in prop::sample::select(vec![0_i64, -20_000, 30_000]),
@@ -239,7 +239,7 @@ proptest! {
     /// A goal that waits for its event changes nothing until then: the present coupling continues as if it were not to
     /// be replaced.
     #[test]
-    fn the_coupling_before_holds_until_the_next_begins(first in coupling_request(), next in coupling_request()) {
+    fn previous_coupling_holds_until_next_engages(first in coupling_request(), next in coupling_request()) {
         // MARKER does not wait.
         let (engage, mode) = (if next.engage == 0 { 2 } else { next.engage }, if next.mode == 2 { 1 } else { next.mode });
         let next = CouplingRequest { engage, mode, ..next };
@@ -369,7 +369,7 @@ proptest! {
 /// Two axes exchange leader and follower in one cycle, in motion: the order of the axes changes, and neither loses a
 /// cycle.
 #[test]
-fn an_order_that_turns_round_in_motion_loses_nothing() {
+fn exchange_of_leader_and_follower_in_motion_loses_nothing() {
     let mut rig = rig();
     rig.give(Action::Synchronize(couple(Y, MASTERS[0], 1, 2)));
     rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(Y), 1, 1)));
@@ -437,7 +437,7 @@ fn a_move_takes_a_coupling_over_at_its_velocity() {
 ///
 /// Proves: MACS-SYNC-15
 #[test]
-fn who_is_led_ahead_is_led_no_further_by_a_change() {
+fn velocity_lead_is_applied_once_after_a_change() {
     let mut rig = rig();
     let given = set(&mut rig, &[("syncffvel", 10_000)]);
     assert!(rig.was_accepted(given));

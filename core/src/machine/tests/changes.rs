@@ -161,7 +161,8 @@ fn run(deeds: &[(RandomCommand, u64)], shape: i64, modulo: bool, sense: (i64, i6
     let mut rig = Rig::of(config);
     rig.enable();
     // A jerk limit that was lowered in motion may be exceeded already.
-    let shapes_change = deeds.iter().any(|(deed, _)| matches!(deed, RandomCommand::Set("profile" | "max_jerk" | "jerkmin3", _)));
+    let shapes_change =
+        deeds.iter().any(|(deed, _)| matches!(deed, RandomCommand::Set("profile" | "max_jerk" | "jerkmin3", _)));
     let only_jerk = shape == 2 && !shapes_change;
     let (mut goals, mut before) = (Vec::new(), seen(&rig));
     for (deed, cycles) in deeds {
@@ -174,7 +175,9 @@ fn run(deeds: &[(RandomCommand, u64)], shape: i64, modulo: bool, sense: (i64, i6
             RandomCommand::Halt => Action::Halt(AxisSet::one(X)),
             RandomCommand::QuickStop => Action::QuickStop(AxisSet::one(X)),
             RandomCommand::Cancel => Action::Cancel { goal: goals.last().copied().unwrap_or(0) },
-            RandomCommand::CancelOlder(back) => Action::Cancel { goal: goals.iter().rev().nth(*back).copied().unwrap_or(0) },
+            RandomCommand::CancelOlder(back) => {
+                Action::Cancel { goal: goals.iter().rev().nth(*back).copied().unwrap_or(0) }
+            }
             RandomCommand::Disable => Action::Disable(AxisSet::one(X)),
             // Another request that names no axis.
             RandomCommand::Fault | RandomCommand::Stream(_) => Action::SetParameters([].into()),
@@ -203,8 +206,8 @@ fn run(deeds: &[(RandomCommand, u64)], shape: i64, modulo: bool, sense: (i64, i6
                 continue;
             }
             // A stop that would exceed a limit with its profile shape brakes without the shape, and ends at the limit.
-            let at_limit =
-                [limits.0, limits.1].contains(&(rig.int("x.target.position") as f64)) && !matches!(deed, RandomCommand::Move(_));
+            let at_limit = [limits.0, limits.1].contains(&(rig.int("x.target.position") as f64))
+                && !matches!(deed, RandomCommand::Move(_));
             // A motion that would swing back although this is forbidden stops at once.
             let is_held = sense.1 == 2 && now.velocity == 0.0;
             let broken = fault(
@@ -262,7 +265,7 @@ proptest! {
     #![proptest_config(cases(400))]
 
     #[test]
-    fn no_change_at_any_moment_leads_beyond_a_limit(
+    fn no_change_in_motion_exceeds_a_limit(
         shape in 0_i64..3,
         modulo in any::<bool>(),
         posdrct in prop::sample::select(vec![1_i64, -1]),
@@ -321,7 +324,10 @@ fn a_passage_whose_next_goal_is_cancelled_stops_before_the_limit() {
     for cycles in 100..160 {
         let deeds = [
             (RandomCommand::Move(to(X, LOW)), 6),
-            (RandomCommand::Move(Move { mode: MoveMode::Relative, velocity: 62_380.072_232_098_384, ..to(X, HIGH) }), 564),
+            (
+                RandomCommand::Move(Move { mode: MoveMode::Relative, velocity: 62_380.072_232_098_384, ..to(X, HIGH) }),
+                564,
+            ),
             (RandomCommand::Move(Move { buffer_mode: BufferMode::BlendingLow, ..at(X, MAX_VELOCITY) }), cycles),
             (RandomCommand::Cancel, 400),
         ];

@@ -104,7 +104,7 @@ fn compensation(rig: &Rig) -> i64 {
 /// Calculated by hand: 60 inc on 20 mm are 3 for each mm, then 2 less for each mm; downwards 40 less. Half an increment
 /// is rounded up.
 #[test]
-fn the_motor_is_beyond_the_load_by_the_table_and_the_gap() {
+fn motor_leads_load_by_pitch_error_and_backlash() {
     let mut rig = homed(cell(0, BACKLASH, Some(&PITCH)));
     for (target, expected) in [
         (1_000, 3),
@@ -131,7 +131,7 @@ fn the_motor_is_beyond_the_load_by_the_table_and_the_gap() {
 /// 25 mm/s against 10 mm/s: 25 of 40 inc in the first cycle, then 15. The axis itself does not move, and there is no
 /// following error.
 #[test]
-fn taking_up_is_no_motion_of_the_axis() {
+fn compensation_is_no_motion_of_the_axis() {
     for delay in [0, 1, 7] {
         let mut config = cell(delay, BACKLASH, None);
         config.axes[1].parameters.compensation.velocity = Some(25_000.0);
@@ -188,7 +188,7 @@ fn the_rate_is_a_tenth_of_the_highest_velocity_unless_it_is_given() {
 /// Without a zero the position on the screw is unknown. With a zero the compensation is applied at its rate, and it is
 /// removed together with the zero.
 #[test]
-fn there_is_none_before_a_zero_is_known() {
+fn compensation_needs_a_zero() {
     let mut config = cell(2, BACKLASH, Some(&[(0, 500), (100_000, 500)]));
     config.axes[1].parameters.compensation.velocity = Some(20_000.0);
     let mut rig = Rig::of(config);
@@ -280,7 +280,7 @@ fn a_backlash_that_is_set_at_rest_begins_with_the_next_motion() {
 
 /// Revolution of 10 mm: the table starts again with each revolution.
 #[test]
-fn the_table_of_a_rotary_axis_begins_anew_with_each_turn() {
+fn pitch_table_of_rotary_axis_restarts_each_revolution() {
     let mut config = cell(0, 0, Some(&[(1_000, 20), (6_000, -20)]));
     config.axes[1].modulo = Modulo::new(10_000, 1);
     let mut rig = homed(config);
@@ -307,7 +307,7 @@ fn the_table_of_a_rotary_axis_begins_anew_with_each_turn() {
 /// A cycle at rest is skipped with and without compensation; a motion with compensation does not use the fast path. A
 /// homed zero keeps vocabularies active, so the zero comes from an absolute encoder here.
 #[test]
-fn at_rest_it_costs_nothing() {
+fn cycles_at_rest_are_skipped_with_compensation() {
     use crate::axis::Pace;
     let pace = |rig: &Rig| rig.machine.state.axes[usize::from(X)].pace();
     let absolute = |backlash, pitch| {
@@ -400,7 +400,7 @@ proptest! {
     /// In each cycle the actual position is counts - c, with the c commanded one delay earlier. An ideal drive has no
     /// following error, c never changes faster than its rate, and a restored machine gives the same results.
     #[test]
-    fn the_actual_position_is_counts_minus_what_was_asked_for(
+    fn actual_position_is_counts_minus_commanded_compensation(
         points in table(),
         backlash in 0_i64..2_000,
         rate in prop_oneof![Just(None), (50.0..100_000.0_f64).prop_map(Some)],
@@ -460,7 +460,7 @@ proptest! {
 /// 400 inc at 4000 inc/s take 100 ms, and the move back by 10 inc only a few ms. The goal is done when the load is at
 /// the target, not when counts minus commanded compensation are.
 #[test]
-fn a_goal_is_done_once_its_backlash_is_taken_up() {
+fn goal_is_done_once_backlash_is_compensated() {
     let mut config = cell(2, 400, None);
     config.axes[1].parameters.compensation.velocity = Some(4_000.0);
     let mut rig = homed(config);
@@ -479,7 +479,7 @@ fn a_goal_is_done_once_its_backlash_is_taken_up() {
 /// A backlash larger than max_following_error is not detected as a blocked encoder: the counts move while the axis does
 /// not.
 #[test]
-fn a_motor_that_takes_up_does_not_stand() {
+fn compensating_motor_does_not_count_as_blocked_encoder() {
     let mut config = cell(0, 3_000, None);
     let axis = &mut config.axes[1];
     axis.interface = Interface::Velocity;

@@ -159,7 +159,7 @@ fn backward_motion_is_stored() {
 /// A negative factor of the master selects the forward direction (SYNCFACTM -1).
 /// Proves: MACS-SYNC-05
 #[test]
-fn a_turned_master_goes_backwards_where_it_counts_up() {
+fn inverted_master_moves_backwards_when_counting_up() {
     let mut rig = on(TO_LINE, (1, -1), &[("synctype", 4)]);
     rig.give(line_to(1_000));
     rig.run(1_000);
@@ -171,7 +171,7 @@ fn a_turned_master_goes_backwards_where_it_counts_up() {
 
 /// A change of SYNCTYPE applies from the next synchronize.
 #[test]
-fn the_options_are_those_of_the_beginning() {
+fn synctype_applies_from_next_synchronize() {
     let mut rig = on(TO_LINE, (1, 1), &[("synctype", 0)]);
     set(&mut rig, &[("synctype", 4)]);
     rig.give(line_to(-500));
@@ -262,7 +262,7 @@ fn tau_of_the_filter_in_force_is_a_signal() {
 
 /// If the filter is switched off in motion, its error is removed within the limits of the axis.
 #[test]
-fn a_filter_that_is_switched_off_owes_nothing() {
+fn switched_off_filter_leaves_no_error() {
     let mut rig = on(TO_LINE, (1, 1), &[("syncvftime", -200_000)]);
     rig.give(line_at(10_000.0));
     rig.run(300);
@@ -332,7 +332,7 @@ fn the_band_holds_for_an_offset_with_its_time() {
 
 /// Returns a rig with x 1000 inc ahead of its master, which has moved back (revers 2); syncofftime is 500 ms for 1000
 /// inc.
-pub(super) fn kept_back_by_the_rule() -> Rig {
+pub(super) fn held_back_by_reversing_rule() -> Rig {
     let mut config = config(0);
     let p = &mut config.axes[1].parameters;
     (p.macs.revers, p.sync.mark_distance, p.sync.offset_time, p.sync_accuracy) = (2, 1_000, 500, -10);
@@ -351,8 +351,8 @@ pub(super) fn kept_back_by_the_rule() -> Rig {
 /// on at once, and removes its error in 500 ms at the same time.
 /// Proves: MACS-DIR-07, MACS-SYNC-14
 #[test]
-fn what_the_rule_has_kept_back_is_worked_off_in_its_time() {
-    let mut rig = kept_back_by_the_rule();
+fn error_of_reversing_rule_is_removed_in_offset_time() {
+    let mut rig = held_back_by_reversing_rule();
     assert_eq!(rig.int("x.in_sync"), 0);
     let warnings = rig.events.iter().filter(|event| event.kind == crate::event::Kind::Warning).count();
     assert_eq!(warnings, 1, "once, not in each cycle");
@@ -372,7 +372,7 @@ fn what_the_rule_has_kept_back_is_worked_off_in_its_time() {
 
 /// Uncoupled and coupled again, the slave starts with the present positions of both.
 #[test]
-fn each_coupling_begins_with_nothing_kept() {
+fn each_coupling_starts_without_stored_motion() {
     let mut rig = on(TO_LINE, (1, 1), &[("synctype", 4), ("syncvftime", -50_000)]);
     rig.give(line_to(-1_000));
     rig.run(500);

@@ -49,7 +49,7 @@ fn closed_here(posdrct: i64) -> MachineConfig {
 ///
 /// Proves: MACS-DIR-02, MACS-O-71
 #[test]
-fn inverted_units_show_and_take_the_mirror() {
+fn inverted_units_mirror_commands_and_signals() {
     let mut rig = Rig::of(turned(-1));
     rig.plant.drive(0).unwrap().jump(500);
     rig.enable();
@@ -125,7 +125,7 @@ fn gears_are_in_the_units_of_both_axes() {
 /// POSDRCT can only be changed while the axis is off. The position is then mirrored, and nothing moves: neither the
 /// axis nor its followers.
 #[test]
-fn turned_over_while_it_is_off_it_stays_where_it_is() {
+fn axis_inverted_while_off_stays_in_place() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(to(X, 3_000)));
     rig.run(1_000);
@@ -163,7 +163,7 @@ fn turned_over_while_it_is_off_it_stays_where_it_is() {
 
 /// A restored layer inverts the axis like a set does, and is refused while the axis is on.
 #[test]
-fn a_reset_turns_it_back() {
+fn parameter_reset_restores_polarity() {
     let mut rig = Rig::new();
     rig.plant.drive(0).unwrap().jump(700);
     rig.run(2);
@@ -182,7 +182,7 @@ fn a_reset_turns_it_back() {
 
 /// A position latched in counts of the drive is shown in user polarity.
 #[test]
-fn latches_are_turned_over() {
+fn latches_are_inverted() {
     let mut rig = Rig::of(turned(-1));
     rig.plant.drive(0).unwrap().jump(500);
     rig.run(2);
@@ -221,7 +221,7 @@ fn an_inverted_position_feedback_turns_the_output_of_the_loop() {
 
 /// Proves: MACS-DIR-01
 #[test]
-fn what_cannot_be_turned_over_is_refused_with_a_sentence() {
+fn invalid_posdrct_is_refused_with_message() {
     for (posdrct, sentence) in [
         (
             2,

@@ -148,7 +148,7 @@ fn keeping_the_velocity_of_an_encoder_keeps_its_mean() {
 }
 
 #[test]
-fn a_leader_that_is_lost_stops_its_follower_without_a_stutter() {
+fn lost_leader_stops_follower_smoothly() {
     let mut rig = Rig::enabled();
     rig.give(Action::Synchronize(couple(X, Leader::AxisActual(Y), 1, 1)));
     rig.give(Action::Move(at(Y, 50_000.0)));
@@ -179,7 +179,7 @@ fn no_loop_is_left_when_one_of_two_couplings_of_a_cycle_is_refused() {
 
 /// The key with the value 0 is named: that of the request, or the parameter that replaces it.
 #[test]
-fn a_ratio_that_is_none_names_the_part_that_makes_it_so() {
+fn invalid_ratio_names_its_invalid_part() {
     let mut rig = Rig::enabled();
     let rule = "both parts must not be 0 and stay below 2^62";
     let geared =
@@ -248,7 +248,7 @@ fn sixty_goals_in_one_cycle_are_all_ended() {
 }
 
 #[test]
-fn numbers_that_no_machine_has_neither_jump_nor_panic() {
+fn extreme_numbers_neither_jump_nor_panic() {
     let mut config = config(0);
     config.axes[usize::from(X)].modulo = Modulo::new(36_000, 1);
     let parameters = &mut config.axes[usize::from(X)].parameters;
@@ -329,7 +329,7 @@ fn a_latch_of_raw_counts_is_found_beyond_the_wrap() {
 }
 
 #[test]
-fn in_position_time_starts_anew_after_switching_off() {
+fn in_position_time_restarts_after_power_off() {
     let mut config = config(0);
     let parameters = &mut config.axes[usize::from(X)].parameters;
     (parameters.in_position_window, parameters.in_position_time) = (10, 100_000_000);

@@ -197,7 +197,7 @@ fn an_axis_at_rest_waits_for_its_leader() {
 
 /// If the leader is already at the position, the cam starts at once; a table with an offset starts at the offset.
 #[test]
-fn a_leader_that_is_there_counts() {
+fn leader_already_at_position_engages_at_once() {
     let mut rig = rig();
     let cam = CamIn {
         master_offset: Length::whole(2_048),
@@ -323,7 +323,7 @@ fn the_new_cam_begins_where_it_runs_from() {
 
 /// The end is met exactly, and the new cam, which has an end, runs back from its end.
 #[test]
-fn an_end_that_is_met_exactly_is_one() {
+fn end_met_exactly_counts() {
     let mut rig = rig();
     rig.give(Action::Synchronize(on(KNIFE, CamStart::Relative, Engage::Immediately)));
     let turned = on(ONCE, CamStart::Relative, Engage::AtEnd);
@@ -440,7 +440,7 @@ fn a_stream_ends_the_wait() {
 
 /// An invalid state is not restored.
 #[test]
-fn a_wait_that_cannot_be_is_refused() {
+fn invalid_waiting_state_is_refused() {
     let sound = Modulo::new(10, 1).expect("a turn");
     let mut bytes = postcard::to_allocvec(&sound).expect("bytes");
     bytes[0] = 0;
@@ -506,7 +506,7 @@ fn absolute_at_its_moment_is_refused_where_the_slave_is_elsewhere_and_the_cam_go
 
 /// Every stop and every takeover of the axis ends the wait, once.
 #[test]
-fn the_wait_ends_with_what_ends_the_motion() {
+fn every_stop_ends_the_wait() {
     let waiting = on(FEED, CamStart::Relative, at_position(1_000_000));
     for (action, code) in [
         (Action::Halt(AxisSet::one(X)), Code::HALTED),

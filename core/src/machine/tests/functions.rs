@@ -167,7 +167,7 @@ fn a_function_runs_on_without_its_axis_which_follows_again_once_it_is_on() {
 }
 
 #[test]
-fn what_else_moves_or_stops_the_axis_takes_it_until_the_next_start() {
+fn other_motion_or_stop_takes_axis_from_function_until_next_start() {
     for taking in [
         Action::Move(to(X, 90_000)),
         Action::Halt(AxisSet::one(X)),
@@ -243,7 +243,7 @@ fn a_sink_that_is_too_fast_is_an_error_of_its_axis() {
 }
 
 #[test]
-fn an_error_takes_the_axis_and_a_function_that_is_to_run_runs_on() {
+fn error_takes_axis_while_function_continues() {
     let mut rig = geared();
     rig.give(order(0, Order::Start));
     rig.run(20);
@@ -280,7 +280,7 @@ fn an_error_that_lets_the_axis_go_on_ends_a_function_all_the_same_where_it_is_to
 }
 
 #[test]
-fn a_start_that_a_stop_of_its_cycle_overtakes_is_told() {
+fn start_overridden_by_stop_of_its_cycle_is_reported() {
     let mut rig = geared();
     rig.give_all(vec![Action::QuickStop(AxisSet::one(X)), order(0, Order::Start)]);
     assert_eq!((rig.int("g.active"), rig.state("x")), (1, "STOPPING"));
@@ -364,7 +364,7 @@ fn a_follower_of_a_sink_follows_it_and_counts_on_where_it_begins_anew() {
 }
 
 #[test]
-fn a_new_coordinate_of_the_source_is_no_way() {
+fn new_coordinate_of_source_is_no_travel() {
     let slots = vec![gear("g", 0, Leader::AxisActual(Y), X)];
     let mut rig = Rig::of(cell(slots));
     rig.enable();
@@ -419,7 +419,7 @@ fn orders_are_taken_by_the_states_and_a_set_is_taken_as_a_whole() {
 
 /// Proves: AMK-GEN-13
 #[test]
-fn a_table_in_use_stands_and_one_that_may_be_edited_counts_at_once() {
+fn table_in_use_is_locked_and_editable_table_applies_at_once() {
     let mut binea = slot("b", 0, Type::Binea);
     binea.tables[0] = Some(0);
     let mut rig = Rig::of(cell(vec![binea]));

@@ -61,7 +61,7 @@ fn errors(rig: &Rig) -> Vec<Code> {
 
 /// In each cycle both drives get the same control word, and the axis is on once both drives are.
 #[test]
-fn it_is_on_once_both_drives_are() {
+fn axis_is_on_once_both_drives_are_on() {
     let mut rig = with_count_difference(0);
     // The second drive is slow: for 30 cycles it reports only switched on.
     rig.modify_inputs = |inputs: &mut Inputs| {
@@ -94,7 +94,7 @@ fn a_drive_that_does_not_come_on_switches_both_off() {
 
 /// Different initial counts of the drives are no skew: the second drive gets setpoints with this difference.
 #[test]
-fn where_both_stand_is_square_unless_something_says_otherwise() {
+fn initial_positions_are_square_by_default() {
     for by in [0, 7, -150, 1_000_000, i64::from(i32::MIN)] {
         let mut rig = enabled(by);
         assert_eq!((rig.int("x.skew"), rig.int("x.second.count")), (0, by));
@@ -136,7 +136,7 @@ fn it_keeps_a_skew_within_the_limit_and_is_not_switched_on_beyond_it() {
 
 /// One side is held while the axis moves: in the cycle in which the skew exceeds 200 inc, both drives are switched off.
 #[test]
-fn a_skew_beyond_the_limit_takes_the_power_of_both_in_its_cycle() {
+fn skew_above_limit_removes_power_of_both_drives_in_its_cycle() {
     for jammed in [FIRST, SECOND] {
         let mut rig = enabled(40);
         // No other error must stop the axis first.
@@ -243,7 +243,7 @@ fn skewed(reaction: i64) -> Rig {
 
 /// Above twice max_skew both drives are switched off with any reaction: during its own stop, and if it only reports.
 #[test]
-fn beyond_twice_the_limit_the_power_goes_whatever_the_reaction_is() {
+fn skew_above_twice_the_limit_removes_power_with_any_reaction() {
     for reaction in [2, 3, 5] {
         let mut rig = skewed(reaction);
         assert_eq!(controls(&rig), [control::ENABLE; 2]);
@@ -259,7 +259,7 @@ fn beyond_twice_the_limit_the_power_goes_whatever_the_reaction_is() {
 /// While another error stops the axis, a skew without a further reaction is reported once; so is a skew with reaction
 /// report only.
 #[test]
-fn a_skew_beside_another_error_is_told_once() {
+fn skew_during_another_error_is_reported_once() {
     for reaction in [2, 3, 4, 5] {
         let mut rig = enabled(0);
         rig.set("skew_reaction", Value::Int(reaction));
@@ -300,7 +300,8 @@ fn a_drive_that_still_runs_has_not_stopped_by_itself() {
         let mut rig = skewed(4);
         assert_eq!(controls(&rig), [control::QUICK_STOP; 2]);
         rig.plant.drive(FIRST).unwrap().jam(true);
-        rig.modify_inputs = if runs { |all: &mut Inputs| all.drive[SECOND].count += all.cycle as i64 % 100 } else { |_| {} };
+        rig.modify_inputs =
+            if runs { |all: &mut Inputs| all.drive[SECOND].count += all.cycle as i64 % 100 } else { |_| {} };
         // Both drives report quick stop, at any velocity.
         rig.run(20);
         rig.give(Action::Disable(AxisSet::one(X)));
@@ -362,7 +363,7 @@ fn a_second_drive_without_a_place_is_not_switched_on() {
 
 /// The square position and the held position are taken from inputs of the same cycle.
 #[test]
-fn what_is_held_is_of_fresh_words() {
+fn held_position_is_taken_from_new_inputs() {
     let mut rig = Rig::of(cell());
     // Before its first report the drive repeats an old word, and again while it is switched on.
     rig.modify_inputs = |all: &mut Inputs| match all.cycle {
@@ -452,7 +453,7 @@ fn what_fails_of_either_drive_stops_both_in_its_cycle() {
 
 /// No new data from either drive for longer than missed_cycles.
 #[test]
-fn a_silence_of_either_drive_counts() {
+fn missing_data_of_either_drive_is_supervised() {
     let silences: [fn(&mut Inputs); 2] = [|all| all.drive[FIRST].fresh = false, |all| all.drive[SECOND].fresh = false];
     for silence in silences {
         let mut rig = enabled(0);
@@ -467,7 +468,7 @@ fn a_silence_of_either_drive_counts() {
 
 /// During a wait for new data the last word belongs to an earlier cycle, so it is no skew.
 #[test]
-fn words_that_are_waited_for_are_no_skew() {
+fn missing_words_are_no_skew() {
     let stale: [fn(&mut Inputs); 2] = [
         |all| (all.drive[FIRST].fresh, all.drive[FIRST].count) = (false, all.drive[FIRST].count - 500),
         |all| (all.drive[SECOND].fresh, all.drive[SECOND].count) = (false, all.drive[SECOND].count - 500),
@@ -523,7 +524,7 @@ fn a_new_coordinate_of_the_second_drive_is_no_motion() {
 /// Absolute encoders give the square position, wherever their words start again; one that no longer reports a position
 /// switches both drives off.
 #[test]
-fn absolute_encoders_know_their_square() {
+fn absolute_encoders_keep_the_square_position() {
     for (by, skew) in [(300, 0), (300 - 40_000, 0), (300 + 80_000, 0), (340, 40), (260 - 40_000, -40)] {
         let mut config = cell();
         let x = &mut config.axes[usize::from(X)];
@@ -560,7 +561,7 @@ fn the_limit_switch_of_either_drive_stops_it() {
 
 /// Parameter values that are refused.
 #[test]
-fn what_two_drives_cannot_do_is_refused_by_name() {
+fn unsupported_parameters_with_two_drives_are_refused_by_name() {
     let mut rig = with_count_difference(0);
     for (key, value, expected) in [
         ("max_skew", Value::Unset, "max_skew is missing; a distance above 0 is expected"),
@@ -577,7 +578,7 @@ fn what_two_drives_cannot_do_is_refused_by_name() {
 }
 
 #[test]
-fn two_drives_that_cannot_carry_an_axis_make_no_machine() {
+fn config_with_unsuitable_second_drive_is_refused() {
     let problem = |change: fn(&mut crate::config::AxisConfig)| {
         let mut config = cell();
         change(&mut config.axes[usize::from(X)]);

@@ -202,7 +202,7 @@ fn a_pair_that_is_taken_over_is_one_of_places_without_the_lead() {
 ///
 /// Proves: MACS-SYNC-14
 #[test]
-fn the_offset_of_before_is_in_the_pair() {
+fn previous_offset_is_included_in_pair() {
     let mut rig = rig_of(|axis| axis.parameters.sync.offset = 500);
     waiting(&mut rig);
     rig.give(line(30_000, 19.7));
@@ -241,7 +241,7 @@ fn a_gear_of_the_same_leader_passes_into_the_pair() {
 
 /// The leader stops during the approach, moves back before the start and returns: the curve is always the same.
 #[test]
-fn the_curve_is_one_of_the_leaders_place() {
+fn curve_depends_on_leader_position_only() {
     let mut rig = rig();
     let goal = waiting(&mut rig);
     rig.mirror();
@@ -318,7 +318,7 @@ fn a_leader_from_above_starts_above() {
 /// The line at 20 inc per cycle: the refusal reports a distance that is just accepted. Once the line is at rest, the
 /// check takes place at the event.
 #[test]
-fn a_way_too_short_is_refused_with_the_least_that_is_enough() {
+fn too_short_start_distance_is_refused_with_minimum() {
     let mut rig = rig();
     rig.give(line(100_000_000, 20.0));
     rig.run(100);
@@ -406,7 +406,7 @@ fn a_leader_past_its_start_is_refused_with_what_is_missing() {
 
 /// Revers 2 forbids all backward motion, 1 only that without the master.
 #[test]
-fn a_way_back_is_refused_where_revers_forbids_it() {
+fn backward_approach_is_refused_by_revers() {
     let with_rule = |rule: i64| match rule {
         1 => rig_of(|axis| axis.parameters.macs.revers = 1),
         _ => rig_of(|axis| axis.parameters.macs.revers = 2),

@@ -44,7 +44,7 @@ fn what_is_set_is_lost_with_the_power_and_what_is_saved_is_in_force_from_then_on
 
 /// Values in parts of VELRES are reported together with VELRES.
 #[test]
-fn a_part_beyond_velres_is_told_with_velres() {
+fn share_above_velres_is_refused_with_velres() {
     let mut rig = Rig::new();
     for (key, part) in [("dfltvel", 100), ("dfltacc", 10_000)] {
         let lines = [change(X, key, Value::Int(part)), change(X, "velres", Value::Int(99))];
@@ -172,7 +172,7 @@ fn a_machine_begins_with_what_was_saved() {
 }
 
 #[test]
-fn a_saved_set_that_contradicts_makes_no_machine() {
+fn contradictory_saved_set_is_refused() {
     let mut config = config(0);
     config.axes[1].saved = Some(AxisParameters { default_velocity: Some(2e5), ..parameters() });
     assert_eq!(Machine::new(config).unwrap_err().to_string(), "x: default_velocity exceeds max_velocity");
@@ -210,7 +210,7 @@ fn a_reset_never_selects_a_reference_of_an_axis_that_is_on() {
 }
 
 #[test]
-fn the_power_goes_only_where_nothing_moves() {
+fn power_cycle_is_refused_while_an_axis_is_on() {
     let mut rig = Rig::enabled();
     let refused = rig.give(Action::PowerCycle);
     assert_eq!(

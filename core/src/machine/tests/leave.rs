@@ -3,7 +3,7 @@
 use super::direction::set;
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, parameters, to};
 use crate::code::Code;
-use crate::command::{Action, Engage, GearOut, DisengageAt, Move, MoveMode, Phase, PhaseShift, PhaseSide, Synchronize};
+use crate::command::{Action, DisengageAt, Engage, GearOut, Move, MoveMode, Phase, PhaseShift, PhaseSide, Synchronize};
 use crate::config::{IoConfig, IoKind, MachineConfig, SumConfig, TableConfig};
 use crate::drive::Inputs;
 use crate::modulo::Modulo;
@@ -172,7 +172,7 @@ fn a_leader_that_stands_at_the_place_is_there() {
 /// Leaders other than an axis: counts of an encoder, of which some skip the position, a sum that moves backwards, an
 /// actual position.
 #[test]
-fn whatever_leads_comes_to_the_place() {
+fn every_kind_of_leader_reaches_the_leaving_position() {
     let mut config = cell();
     let (add, subtract) = (vec![TO_LINE], vec![Leader::Encoder(0)]);
     config.masters = vec![SumConfig { name: "sum".into(), add, subtract }];
@@ -218,7 +218,7 @@ fn a_new_zero_of_the_leader_passes_no_place() {
 
 /// Any other end of the coupling ends the wait, with its own code; a refused goal does not.
 #[test]
-fn whatever_else_ends_the_coupling_drops_it() {
+fn other_end_of_coupling_ends_the_wait() {
     fn jump(inputs: &mut Inputs) {
         inputs.drive[0].online = false;
     }
@@ -304,7 +304,7 @@ fn an_axis_that_no_goal_couples_refuses_it() {
 }
 
 #[test]
-fn what_a_request_does_not_mean_is_refused_by_name() {
+fn unused_request_field_is_refused_by_name() {
     let config = cell();
     let refused = |request: GearOutRequest| config.resolve_gear_out(&request).expect_err("refused").to_string();
     let x = || GearOutRequest { axis: "x".into(), ..GearOutRequest::default() };
@@ -382,7 +382,7 @@ fn a_shift_under_way_ends_with_the_coupling() {
 
 /// In a chain the next axis keeps its gear ratio to an axis that leaves its coupling.
 #[test]
-fn who_follows_the_axis_follows_it_out_of_its_coupling() {
+fn follower_keeps_gear_while_its_leader_leaves_a_coupling() {
     let mut rig = rig();
     rig.give(Action::Move(at(LINE, 20_000.0)));
     rig.give(Action::Synchronize(half("position")));

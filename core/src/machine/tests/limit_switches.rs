@@ -82,7 +82,7 @@ fn without_endswmod_the_error_reaction_decides_and_five_stops_too() {
 
 /// Proves: MACS-LIM-05, MACS-LIM-09
 #[test]
-fn after_the_reset_the_way_back_is_open_and_the_other_is_error_98() {
+fn after_reset_motion_back_is_allowed_and_motion_into_switch_is_error_98() {
     let mut rig = rig_of(|x| x.supervision.endswmod = 1);
     run_into(&mut rig);
     rig.run(100);
@@ -268,7 +268,7 @@ proptest! {
     ///
     /// Proves: MACS-LIM-08, MACS-LIM-09
     #[test]
-    fn nothing_runs_on_into_a_switch(
+    fn no_motion_continues_into_a_switch(
         velocity in 1_000.0..100_000.0_f64, rate in 10_000.0..1_000_000.0_f64, kind in 0..4_u8, halt_at in 0_u64..400,
     ) {
         let mut rig = rig_of(|x| x.supervision.endswmod = 1);
@@ -307,7 +307,7 @@ proptest! {
 ///
 /// Proves: MACS-LIM-09
 #[test]
-fn a_second_switch_is_told() {
+fn second_limit_switch_is_reported() {
     for rests in [false, true] {
         let mut rig = rig_of(|x| x.supervision.endswmod = 1);
         run_into(&mut rig);

@@ -98,7 +98,7 @@ fn the_output_stays_within_max_velocity() {
 
 /// The following error is supervised as with any other drive, and reaction 2 stops with the loop closed.
 #[test]
-fn too_far_behind_is_an_error_and_the_loop_holds() {
+fn following_error_stops_with_loop_closed() {
     let mut rig = enabled(0, lag(5));
     rig.plant.drive(0).unwrap().jump(-20_001);
     rig.run(1);
@@ -108,7 +108,7 @@ fn too_far_behind_is_an_error_and_the_loop_holds() {
 }
 
 #[test]
-fn switched_off_or_in_fault_the_drive_is_asked_for_nothing() {
+fn drive_that_is_off_or_in_fault_gets_zero_commands() {
     let mut rig = enabled(0, lag(5));
     rig.give(Action::Move(at(X, 50_000.0)));
     rig.run(200);

@@ -135,7 +135,7 @@ impl BeltAndRoll {
 /// distance.
 /// Proves: MACS-MARK-01, MACS-MARK-13, MACS-MARK-14, MACS-CMD-12
 #[test]
-fn labels_come_with_their_products() {
+fn labels_meet_their_products() {
     for (start, ahead) in [(6, -700.0), (2, -700.0), (3, 1_300.0), (4, -700.0), (5, -700.0), (1, -700.0), (0, 1_300.0)]
     {
         let mut world = BeltAndRoll::new(500.0, &[("syncmstart", start)]);
@@ -389,7 +389,10 @@ fn index_pulses_are_marks() {
     let mut config = config(0);
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 5)]);
     let goal = rig.give(by_marks());
@@ -438,7 +441,10 @@ fn an_index_pulse_of_what_has_none_is_refused() {
 #[test]
 fn the_virtual_master_has_marks() {
     let mut rig = Rig::new();
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 5)]);
     let of_machine = |key, value| {
@@ -496,7 +502,7 @@ fn a_virtual_master_without_marks_is_refused() {
 /// Sources that cannot give marks, and unknown starts, are refused by name.
 /// Proves: MACS-MARK-14
 #[test]
-fn what_gives_no_marks_is_refused() {
+fn source_without_marks_is_refused() {
     for (changes, sentence) in [
         (
             ("syncmtypm", 42),
@@ -551,7 +557,7 @@ fn nothing_else_shifts_an_axis_on_marks() {
 /// The same with a gear that inverts the belt, with a belt that runs backwards, and in cycles of 4 ms.
 /// Proves: MACS-MARK-13, MACS-SYNC-14
 #[test]
-fn marks_meet_in_all_senses_and_cycles() {
+fn marks_meet_in_all_directions_and_cycle_times() {
     for (ratio, way) in [(-2, 10), (2, -10), (-2, -10)] {
         for changes in [&[][..], &[("syncmftime", 1_000)], &[("syncofftime", 300)], &[("syncvftime", -10_000)]] {
             let mut world = BeltAndRoll::new(500.0, &[&[("syncmstart", 5)], changes].concat());
@@ -602,7 +608,7 @@ fn a_coupling_by_marks_is_restored() {
 
 /// Stopped together with its belt it stays at rest; uncoupled, no signals of marks are shown any more.
 #[test]
-fn a_belt_that_stands_leaves_it_alone() {
+fn belt_at_rest_causes_no_correction() {
     let mut world = BeltAndRoll::new(500.0, &[("syncmstart", 6), ("syncmftime", 1_000)]);
     world.couple();
     world.run(777, 10);

@@ -67,7 +67,7 @@ fn a_terminal_is_an_entry_of_encoders() {
 ///
 /// Proves: MACS-ENC-14
 #[test]
-fn numbers_that_name_nothing_are_refused_with_what_would() {
+fn unused_mencodertype_is_refused_with_allowed_values() {
     for kind in [0, 1, 2, 5] {
         let mut rig = rig(kind);
         let sequence = follow(&mut rig);

@@ -140,7 +140,10 @@ fn a_new_zero_between_two_marks_is_no_missing_pulse() {
     (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     p.max_following_error = 20_000;
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
     rig.give(Action::Move(to(X, 5_500)));
     rig.run(2_000);

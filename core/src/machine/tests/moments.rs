@@ -610,7 +610,7 @@ fn a_setpoint_holds_as_long_as_its_time_says_now() {
 
 /// Proves: MACS-STO-08
 #[test]
-fn what_is_computed_follows_in_the_cycle_of_the_set() {
+fn derived_values_update_in_the_cycle_of_the_set() {
     let mut rig = Rig::of(relative());
     let shown = |rig: &Rig, key: &str| {
         let (_, row) = Row::find(key).unwrap_or_else(|| panic!("{key}"));

@@ -115,7 +115,7 @@ fn a_constant_velocity_keeps_its_way_over_millions_of_cycles() {
 
 /// Proves: MACS-LIM-03, MACS-CMD-03
 #[test]
-fn what_a_goal_may_not_ask_is_refused_with_values_and_changes_nothing() {
+fn invalid_goal_is_refused_with_values_and_changes_nothing() {
     let mut rig = Rig::enabled();
     let mut refuse = |goal: Move| {
         let before = rig.machine.board().clone();
@@ -139,7 +139,7 @@ fn what_a_goal_may_not_ask_is_refused_with_values_and_changes_nothing() {
 }
 
 #[test]
-fn a_refusal_tells_where_the_axis_stands() {
+fn refusal_reports_position_of_axis() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(to(X, 777)));
     rig.run_until("x.state", 1);
@@ -164,7 +164,7 @@ proptest! {
     ///
     /// Proves: MACS-PROF-08
     #[test]
-    fn whatever_is_asked_the_limits_hold_and_the_axis_rests_on_an_increment(
+    fn random_commands_keep_limits_and_end_on_whole_increment(
         asks in prop::collection::vec((0_u8..4, -200_000_i64..200_000, 0.01..1.0_f64, 1_u64..200), 1..12),
     ) {
         let mut rig = Rig::enabled();

@@ -193,7 +193,7 @@ fn goals_and_streams_need_a_position_loop() {
 }
 
 #[test]
-fn speeds_that_are_none_change_nothing() {
+fn invalid_speeds_change_nothing() {
     let mut rig = running(20_000.0);
     for (velocity, code) in [
         (f64::NAN, Code::BAD_NUMBER),
@@ -215,7 +215,7 @@ fn speeds_that_are_none_change_nothing() {
 ///
 /// Proves: WF-OST-10
 #[test]
-fn no_speed_is_never_refused() {
+fn speed_zero_is_always_accepted() {
     let x = || AxisSet::one(X);
     for action in [Action::QuickStop(x()), Action::Abort, Action::Disable(x()), Action::Halt(x())] {
         let mut rig = running(20_000.0);
@@ -311,7 +311,7 @@ fn outputs_of_an_axis_that_was_not_started_are_off() {
 ///
 /// Proves: WF-OLC-09, WF-OLC-10, WF-DAC-01
 #[test]
-fn outputs_end_with_what_they_stand_for() {
+fn outputs_end_with_their_signals() {
     let mut rig = Rig::with(wired(), [motor(), Model::Ideal]);
     rig.enable();
     let shows = |rig: &mut Rig, asked: Switching| {

@@ -89,7 +89,7 @@ fn an_error_shows_and_an_edge_clears_it() {
 ///
 /// Proves: MACS-IO-10
 #[test]
-fn an_edge_cannot_clear_what_goes_on() {
+fn edge_cannot_clear_persistent_error() {
     let mut cell = with_io();
     cell.global.parameters.i_errclr = 1;
     let mut rig = ready(cell);
@@ -224,7 +224,7 @@ fn a_break_stops_all_until_continue() {
 ///
 /// Proves: MACS-IO-08
 #[test]
-fn a_break_takes_the_reference_of_the_selector_in_its_cycle() {
+fn break_clears_selector_reference_in_its_cycle() {
     let mut cell = with_io();
     cell.global.parameters.i_break = 1;
     let mut rig = ready(cell);
@@ -496,7 +496,7 @@ fn parameters_of_the_machine_have_layers() {
 ///
 /// Proves: MACS-DIR-08, MACS-DIR-09
 #[test]
-fn outputs_tell_the_sign_of_a_unipolar_reference() {
+fn outputs_show_sign_of_unipolar_reference() {
     use crate::drive::Interface;
     use crate::sim::{SignOutputs, VelocityLag};
     for posdrct in [1, 2, -1] {

@@ -89,7 +89,7 @@ fn a_latch_of_an_axis_lies_on_the_line_between_two_cycles() {
 }
 
 #[test]
-fn latches_that_found_no_room_are_told() {
+fn lost_latches_are_reported() {
     let mut rig = Rig::new();
     let latch = Latch { object: Object::Axis(X), edge: Edge::Falling, age_ns: Some(0), position: None };
     let taken = (0..20).filter(|_| rig.plant.add_latch(latch)).count();
@@ -178,7 +178,7 @@ fn inputs_show_on_the_board() {
 
 /// in a set the direction polarity is applied first, in any order.
 #[test]
-fn a_set_means_the_same_wherever_the_sense_of_rotation_stands_in_it() {
+fn set_is_independent_of_position_of_posdrct() {
     let int = |key, value| change(key, Value::Int(value));
     let changes = [int("max_position", 9_000), int("posdrct", -1), int("neglimit", -7_000), int("swneglimact", 1)];
     let [native, sense, limit, switch] = changes;

@@ -156,7 +156,7 @@ fn a_new_shift_takes_the_place_of_one_that_moves() {
 
 /// A shift that replaces an active one may use the velocity of that one; an active shift of the slave reduces it.
 #[test]
-fn what_is_left_is_told_without_the_shift_that_ends() {
+fn replacing_shift_may_use_velocity_of_replaced_shift() {
     let mut rig = Rig::enabled();
     rig.give(Action::Synchronize(couple(X, TO_LINE, 2, 1)));
     let shift = amount(Length::whole(10_000), 30_000.0, 300_000.0);

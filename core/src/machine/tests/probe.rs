@@ -203,7 +203,7 @@ fn only_the_first_latch_counts_and_that_is_the_oldest() {
 }
 
 #[test]
-fn each_edge_is_taken_by_who_asks_for_it() {
+fn each_edge_is_taken_by_the_probe_that_requests_it() {
     use ProbeEdge::{Both, Falling, Rising};
     for (edge, given, takes) in [
         (Rising, Edge::Rising, true),

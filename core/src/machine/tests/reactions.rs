@@ -84,7 +84,7 @@ fn a_following_error_stops_all_axes_each_by_its_own_reaction_in_the_same_cycle()
 }
 
 #[test]
-fn unless_it_asks_for_that_an_axis_keeps_its_following_error_to_itself() {
+fn following_error_stops_other_axes_only_if_configured() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(at(Y, 50_000.0)));
     rig.plant.drive(0).unwrap().jump(5_000);
@@ -107,7 +107,7 @@ fn an_axis_that_is_off_is_not_concerned() {
 
 /// Proves: MACS-ERR-03, MACS-ERR-04
 #[test]
-fn an_error_that_only_is_reported_is_told_again_while_it_lasts() {
+fn reported_error_is_repeated_while_it_persists() {
     let mut config = config(0);
     config.axes[1].parameters.error_reaction = 5;
     config.axes[1].parameters.supervision.following_error_stops_all = 1;
@@ -183,7 +183,7 @@ fn a_revolution_of_following_error_is_tolerated_and_no_more() {
 ///
 /// Proves: MACS-ERR-07
 #[test]
-fn round_robin_forgets_what_is_not_in_succession() {
+fn round_robin_count_restarts_after_a_good_check() {
     let mut config = config(0);
     config.axes.truncate(2);
     config.axes[1].parameters.following_error_time = 40 * MS;
@@ -252,7 +252,7 @@ fn two_readings_take_the_time_between_them() {
 
 /// Proves: MACS-TGT-06
 #[test]
-fn a_window_that_is_never_reached_is_told_of_once_and_the_goal_waits_on() {
+fn unreached_target_window_is_reported_once_and_goal_waits() {
     let mut config = config(0);
     let x = &mut config.axes[1].parameters;
     (x.in_position_window, x.supervision.in_position_timeout) = (10, 50 * MS);
@@ -500,7 +500,7 @@ fn an_emergency_stop_takes_the_power_of_a_drive_that_stops_by_itself() {
 /// A contact that opens while the axis brakes for another error removes the power at rest, and is reported in its
 /// cycle, once.
 #[test]
-fn an_emergency_stop_during_another_stop_is_told_once() {
+fn emergency_stop_during_another_stop_is_reported_once() {
     let mut rig = closed();
     rig.give(Action::Move(at(X, 50_000.0)));
     rig.run(200);

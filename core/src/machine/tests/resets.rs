@@ -112,7 +112,7 @@ fn a_reset_that_waits_goes_on_waiting_where_the_power_goes() {
 /// An encoder that jitters by one count counts as at rest; one that is turned continuously is waited for 5 s, and no
 /// longer.
 #[test]
-fn what_never_stands_is_reset_all_the_same() {
+fn axis_that_never_comes_to_rest_is_reset_after_timeout() {
     let mut rig = Rig::of(of_reaction(0));
     rig.enable();
     rig.modify_inputs = |inputs| inputs.drive[0].count += (inputs.cycle & 1) as i64;
@@ -137,7 +137,7 @@ fn what_never_stands_is_reset_all_the_same() {
 
 /// A drive without new data in a cycle may still turn: it is checked again.
 #[test]
-fn a_reset_waits_for_news_of_a_drive() {
+fn reset_waits_for_new_data_of_drive() {
     let mut rig = Rig::of(of_reaction(0));
     rig.enable();
     rig.plant.drive(0).unwrap().jump(5_000);

@@ -4,7 +4,7 @@ use super::feedback::moving_zero;
 use super::rig::{LINE, Rig, X, Y, at, cam, cases, config, couple, to};
 use crate::code::Code;
 use crate::command::{
-    AbortTrigger, Action, BufferMode, Engage, GearOut, DisengageAt, Level, Move, MoveMode, OutAn, Phase, PhaseShift,
+    AbortTrigger, Action, BufferMode, DisengageAt, Engage, GearOut, Level, Move, MoveMode, OutAn, Phase, PhaseShift,
     PhaseSide, Probe, ProbeEdge, SetPosition, ShiftPosition, Synchronize, TouchProbe,
 };
 use crate::config::{IoConfig, IoKind, MachineConfig, TableConfig};
@@ -222,7 +222,7 @@ fn cell() -> MachineConfig {
 
 /// Each case with the previous command, its duration, and the text of the refusal.
 #[test]
-fn what_refers_to_the_coordinate_is_named_and_nothing_changes() {
+fn state_that_refers_to_coordinate_is_named_in_refusal() {
     let velocity =
         || Action::Move(Move { velocity: 20_000.0, acceleration: 2e5, deceleration: 2e5, ..at(X, 20_000.0) });
     let line = || Action::Move(Move { acceleration: 2e5, ..at(LINE, 20_000.0) });
@@ -294,7 +294,7 @@ fn what_refers_to_the_coordinate_is_named_and_nothing_changes() {
 
 /// A stop, homing and the transition to it end by themselves: they are reported as the present state of the axis.
 #[test]
-fn an_axis_that_comes_to_rest_is_told_as_what_it_does() {
+fn refusal_reports_state_of_stopping_axis() {
     let mut rig = running();
     give(&mut rig, Action::Halt(AxisSet::one(X)));
     let refused = rig.give(set(X, 0));

@@ -26,7 +26,10 @@ fn world(place: i64, speed: i64, changes: &[(&str, i64)]) -> Rig {
     let mut config = config(0);
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     for target in [5_000, place] {
         rig.give(Action::Move(to(X, target)));
@@ -132,7 +135,7 @@ fn a_roll_at_rest_comes_to_its_marks_on_a_curve() {
 /// is 600, with 0.05 it is 6000, if the marks are at least that far away.
 /// Proves: MACS-MARK-15, MACS-MARK-17
 #[test]
-fn the_number_of_marks_goes_by_the_acceleration() {
+fn acceleration_determines_number_of_marks() {
     for (acceleration, least, most) in [(500_000.0, 500, 2_000), (50_000.0, 5_500, 8_000), (10_000.0, 29_000, 33_000)] {
         let mut rig = world(1_234, 10, &[]);
         let request = Synchronize { mode: SyncMode::Marker, acceleration, ..couple(X, TO_BELT, 2, 1) };
@@ -173,7 +176,10 @@ fn without_a_speed_or_a_mark_it_is_start_five() {
     let mut config = config(0);
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 10 });
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 2_000, at: 300 }), ..Fixtures::default() });
     rig.enable();
     set(&mut rig, &[("syncmpulsm", 1_000), ("syncmpulss", 2_000), ("syncmstart", 1_007)]);
     run(&mut rig, 10, 100);
@@ -334,7 +340,7 @@ fn the_wait_ends_as_any_wait_does() {
 /// Parameter changes during the wait do not affect the start, except a distance of 0: then it falls back at once.
 /// Proves: MACS-MARK-14
 #[test]
-fn a_start_stays_what_it_was() {
+fn parameters_during_wait_do_not_change_start() {
     for (key, value, waits) in [("syncmstart", 4, true), ("syncmstart", 3, true), ("syncmpulsm", 0, false)] {
         let mut rig = world(1_234, 10, &[]);
         let goal = give(&mut rig, 10, by_marks(2));

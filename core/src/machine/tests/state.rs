@@ -34,7 +34,7 @@ fn a_restored_machine_ends_the_move_and_the_coupling_that_were_under_way() {
 }
 
 #[test]
-fn a_state_tells_its_cycle_and_the_parameters_in_force() {
+fn state_reports_cycle_and_parameters_in_force() {
     let state = state(config(0), 7);
     assert_eq!(state.cycle(), 7);
     let limits: Vec<f64> = state.parameters().map(|parameters| parameters.max_velocity).collect();
@@ -130,7 +130,7 @@ proptest! {
 }
 
 #[test]
-fn an_order_that_is_none_is_refused() {
+fn invalid_axis_order_is_refused() {
     for order in [vec![0, 0, 1], vec![0, 1, 3], vec![0, 1]] {
         let state = State { order, ..state(config(0), 1) };
         assert_eq!(Machine::restore(config(0), state).map(drop).unwrap_err(), StateError::Order);

@@ -61,7 +61,7 @@ fn a_new_goal_may_follow_a_halt_at_once() {
 }
 
 #[test]
-fn a_halt_of_an_axis_that_stands_is_done_whatever_follows_it() {
+fn halt_at_rest_is_done_with_any_following_command() {
     let mut rig = Rig::enabled();
     let last = rig.give_all(vec![Action::Halt(x()), Action::Move(to(X, 1_000))]);
     assert_eq!((rig.done(last - 1)[0].code, rig.done(last - 1).len()), (Code::NONE, 1));
@@ -90,7 +90,7 @@ fn quick_stop_uses_the_largest_deceleration_and_locks_until_reset() {
 /// Disable and enable, or the start of another vocabulary, cannot replace reset_errors: while the axis stops, at rest,
 /// or if it was already off at the stop.
 #[test]
-fn a_lock_outlives_the_power_of_its_axis() {
+fn lock_survives_power_off() {
     let wf = || Action::vocabulary(wf::Request { axis: X, enable: Some(true), ..Default::default() });
     use saia::Command::{Initialise, LoadDestination, MotorOff, Start};
     let stops = [

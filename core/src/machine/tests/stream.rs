@@ -18,7 +18,7 @@ fn warnings(rig: &Rig) -> Vec<String> {
 
 /// `setpoint_timeout` is 100 ms; 20 mm/s are reached from rest, and stopped, within 40 ms.
 #[test]
-fn each_axis_counts_its_own_silence() {
+fn setpoint_timeout_is_per_axis() {
     let mut rig = Rig::enabled();
     rig.stream(Y, 20_000.0);
     for _ in 0..100 {
@@ -66,7 +66,7 @@ fn a_setpoint_that_was_asked_for_so_long_ends_then_without_a_warning() {
 }
 
 #[test]
-fn a_stream_that_is_not_followed_is_told_once_and_again_when_the_reason_changes() {
+fn rejected_stream_is_reported_once_per_reason() {
     let mut rig = Rig::new();
     let stream = |rig: &mut Rig, cycles| (0..cycles).for_each(|_| rig.stream(X, 20_000.0));
     stream(&mut rig, 200);

@@ -17,7 +17,7 @@ fn position(rig: &Rig) -> f64 {
 
 /// Both motions have half of the limits: 50 mm/s, 0.5 m/s^2. 20000 inc take 0.1 + 0.3 + 0.1 s.
 #[test]
-fn it_adds_its_way_to_a_move() {
+fn superimposed_distance_is_added_to_move() {
     let mut rig = Rig::enabled();
     let k = rig.machine.next_cycle();
     let base = rig.give(Action::Move(to(X, 20_000)));
@@ -68,7 +68,7 @@ fn at_rest_it_is_a_relative_move() {
 }
 
 #[test]
-fn it_gets_no_more_than_the_motion_under_way_leaves() {
+fn superimposed_motion_is_limited_to_remaining_rates() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(Move { velocity: 70_000.0, ..to(X, 30_000) }));
     let fast = rig.give(Action::Move(Move { velocity: 30_001.0, ..over(100) }));

@@ -41,7 +41,7 @@ fn codes(rig: &Rig, sequence: u64) -> Vec<Code> {
 
 /// New position limits must allow all planned motion.
 #[test]
-fn no_limit_is_set_that_leaves_out_what_waits() {
+fn limit_that_excludes_waiting_goal_is_refused() {
     let mut rig = Rig::enabled();
     rig.give(Action::Move(quick(10_000)));
     rig.give(after(BufferMode::Buffered, quick(30_000)));
@@ -206,7 +206,7 @@ fn a_velocity_that_is_held_is_not_reached() {
 
 /// With limited jerk it takes more than v^2 / 2a to stop.
 #[test]
-fn no_direction_is_left_whatever_the_shape() {
+fn no_motion_reverses_with_any_profile_shape() {
     for profile in 0..3 {
         for distance in (1_000..9_000).step_by(250) {
             let mut config = config(0);

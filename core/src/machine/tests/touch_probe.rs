@@ -140,7 +140,7 @@ fn a_touch_probe_changes_no_motion() {
 /// Half a cycle before a cycle the axis was half-way between its positions in this cycle and in the previous one, with
 /// any source of motion.
 #[test]
-fn whatever_moves_the_axis_its_place_at_the_latch_is_recorded() {
+fn latched_position_is_recorded_with_any_source_of_motion() {
     let knot = Knot { position: Position::whole(10_000), velocity: Some(0.0), acceleration: None };
     let track = Track { axis: X, knots: [knot].into(), ..Track::default() };
     let trajectory = Trajectory::new(0, [400_000_000].into(), [track].into(), None).expect("a sound one");
@@ -416,7 +416,7 @@ fn a_window_of_the_new_coordinate_stays() {
 }
 
 #[test]
-fn a_latch_without_a_position_is_told_and_not_recorded() {
+fn latch_without_position_is_reported_and_not_recorded() {
     let mut rig = rig();
     let probe = arm(&mut rig, once(MARK));
     rig.modify_inputs = |inputs| inputs.drive[0].online = false;

@@ -92,7 +92,7 @@ fn both_axes_are_on_their_cubics_in_every_cycle() {
 
 /// A refusal changes nothing on any axis.
 #[test]
-fn what_one_axis_refuses_no_axis_does() {
+fn refusal_by_one_axis_applies_to_all_axes() {
     let mut rig = Rig::enabled();
     let before = rig.give(Action::Move(to(X, 20_000)));
     rig.run(50);
@@ -189,7 +189,7 @@ fn a_start_ahead_waits_and_one_before_begins_under_way() {
 /// Past points are skipped, together with the limits that they would exceed: 20000 inc, which exceeds max_position, and
 /// 300000 inc/s. Only 300 inc in 50 ms are ahead. A point ahead that exceeds the limit is refused by its own number.
 #[test]
-fn points_that_are_past_are_not_held_against_limits() {
+fn past_points_are_not_checked_against_limits() {
     let mut config = config(0);
     config.axes[usize::from(X)].parameters.max_position = Some(10_000);
     let goal = |start_ms: i64, last: i64| {
@@ -259,7 +259,7 @@ fn cancel_stops_all_axes_and_ends_once_all_stand() {
 }
 
 #[test]
-fn who_leaves_ends_it_for_all() {
+fn axis_that_leaves_ends_trajectory_for_all() {
     type Leaves = (fn(&mut Rig) -> u64, Code);
     let leaves: [Leaves; 5] = [
         (|rig| rig.give(Action::Halt(AxisSet::one(Y))), Code::HALTED),
@@ -327,7 +327,7 @@ fn the_path_tolerance_stops_all_axes_with_one_event() {
 }
 
 #[test]
-fn the_goal_tolerance_waits_so_long_and_no_longer() {
+fn goal_tolerance_waits_for_goal_time() {
     let lazy = || Model::SecondOrder(SecondOrder::new(2.0, 0.8, 1_000_000).expect("a legal model"));
     let mut config = config(0);
     config.axes[1].parameters.max_following_error = 100_000;

@@ -65,7 +65,7 @@ fn the_axis_rests_on_the_increment_nearest_to_the_last_point() {
 
 /// MoveIt sends one point at time 0 if start and goal are the same.
 #[test]
-fn where_it_is_it_may_be_told_to_go() {
+fn goal_at_present_position_is_accepted() {
     let mut rig = Rig::enabled();
     let there = rig.give(run(0, &[100], &[(X, &[rest(1_000.0)]), (Y, &[rest(500.0)])], None));
     assert_eq!(end(&mut rig, there), Code::NONE);
@@ -85,7 +85,7 @@ fn where_it_is_it_may_be_told_to_go() {
 }
 
 #[test]
-fn where_it_is_not_it_cannot_go_at_once() {
+fn goal_elsewhere_at_time_zero_is_refused() {
     let mut rig = Rig::enabled();
     let goal = rig.give(run(0, &[0], &[(X, &[rest(1_002.0)])], None));
     let sentence = "x: the last point of the trajectory is due at once, and 0.001002 m (1.002 mm) away; 0.000001 m (0.001 mm) at most is allowed";

@@ -263,7 +263,7 @@ fn an_axis_that_lags_behind_the_trajectory_before_is_judged_from_where_it_is() {
 
 /// Halt and cancel of the new trajectory stop its axes while it waits.
 #[test]
-fn what_ends_a_trajectory_that_waits_stops_its_axes() {
+fn end_of_waiting_trajectory_stops_its_axes() {
     let both = || vec![track(X, &[rest(14_000)]), track(Y, &[rest(0)])];
     for (halts, code) in [(true, Code::HALTED), (false, Code::CANCELLED)] {
         let (mut rig, old) = under_way();

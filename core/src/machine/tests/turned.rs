@@ -179,7 +179,7 @@ fn jog(rig: &mut Rig, jog: Jog) -> u64 {
 ///
 /// Proves: WF-SET-02, MACS-LIM-09
 #[test]
-fn a_jog_that_is_turned_towards_a_switch_lets_go_of_the_way_back() {
+fn jog_reversed_towards_switch_cuts_previous_jog() {
     for interface in [Interface::OpenLoop, Interface::Position] {
         let mut config = config(0);
         config.axes[usize::from(X)].interface = interface;

@@ -217,7 +217,7 @@ fn pulsacc_limits_what_it_follows() {
 ///
 /// Proves: MACS-VM-01, MACS-VM-03, MACS-VM-07
 #[test]
-fn sets_that_cannot_be_are_refused_and_change_nothing() {
+fn invalid_sets_are_refused_and_change_nothing() {
     let mut rig = enabled(cell());
     set(&mut rig, &[("pulsvel", 500), ("pulsacc", 1_000)]);
     set(&mut rig, &[("vmencres", 700)]);
@@ -422,7 +422,7 @@ fn an_abort_wins_over_a_start_in_its_cycle() {
 ///
 /// Proves: MACS-ERR-09
 #[test]
-fn an_abort_lets_the_axis_go_that_it_follows() {
+fn abort_ends_following_of_an_axis() {
     let mut rig = enabled(cell());
     set(&mut rig, &[("vmenctyp", 300), ("pulsacc", 1_000_000), ("pulsvel", 0)]);
     couples(&mut rig, X, 1, 1);
@@ -567,7 +567,7 @@ fn a_reset_ends_following() {
 ///
 /// Proves: MACS-VM-07
 #[test]
-fn a_marker_that_was_away_sees_no_edge_of_before() {
+fn reselected_marker_ignores_previous_level() {
     for other in [0, 22] {
         let mut rig = enabled(cell());
         let count = |rig: &Rig| rig.int("machine.vmaster.index.count");
@@ -671,7 +671,7 @@ proptest! {
     ///
     /// Proves: MACS-VM-02, MACS-VM-03
     #[test]
-    fn its_changes_add_up_and_keep_to_the_ramp(
+    fn changes_add_up_to_position_and_keep_the_ramp(
         happenings in prop::collection::vec(random_event(), 1..40),
         restored in 0_usize..40,
     ) {

@@ -1,6 +1,6 @@
 //! Gradual removal of offsets, and of the error from the reversing rule: rates, their changes, and their start.
 
-use super::conditioning::{TO_BELT, TO_LINE, kept_back_by_the_rule, line_at, on, place};
+use super::conditioning::{TO_BELT, TO_LINE, held_back_by_reversing_rule, line_at, on, place};
 use super::direction::set;
 use super::rig::{LINE, Rig, X};
 use crate::position::Position;
@@ -81,8 +81,8 @@ fn the_time_of_an_offset_under_way_acts_at_once() {
 /// cycle, and at rest after 500 cycles.
 /// Proves: MACS-DIR-07, MACS-SYNC-14
 #[test]
-fn what_the_rule_has_kept_back_begins_with_its_ramp() {
-    let mut rig = kept_back_by_the_rule();
+fn error_of_reversing_rule_starts_with_its_ramp() {
+    let mut rig = held_back_by_reversing_rule();
     rig.give(line_at(10_000.0));
     for cycle in 1..=600 {
         let slower = rig.real("line.command.velocity") - rig.real("x.command.velocity");
@@ -98,7 +98,7 @@ fn what_the_rule_has_kept_back_begins_with_its_ramp() {
 /// Proves: MACS-DIR-06, MACS-DIR-07
 #[test]
 fn a_slave_stands_where_its_master_is_slower_than_the_trapezoid() {
-    let mut rig = kept_back_by_the_rule();
+    let mut rig = held_back_by_reversing_rule();
     rig.give(line_at(1_000.0));
     let mut before = 0.0;
     for cycle in 1..=1_200 {
@@ -115,8 +115,8 @@ fn a_slave_stands_where_its_master_is_slower_than_the_trapezoid() {
 /// The same for the error from the reversing rule: from 2500 inc/s to 1250 in 200 cycles.
 /// Proves: MACS-DIR-07, MACS-SYNC-14
 #[test]
-fn the_time_of_what_was_kept_back_acts_at_once() {
-    let mut rig = kept_back_by_the_rule();
+fn new_offset_time_applies_at_once_to_error_of_reversing_rule() {
+    let mut rig = held_back_by_reversing_rule();
     rig.give(line_at(10_000.0));
     rig.run(200);
     let slower = |rig: &Rig| rig.real("line.command.velocity") - rig.real("x.command.velocity");

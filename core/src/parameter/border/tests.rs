@@ -41,7 +41,7 @@ fn samples(row: &Row) -> Vec<Value> {
 }
 
 #[test]
-fn what_is_shown_converts_back_into_the_value() {
+fn shown_value_converts_back() {
     for scale in scales() {
         for row in ROWS {
             for value in samples(row) {
@@ -73,7 +73,7 @@ fn what_is_shown_converts_back_into_the_value() {
 }
 
 #[test]
-fn what_was_set_reads_as_it_was_written() {
+fn set_value_reads_as_written() {
     for scale in scales() {
         for row in ROWS.iter().filter(|row| row.border_type() == BorderType::Real) {
             for number in [0.1, 0.3, 0.7, 1.2, 2.5, 12.345, 90.0, 1.234_567_890_123_4] {

@@ -1,7 +1,7 @@
 //! Parameters of the Unidrive M advanced motion controller, menu 34 (spec/amc.md); a bare number is in the axis unit.
 
 use super::{Applies, BASE, Bare, Group, Measure, Range, Row, Storage, System, Value};
-use crate::table::{MAX_NUMBERS, MAX_LENGTH};
+use crate::table::{MAX_LENGTH, MAX_NUMBERS};
 
 const NUMBER: Row = Row { system: System::Amc, group: Group::Menu, default: Value::Int(0), ..BASE };
 

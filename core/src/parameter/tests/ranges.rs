@@ -120,7 +120,7 @@ fn every_row_of_the_machine_holds_its_range_and_changes_nothing_when_it_refuses(
 }
 
 #[test]
-fn nothing_but_a_cell_sets_the_structure_and_nobody_what_follows() {
+fn only_cell_sets_structure_and_derived_rows_are_read_only() {
     for row in ROWS.iter().filter(|row| row.is_read_only()) {
         let before = parameters();
         let mut after = before;

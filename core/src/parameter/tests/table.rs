@@ -232,7 +232,7 @@ fn defaults_are_those_of_the_table() {
 /// Where the overview and the details of the manual disagree, a row names the one that is used, and its values follow
 /// it.
 #[test]
-fn each_disagreement_is_told_by_its_row() {
+fn row_documents_each_disagreement_of_manual() {
     for line in lines() {
         for delta in line.delta.split_whitespace() {
             assert!(row(&line).note.contains(delta), "{} says nothing of {delta}", line.name);
@@ -301,7 +301,7 @@ fn moments_of_effect_are_those_of_the_source() {
 
 /// Limits of a set refer to the direction of rotation at the end of the set.
 #[test]
-fn the_sense_of_rotation_comes_first_wherever_it_stands() {
+fn direction_of_rotation_is_applied_first() {
     let place = |key: &str| Row::find(key).unwrap().0;
     assert_eq!(place("posdrct"), rows::SENSE_ROW);
     let change = |key: &str| Change { axis: 0, row: place(key), value: Value::Int(1) };

@@ -283,7 +283,7 @@ fn the_period_of_the_profile_is_kept_from_1_to_5_ms() {
 }
 
 #[test]
-fn a_set_that_contradicts_itself_is_told() {
+fn contradictory_set_is_reported() {
     let check = |changes: &[(&str, Value)]| {
         let mut p = parameters();
         changes.iter().for_each(|(key, value)| set(&mut p, key, *value));
@@ -314,7 +314,7 @@ fn a_set_that_contradicts_itself_is_told() {
 ///
 /// Proves: MACS-LIM-01
 #[test]
-fn limits_in_counts_guard_the_same_places_in_either_sense() {
+fn limits_keep_physical_places_in_both_directions() {
     let mut p = parameters();
     for (key, value) in [("posdrct", -1), ("poslimit", 500_000), ("swposlimact", 1)] {
         set(&mut p, key, Value::Int(value));

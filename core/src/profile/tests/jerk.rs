@@ -109,7 +109,7 @@ fn with_even_rates_a_plan_turns_without_a_stop() {
 
 /// From above, the velocity decreases to a reduced limit, and not below it.
 #[test]
-fn a_lowered_limit_is_met_from_above() {
+fn velocity_above_a_lowered_limit_decreases_to_it() {
     let start = Motion { velocity: 200.0, acceleration: -10.0, ..Motion::default() };
     let plan = to_rest(start, Position::whole(10_000), &jerk_limits(100.0, 400.0, 4000.0), MS);
     let mut last = 200.0;

@@ -285,19 +285,19 @@ proptest! {
     }
 
     #[test]
-    fn what_is_beyond_its_limits_goes_back(case in case(3.0, false)) {
+    fn values_beyond_their_limits_return(case in case(3.0, false)) {
         case.check()?;
     }
 
     #[test]
-    fn a_task_given_again_takes_no_other_time(case in case(1.5, true), share in 0.0..1.0_f64) {
+    fn replanned_task_takes_the_same_time(case in case(1.5, true), share in 0.0..1.0_f64) {
         if case.limits.shape != Shape::SRamp {
             case.check_replanned(share)?;
         }
     }
 
     #[test]
-    fn a_pass_given_again_takes_no_other_time(case in case(1.0, false), share in 0.0..1.0_f64) {
+    fn replanned_pass_takes_the_same_time(case in case(1.0, false), share in 0.0..1.0_f64) {
         if case.limits.shape != Shape::SRamp {
             case.check_replanned(share)?;
         }
@@ -305,7 +305,7 @@ proptest! {
 
     /// Proves: MACS-PROF-13
     #[test]
-    fn a_stop_keeps_its_limits_and_its_way_is_told(case in case(2.0, true)) {
+    fn stop_keeps_its_limits_and_reports_its_distance(case in case(2.0, true)) {
         case.check_stop()?;
     }
 

@@ -40,7 +40,7 @@ fn a_pass_in_the_other_direction_comes_back() {
 
 /// A plan that began a third of a cycle earlier is evaluated a third of a cycle later.
 #[test]
-fn a_lead_shifts_what_is_read() {
+fn lead_shifts_the_sample() {
     let limits = jerk_limits(1000.0, 5000.0, 50_000.0);
     let plan = to_rest(Motion::default(), Position::whole(1000), &limits, MS);
     let finer = to_rest(Motion::default(), Position::whole(1000), &limits, MS / 4);
@@ -74,7 +74,7 @@ fn a_long_way_begins_and_ends_smoothly() {
 
 /// A plan from outside may contain any values.
 #[test]
-fn a_hostile_plan_does_not_panic() {
+fn invalid_plan_does_not_panic() {
     let plan = to_rest(moving(0.0, -50.0), Position::whole(100), &jerk_limits(100.0, 400.0, 4000.0), MS);
     let bytes = postcard::to_stdvec(&plan).expect("a plan can be written");
     let same: Plan = postcard::from_bytes(&bytes).expect("a plan can be read");
@@ -97,7 +97,7 @@ fn a_hostile_plan_does_not_panic() {
 
 /// A plan that is already at its target, turns back and passes it: a reversal behind its start is still ahead.
 #[test]
-fn what_lies_ahead_is_told_from_every_place_of_a_plan_that_turns_twice() {
+fn extent_covers_the_rest_of_a_plan_that_turns_twice() {
     let jerks = Jerks { rise: 1e6, fall: 1e6, brake_rise: 1e7, brake_fall: 1e6 };
     let limits = Limits { velocity: 1e5, acceleration: 1e6, deceleration: 5e5, shape: Shape::Jerk(jerks) };
     let start = Motion { velocity: 17_825.55, acceleration: -188_815.0, ..Motion::default() };

@@ -52,7 +52,7 @@ fn a_target_behind_the_stopping_point_is_passed_and_met_from_the_other_side() {
 }
 
 #[test]
-fn too_fast_at_the_start_falls_to_the_limit_first() {
+fn excess_start_velocity_decreases_to_the_limit_first() {
     let plan = to_rest(moving(0.0, 300.0), Position::whole(1000), &limits(100.0, 1000.0, 1000.0), MS);
     let mut last = 300.0;
     for k in 1..=plan.cycles() {
@@ -64,7 +64,7 @@ fn too_fast_at_the_start_falls_to_the_limit_first() {
 }
 
 #[test]
-fn no_way_takes_no_time() {
+fn zero_distance_takes_no_time() {
     let plan = to_rest(moving(7.0, 0.0), Position::whole(7), &limits(1.0, 1.0, 1.0), MS);
     assert_eq!(plan.cycles(), 0);
     assert_eq!(plan.at(0), Motion::at_rest(Position::whole(7)));
@@ -120,7 +120,7 @@ fn the_positioning_time_is_that_of_its_formula() {
 ///
 /// Proves: WF-TIM-03
 #[test]
-fn a_short_way_takes_the_time_of_its_formula() {
+fn short_distance_takes_the_time_of_its_formula() {
     let plan = to_rest(Motion::default(), Position::whole(150), &limits(200.0, 100.0, 200.0), MS);
     assert!((plan.duration() - 4.5_f64.sqrt()).abs() < 1e-9, "{}", plan.duration());
     let peak = (0..plan.cycles()).map(|k| plan.at(k).velocity).fold(0.0, f64::max);
@@ -160,7 +160,7 @@ proptest! {
     }
 
     #[test]
-    fn every_stop_falls_monotonously(start in -1e6..1e6_f64, velocity in -1e6..1e6_f64, down in 1e3..1e7_f64) {
+    fn every_stop_decelerates_monotonically(start in -1e6..1e6_f64, velocity in -1e6..1e6_f64, down in 1e3..1e7_f64) {
         let plan = stop(moving(start, velocity), &limits(1.0, 1.0, down), MS);
         prop_assert_eq!(plan.at(plan.cycles()), Motion::at_rest(plan.end()));
         let mut last = velocity.abs();

@@ -274,7 +274,7 @@ fn other_gains_do_not_step_the_voltage() {
 proptest! {
     /// With any gains before: the voltage of the sample in which gains change is that of the gains before.
     #[test]
-    fn a_change_of_gains_makes_no_bump(
+    fn change_of_gains_causes_no_step(
         before in prop::array::uniform3(-32_767.0..32_767.0_f64), behind in prop::array::uniform3(-32_767.0..32_767.0_f64),
         errors in prop::collection::vec(-20.0..20.0_f64, 1..60), error in -20.0..20.0_f64,
     ) {

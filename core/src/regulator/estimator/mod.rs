@@ -90,7 +90,13 @@ pub enum EstimatorError {
 const INDEX: (f64, f64) = (1e-10, 1e3);
 
 /// Returns an error if the value is out of range; NaN is out of every range.
-fn check_range(name: &'static str, value: f64, unit: &'static str, least: f64, most: f64) -> Result<(), EstimatorError> {
+fn check_range(
+    name: &'static str,
+    value: f64,
+    unit: &'static str,
+    least: f64,
+    most: f64,
+) -> Result<(), EstimatorError> {
     let error = EstimatorError::Range { name, value, unit, least, most };
     if (least..=most).contains(&value) { Ok(()) } else { Err(error) }
 }

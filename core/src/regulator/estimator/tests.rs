@@ -146,7 +146,7 @@ fn a_ramp_is_late_by_what_the_method_says() {
 }
 
 #[test]
-fn a_filter_of_constant_acceleration_knows_it() {
+fn constant_acceleration_filter_has_no_bias_at_constant_acceleration() {
     let mut estimator = estimator(ACCELERATION);
     (0..=3000).for_each(|k| _ = estimator.step(-k * k));
     near(estimator.acceleration(), -2e6, 1e-3);

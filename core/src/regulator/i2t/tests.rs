@@ -86,7 +86,7 @@ fn a_limit_of_0_is_passed_by_any_current() {
 }
 
 #[test]
-fn a_heat_that_falls_is_fine_again() {
+fn falling_heat_becomes_fine_again() {
     let (law, mut filter) = (I2t::new(SECOND), HeatFilter::default());
     while filter.step(&law, 2500.0) != Heat::TooMuch {}
     assert_eq!(filter.step(&law, 0.0), Heat::Warning);
@@ -133,7 +133,7 @@ fn no_measurement_poisons_the_filter() {
 }
 
 #[test]
-fn what_the_law_cannot_be_is_not_sound() {
+fn unreachable_state_is_not_sound() {
     let bad = [
         I2tSettings { time: -1, ..SECOND },
         I2tSettings { limit: MLONG + 1, ..SECOND },

@@ -109,7 +109,7 @@ fn a_longer_period_takes_half_the_derivative_and_twice_the_integral() {
 
 /// Proves: MACS-REG-04
 #[test]
-fn nothing_is_read_between_two_samples() {
+fn inputs_between_samples_are_ignored() {
     let mut pid = Pid::default();
     let gains = PidGains { period_ms: 4, ..NEW };
     let seen = [100.0, 900.0, -900.0, f64::NAN, 200.0, 0.0].map(|error| pid.step(&gains, 4, at(error)));
@@ -212,7 +212,7 @@ fn input() -> impl Strategy<Value = PidInput> {
 
 proptest! {
     #[test]
-    fn whatever_comes_the_output_and_the_state_stay_sound(
+    fn output_and_state_stay_sound_for_any_input(
         steps in prop::collection::vec((gains(), 1..8_u32, input()), 1..60),
     ) {
         let mut pid = Pid::default();
@@ -225,7 +225,7 @@ proptest! {
 
     /// Opposite errors give opposite outputs.
     #[test]
-    fn it_knows_no_side(gains in gains(), errors in prop::collection::vec(-3000.0..3000.0_f64, 1..40)) {
+    fn opposite_errors_give_opposite_outputs(gains in gains(), errors in prop::collection::vec(-3000.0..3000.0_f64, 1..40)) {
         let (mut one, mut other) = (Pid::default(), Pid::default());
         for error in errors {
             let (a, b) = (one.step(&gains, 1, at(error)), other.step(&gains, 1, at(-error)));
@@ -236,7 +236,7 @@ proptest! {
     /// At constant error new gains cause no step: the first sample with them is equal to the last one without, and each
     /// of the following ones changes by at most the 64th part of the fading rest, apart from the sum that grows.
     #[test]
-    fn new_gains_make_no_bump(old in gains(), new in gains(), error in -3000.0..3000.0_f64) {
+    fn new_gains_cause_no_step(old in gains(), new in gains(), error in -3000.0..3000.0_f64) {
         let still = |gains: PidGains| PidGains { integral: 0, limit_time: 0, period_ms: 1, ..gains };
         let (old, new) = (still(old), still(new));
         let mut pid = Pid::default();

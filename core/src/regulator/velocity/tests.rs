@@ -70,7 +70,7 @@ fn the_sum_brings_the_output_to_its_limit_and_no_further() {
 }
 
 #[test]
-fn negative_gains_are_taken_as_they_stand() {
+fn negative_gains_are_used_unchanged() {
     let gains = VelocityGains { proportional: -200, integral: -5, ..DEFAULT };
     let mut regulator = VelocityLoop::default();
     near(regulator.step(&gains, 0.1), -0.205);
@@ -252,7 +252,7 @@ proptest! {
 /// With a smaller limit the sum stops when the output reaches that limit: 2 e gives 0.4, and the sum the remaining 0.1
 /// up to 0.5. With the first error of the opposite sign the output leaves the limit.
 #[test]
-fn a_smaller_limit_winds_nothing_up() {
+fn smaller_limit_causes_no_windup() {
     let gains = VelocityGains { proportional: 200, integral: 5, limit: 1000, cycle: 1.0 };
     let mut law = VelocityLoop::default();
     let outputs: Vec<_> = (0..100).map(|_| law.step_within(&gains, 0.2, 0.5)).collect();

@@ -61,7 +61,7 @@ fn names_and_units_become_axes_and_increments() {
 
 /// rqt sends 2.96706 for a limit of 170 deg. y has 36000 inc per turn: 17000 inc, and 1e-6 rad are 0.0057 inc.
 #[test]
-fn a_position_that_was_rounded_beyond_a_limit_is_on_it() {
+fn position_rounded_beyond_limit_is_set_to_limit() {
     let mut config = config();
     let parameters = &mut config.axes[1].parameters;
     (parameters.min_position, parameters.max_position) = (Some(-17_000), Some(17_000));
@@ -78,7 +78,7 @@ fn a_position_that_was_rounded_beyond_a_limit_is_on_it() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_with_name_value_and_range() {
+fn error_has_name_value_and_range() {
     let refused = |change: fn(&mut TrajectoryRequest)| {
         let mut request = request();
         change(&mut request);

@@ -186,7 +186,10 @@ impl RegionSteps {
         enters: impl Fn(Region) -> bool,
     ) -> Self {
         let mut looks = 0;
-        while has_events && looks < MAX_CHECK_HALVINGS && equations.fastest() * duration_s > MAX_ANGLE_PER_CHECK * f64::from(1 << looks) {
+        while has_events
+            && looks < MAX_CHECK_HALVINGS
+            && equations.fastest() * duration_s > MAX_ANGLE_PER_CHECK * f64::from(1 << looks)
+        {
             looks += 1;
         }
         let (pieces, halvings) = (1_u32 << looks, if has_events { HALVINGS } else { 0 });

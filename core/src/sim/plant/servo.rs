@@ -102,7 +102,16 @@ impl Servo {
         let mut on_the_way = VecDeque::with_capacity(cycles + 1);
         on_the_way.resize(cycles, 0.0);
         let encoder = Encoder { reading: data.reading, part: 0.0, readings: 0 };
-        Self { state: train.rest(), data, inverted, train: Arc::new(train), delayed_setpoints: on_the_way, encoder, sum: 0.0, cycle_ns }
+        Self {
+            state: train.rest(),
+            data,
+            inverted,
+            train: Arc::new(train),
+            delayed_setpoints: on_the_way,
+            encoder,
+            sum: 0.0,
+            cycle_ns,
+        }
     }
 
     /// Attaches a weight at rest, with which the whole train falls with an acceleration (inc/s^2), and no other weight;

@@ -12,7 +12,7 @@
 //! Source   contract section 3
 
 use super::data::{Friction, MotorData};
-use super::regions::{DRIVE, Equations, Held, LOAD, RegionSteps, MOTOR, Region, TRAVEL, TWIST, Vector};
+use super::regions::{DRIVE, Equations, Held, LOAD, MOTOR, Region, RegionSteps, TRAVEL, TWIST, Vector};
 use nalgebra::SVector;
 
 /// Maximum searches for events in one part of a cycle; an event takes at most two.

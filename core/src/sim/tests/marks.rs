@@ -70,9 +70,15 @@ fn a_web_stretches_and_comes_back() {
 /// Of 100,000 marks 2 % are missing and 1 % are followed by an extra one, within four standard deviations (177 and
 /// 126); the jitter is uniform.
 #[test]
-fn as_many_are_lost_and_extra_as_was_said() {
-    let marks =
-        Marks { missing_share: 0.02, extra: 0.01, jitter: Position::whole(5), width: Position::ZERO, seed: 7, ..plain() };
+fn shares_of_lost_and_extra_marks_are_as_configured() {
+    let marks = Marks {
+        missing_share: 0.02,
+        extra: 0.01,
+        jitter: Position::whole(5),
+        width: Position::ZERO,
+        seed: 7,
+        ..plain()
+    };
     let places = begins(&marks, -5_000_000, 5_000_000);
     let beside = |place: &f64| (place - 50.0 + 25.0).rem_euclid(100.0) - 25.0;
     let (own, extra): (Vec<_>, Vec<_>) = places.iter().map(beside).partition(|beside| *beside < 25.0);
@@ -131,7 +137,7 @@ fn read(plant: &mut Plant) -> Inputs {
 
 /// Proves: MACS-MARK-05
 #[test]
-fn an_input_latches_what_passes_it() {
+fn input_latches_passing_marks() {
     let mut plant = plant(plain());
     let seen = |plant: &mut Plant, by: i64| {
         plant.jump_encoder(0, by);
@@ -176,7 +182,7 @@ fn more_than_fit_are_counted() {
 }
 
 #[test]
-fn a_bus_that_is_off_tells_of_none() {
+fn bus_that_is_off_reports_no_marks() {
     let mut plant = plant(plain());
     read(&mut plant);
     assert!(plant.switch_off_bus(0));

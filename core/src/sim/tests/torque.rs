@@ -105,7 +105,7 @@ fn a_motor_with_swapped_leads_turns_against_its_setpoint() {
 
 /// A jammed or braked motor has its torque and does not turn; when released, it starts from rest.
 #[test]
-fn what_is_held_has_its_torque_and_does_not_turn() {
+fn held_motor_has_torque_and_does_not_turn() {
     let mut drive = ready(motor(data()));
     run(&mut drive, asks(500.0), 100);
     drive.jam(true);
@@ -199,7 +199,7 @@ fn an_index_passes_with_the_motor() {
 
 /// Homing by the drive itself moves a motor like any other drive, and leaves it at rest.
 #[test]
-fn a_motor_that_homes_by_itself_is_at_rest_behind_it() {
+fn motor_is_at_rest_after_homing_by_drive() {
     let mut drive = ready(motor(data()));
     run(&mut drive, asks(500.0), 100);
     let order = HomingOrder { method: 35, search_velocity: 1e3, zero_velocity: 1e3, acceleration: 1e4 };
@@ -227,7 +227,7 @@ fn an_encoder_of_the_axis_may_sit_on_the_load() {
 
 /// Noise is in the reading only, and moves neither position nor index.
 #[test]
-fn noise_is_of_the_reading_alone() {
+fn noise_affects_reading_only() {
     let mut data = data();
     data.reading.noise = 4.0;
     let mut drive = ready(motor(data));

@@ -89,7 +89,7 @@ fn before_its_start_it_holds_and_behind_the_pair_it_is_a_gear() {
 /// y'' = r / L (60 (s - 3 s^2 + 2 s^3) / 2 + (-24 s + 84 s^2 - 60 s^3)) = r / L (6 s - 6 s^2), at most 1.5 r / L at the
 /// middle.
 #[test]
-fn the_even_way_from_rest_has_its_bend_in_the_middle() {
+fn even_approach_from_rest_has_its_largest_bend_in_the_middle() {
     let shape = from_rest(ratio(3, 1), 1_000, -1_500).shape();
     assert!((shape.bend - 1.5 * 3.0 / 1_000.0).abs() < 1e-12, "{shape:?}");
     assert!(shape.least.abs() < 1e-12 && (shape.most - 3.0).abs() < 1e-12, "{shape:?}");
@@ -109,7 +109,7 @@ fn a_length_that_is_enough_is_found() {
 }
 
 #[test]
-fn what_is_no_way_is_none() {
+fn invalid_approach_is_none() {
     let begin = Begin { place: Position::whole(5), slope: 0.0, bend: 0.0 };
     let of = |length, begin| Approach::new(Ratio::ONE, length, begin).is_some();
     assert!(of(Gear::MAX_CHANGE, begin) && of(-Gear::MAX_CHANGE, begin));
@@ -210,7 +210,7 @@ proptest! {
 
     /// No slope and no bend exceeds the shape, and each extremum is reached.
     #[test]
-    fn its_shape_is_what_the_way_asks_for(ratio in ratios(), begin in begins(), length in 1_000_i64..2_000_000) {
+    fn shape_equals_extrema_of_the_curve(ratio in ratios(), begin in begins(), length in 1_000_i64..2_000_000) {
         let of = approach(ratio, length, begin);
         let shape = of.shape();
         let long = length as f64;
@@ -232,7 +232,7 @@ proptest! {
 
     /// A curve that rises throughout never falls by rounding, in steps of any size.
     #[test]
-    fn what_rises_never_falls(
+    fn rising_curve_never_falls(
         ratio in ratios(),
         length in 1_000_i64..2_000_000_000,
         part in 0.42..0.58_f64,

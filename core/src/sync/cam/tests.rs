@@ -46,7 +46,7 @@ fn the_slave_is_where_the_table_says_period_by_period() {
 /// A million changes of the table, each at an end, in both directions: position and travel are equal to the sums, bit
 /// by bit.
 #[test]
-fn nothing_is_lost_from_table_to_table() {
+fn change_of_table_keeps_remainders() {
     let tables = [xy(&KNIFE), xy(&[(0, 0), (2000, -500), (7000, -1234)])].concat();
     let (master, slave) = (ratio(5, 7), ratio(-3, 4));
     let new = |table| Cam::new(table, (master, slave), Position::ZERO, &tables).expect("a cam");
@@ -120,7 +120,7 @@ fn another_table_moves_the_slave_by_what_both_differ_there() {
 }
 
 #[test]
-fn a_master_of_more_than_a_length_is_not_borne() {
+fn change_of_more_than_a_length_is_not_allowed() {
     let tables = xy(&KNIFE);
     let fast = Cam::new(0, (ratio(2, 1), Ratio::ONE), Position::ZERO, &tables).expect("a cam");
     assert!(fast.allows_change(Position::whole(-10_000), &tables));
@@ -273,7 +273,7 @@ proptest! {
 
     /// The same for splines, whose value depends only on the position.
     #[test]
-    fn nothing_adds_up_between_the_points_of_a_spline(
+    fn rounding_does_not_accumulate_between_spline_points(
         tables in tables_within(1 << 12),
         interpolation in prop::sample::select(vec![Interpolation::Cubic, Interpolation::Quintic]),
         slave in any_ratio(),

@@ -30,7 +30,7 @@ fn a_velocity_comes_by_its_share_each_ms() {
 ///
 /// Proves: MACS-SYNC-09, MACS-O-37
 #[test]
-fn what_is_owed_comes_back_in_ten_tau() {
+fn lag_distance_returns_in_ten_tau() {
     for (tau, per_ms) in [(100_000.0, 0.001), (50_000.0, 0.002)] {
         let mut filter =
             MasterFilter { lag: Lag { velocity: 0.0, owed: Position::whole(1_000_000) }, ..Default::default() };
@@ -90,7 +90,7 @@ fn beyond_its_limit_it_becomes_faster_and_comes_back() {
 ///
 /// Proves: MACS-SYNC-11
 #[test]
-fn by_marks_the_limit_is_judged_anew_every_tau() {
+fn limit_of_marks_is_checked_every_tau() {
     let filtering = Filtering { keeps: Keeps::Marks, limit: 50.0, ..keeping(20_000.0) };
     let mut filter = MasterFilter::default();
     let mut given = Position::ZERO;

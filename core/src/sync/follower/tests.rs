@@ -24,7 +24,7 @@ fn lead(change: i64) -> Lead {
 /// A lead calculated from another one may vary by more than a count from cycle to cycle. With that unevenness the
 /// variation is no acceleration.
 #[test]
-fn how_uneven_a_lead_is_says_the_lead() {
+fn unevenness_of_the_lead_is_no_acceleration() {
     let lost = |uneven: f64| {
         let bounds = Bounds { max_acceleration: 1e3, max_deceleration: 1e3, acceleration: 1e3, ..BOUNDS };
         let mut follower =
@@ -118,7 +118,7 @@ fn a_leader_that_is_too_fast_is_left_and_caught_again() {
 }
 
 #[test]
-fn an_offset_is_worked_off_and_kept() {
+fn offset_is_removed_and_stays_removed() {
     let ratio = Ratio::new(1, 1).unwrap();
     let offset = Position::whole(-777);
     let mut follower = Follower::new(1.0, gear(ratio), SyncMode::Position, Motion::default(), offset, BOUNDS);
@@ -186,7 +186,7 @@ proptest! {
 
     /// The fast path gives the same slave and follower as the full step, bit by bit, and a slave that follows uses it.
     #[test]
-    fn who_follows_makes_the_same_step(
+    fn fast_path_equals_the_full_step(
         numerator in prop_oneof![-1000_i64..-1, 1_i64..1000],
         denominator in 1_i64..1000,
         speed in -90_i64..90,

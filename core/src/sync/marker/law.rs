@@ -356,7 +356,7 @@ mod tests {
     ///
     /// Proves: MACS-MARK-13, MACS-MARK-08
     #[test]
-    fn what_one_mark_trembles_is_no_error() {
+    fn jitter_of_one_mark_is_no_error() {
         let sync = sync();
         let (dynamic, raw) = (marks(), Marks { options: 16, ..marks() });
         for (marks, error) in [(&dynamic, -15.0 / 13.333_333_333), (&raw, -15.0)] {
@@ -390,7 +390,8 @@ mod tests {
     fn values_of_the_filters_are_those_of_the_last_mark_and_pair() {
         let (sync, marks) = (sync(), marks());
         let asked = asked(&sync, &marks);
-        let shown = |law: &Law| [law.filter(), law.correction_filter(), law.remaining_start_correction(), law.distance_error()];
+        let shown =
+            |law: &Law| [law.filter(), law.correction_filter(), law.remaining_start_correction(), law.distance_error()];
         let mut law = Law::default();
         assert_eq!(shown(&law), [0.0; 4]);
         law.take_master(515.0, &asked);
@@ -416,7 +417,7 @@ mod tests {
     ///
     /// Proves: MACS-MARK-10
     #[test]
-    fn what_is_no_distance_is_not_averaged() {
+    fn invalid_distance_is_not_averaged() {
         let (sync, marks) = (sync(), marks());
         let asked = asked(&sync, &marks);
         let mut law = Law::default();
@@ -432,7 +433,7 @@ mod tests {
     ///
     /// Proves: MACS-MARK-19
     #[test]
-    fn what_a_mark_of_the_slave_trembles_is_no_error() {
+    fn jitter_of_a_slave_mark_is_no_error() {
         let sync = sync();
         let marks = Marks { slave_distance: 300, slave_filter_time: 2_000, filter_time: 0, ..Marks::default() };
         let asked = asked(&sync, &marks);

@@ -12,7 +12,7 @@
 mod law;
 mod side;
 
-pub use law::{LawInputs, Law};
+pub use law::{Law, LawInputs};
 pub use side::{Found, Group, Judged, Side};
 
 use crate::parameter::Marks;
@@ -323,8 +323,12 @@ impl Marker {
 fn check_parameters(of: MarkSide, asked: &LawInputs<'_>) -> Judged {
     let LawInputs { sync, marks, .. } = *asked;
     match of {
-        MarkSide::Master => Judged { distance: sync.mark_distance, window: marks.master_window, group: marks.per_master },
-        MarkSide::Slave => Judged { distance: marks.slave_distance, window: marks.slave_window, group: marks.per_slave },
+        MarkSide::Master => {
+            Judged { distance: sync.mark_distance, window: marks.master_window, group: marks.per_master }
+        }
+        MarkSide::Slave => {
+            Judged { distance: marks.slave_distance, window: marks.slave_window, group: marks.per_slave }
+        }
     }
 }
 

@@ -224,7 +224,7 @@ mod tests {
 
     /// Proves: MACS-MARK-07, MACS-O-43
     #[test]
-    fn a_window_takes_what_lies_in_it() {
+    fn window_accepts_marks_inside() {
         for place in [29_000, 30_000, 31_000, -29_000, -31_000] {
             assert_eq!(at(place, &EACH).1, Found::Mark { distance: Some(f64::from(place as i32)) }, "{place}");
         }
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_that_nobody_takes_are_forgotten() {
+    fn unused_marks_are_dropped() {
         let mut side = Side::default();
         for _ in 0..20 {
             side.advance(Position::whole(10));

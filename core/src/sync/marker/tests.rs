@@ -89,7 +89,7 @@ fn forwards_is_where_the_slave_runs() {
 ///
 /// Proves: MACS-MARK-18, MACS-MARK-14
 #[test]
-fn a_start_beyond_the_bound_keeps_its_way() {
+fn start_beyond_the_bound_keeps_its_distance() {
     let mut bench = Bench::new(3);
     bench.marks.largest = 50;
     let mut error = bench.pass(0, &[MarkSide::Slave]).or(bench.pass(170, &[MarkSide::Master])).map(|pair| pair.error);
@@ -164,7 +164,7 @@ fn without_a_partner_a_mark_corrects_nothing() {
 ///
 /// Proves: MACS-MARK-13
 #[test]
-fn what_is_under_way_is_no_error() {
+fn pending_correction_is_no_error() {
     let mut bench = Bench::new(6);
     let first = bench.pass(0, &[MarkSide::Master]).or(bench.pass(50, &[MarkSide::Slave]));
     assert_eq!(first, Some(Pair { error: 100.0, correction: 100.0 }));

@@ -42,7 +42,7 @@ fn without_a_ramp_the_velocity_is_there_at_once() {
 
 /// Proves: MACS-VM-02, MACS-VM-04, MACS-VM-08
 #[test]
-fn parameters_say_whose_velocity_it_has() {
+fn parameters_select_the_source_of_velocity() {
     use VirtualSource::{Axis, Direct, Off, Own};
     let of = |pulsacc, vmenctyp| MachineParameters { pulsacc, vmenctyp, ..MachineParameters::default() };
     for before in [Off, Own, Axis(3), Direct] {
@@ -110,7 +110,7 @@ fn pulses_are_come_to_from_either_side() {
 
 /// Proves: MACS-VM-07
 #[test]
-fn edges_and_latches_count_where_it_was() {
+fn edges_and_latches_use_the_position_of_their_time() {
     let lead = Lead { position: Position::whole(100), change: Position::whole(10), valid: true, ..Lead::default() };
     let counted = |vmencmtyp, levels: &[bool]| {
         let parameters = MachineParameters { vmencmtyp, ..MachineParameters::default() };

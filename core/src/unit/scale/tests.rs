@@ -123,7 +123,7 @@ fn halves_round_away_from_zero() {
 }
 
 #[test]
-fn the_same_number_is_the_same_increment_at_each_door() {
+fn same_number_gives_same_increment_in_each_interface() {
     // 0.12 is below 12/100 as a binary fraction: used literally, the half would be rounded down.
     let scale = Scale::new(Fraction::from(125), length("30 m")).unwrap();
     assert_eq!(scale.position(&length("0.12 m")), Ok(1));
@@ -172,7 +172,7 @@ fn the_end_of_a_range_reads_as_a_permitted_rate() {
 
 /// The error of a number that no exact fraction holds may be its size.
 #[test]
-fn a_rate_beyond_all_limits_is_no_matter_of_digits() {
+fn rate_beyond_all_limits_is_too_high_not_inexact() {
     let fast = quantity("1e37 m/s", Dimension::Length(1));
     let error = x().rate(&fast, 1).unwrap_err().to_string();
     assert!(error.starts_with("`1e37 m/s` is 1.0"), "{error}");

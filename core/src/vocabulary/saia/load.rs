@@ -159,7 +159,12 @@ impl Saia {
     }
 
     /// Loads an acceleration, which switches the motor off and waits for a start at rest (SAIA-DET-04).
-    pub(super) fn load_acceleration(&mut self, view: &View<'_>, relative: bool, deed: &mut MotionEffects) -> Result<(), Fault> {
+    pub(super) fn load_acceleration(
+        &mut self,
+        view: &View<'_>,
+        relative: bool,
+        deed: &mut MotionEffects,
+    ) -> Result<(), Fault> {
         let (acceleration, usual) = self.acceleration(view, relative)?;
         self.turn_off(view, deed);
         (self.buffer.acceleration, self.buffer.usual) = (acceleration, usual);

@@ -25,7 +25,11 @@ impl Saia {
         match bits {
             STOP_OFF => self.turn_off(view, deed),
             STOP_HARD => {
-                *deed = MotionEffects { off: deed.off, hold_actual: self.phase != Phase::Off && view.free, ..MotionEffects::default() };
+                *deed = MotionEffects {
+                    off: deed.off,
+                    hold_actual: self.phase != Phase::Off && view.free,
+                    ..MotionEffects::default()
+                };
                 self.end_motion();
                 self.stop_latch = true;
             }

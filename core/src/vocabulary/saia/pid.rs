@@ -89,7 +89,13 @@ const MOST_SUM: i32 = (1 << 23) - 1;
 impl Pid {
     /// Executes a cycle of `length` chip samples with `count` samples; `error` (counts) is that at its end. Returns U
     /// of the last sample, within 16 bits.
-    pub(super) fn run_cycle(&mut self, gains: &Gains, options: Options, error: i64, (count, length): (u64, f64)) -> i32 {
+    pub(super) fn run_cycle(
+        &mut self,
+        gains: &Gains,
+        options: Options,
+        error: i64,
+        (count, length): (u64, f64),
+    ) -> i32 {
         let error = error as f64;
         if std::mem::take(&mut self.forgets_past) {
             (self.last_error, self.held, self.wait, self.last) = (limit_to_16_bits(error), 0.0, 0, None);

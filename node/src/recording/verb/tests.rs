@@ -6,7 +6,7 @@ mod wf;
 use super::*;
 use crate::cell::Cell;
 use lineshaft_core::command::{
-    AbortTrigger, BufferMode, CamIn, CommandFunction, Engage, GearOut, HomeAxis, HomingMethod, DisengageAt, Level,
+    AbortTrigger, BufferMode, CamIn, CommandFunction, DisengageAt, Engage, GearOut, HomeAxis, HomingMethod, Level,
     MasterPosition, MemoryValue, Move, MoveMode, OutAn, OutputValue, Probe, ProbeEdge, QueryTrajectory, RunFunction,
     SetEncoderPosition, SetMasterPosition, SetPosition, Setpoint, ShiftPosition, Synchronize as Coupling, TouchProbe,
 };

@@ -3,8 +3,8 @@
 use super::{saia, trajectory, wf};
 use crate::program;
 use lineshaft_core::command::{
-    Action, BufferMode, Command, CommandFunction, Engage, GearOut, HomeAxis as Homing, HomingMethod, DisengageAt, Level,
-    MasterPosition, Move, MoveMode, OutAn, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints,
+    Action, BufferMode, Command, CommandFunction, DisengageAt, Engage, GearOut, HomeAxis as Homing, HomingMethod,
+    Level, MasterPosition, Move, MoveMode, OutAn, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints,
     Synchronize as Coupling, TouchProbe,
 };
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};

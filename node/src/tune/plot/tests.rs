@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::tune::test_axes::{before, cascade, effort_record, subject, velocity_record, wish};
-use lineshaft_tune::{Loops, PositionLaw, Targets, DesignSpec};
+use lineshaft_tune::{DesignSpec, Loops, PositionLaw, Targets};
 
 fn svg(found: &Findings, record: &Record) -> String {
     String::from_utf8(draw_plot(found, record, Target::Svg).unwrap()).unwrap()

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::tune::test_axes::{before, cascade, effort_record, subject, wish};
-use lineshaft_tune::{Deviation, Identified, Model, PositionLaw, Resonance, Targets, DesignSpec, design};
+use lineshaft_tune::{DesignSpec, Deviation, Identified, Model, PositionLaw, Resonance, Targets, design};
 
 /// Returns a drive of 95493 inc/s with a lag of 6 ms and a delay of 1.5 ms.
 fn of_velocities() -> Identified {

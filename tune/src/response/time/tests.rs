@@ -61,7 +61,7 @@ fn an_integrator_closes_its_error_as_the_power_of_its_pole() {
 }
 
 #[test]
-fn what_friction_holds_stands_still() {
+fn axis_held_by_friction_rests() {
     // An output of 30 * 100 / 60000 = 0.05 is 50000 inc/s^2.
     let still = simulate(&effort(60_000.0, 0.0), &pid(30, 0), &Move::Step { distance: 100.0 }, 1.0, 1.0).unwrap();
     assert!(still.samples.iter().all(|sample| sample.position == 0.0));
@@ -95,7 +95,7 @@ fn a_move_back_mirrors_the_move() {
 }
 
 #[test]
-fn moves_that_are_none_are_refused() {
+fn invalid_moves_are_refused() {
     let said = |to: Move, duration, window| {
         simulate(&effort(0.0, 0.0), &pid(30, 0), &to, duration, window).unwrap_err().to_string()
     };

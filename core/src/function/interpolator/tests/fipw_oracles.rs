@@ -310,7 +310,7 @@ fn sets_have_the_fields_of_the_source() {
 }
 
 #[test]
-fn a_master_that_goes_back_into_a_window_starts_nothing() {
+fn master_moving_back_into_window_starts_nothing() {
     let tables = [y(&[0, 1000]), y(&[0, 100])];
     let mut bench = fipw(&tables);
     bench.start(&by_way(82, &[("start_angle", 30)]), 0);

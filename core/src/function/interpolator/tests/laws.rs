@@ -64,7 +64,7 @@ proptest! {
 
     /// After any motion of the master inside a movement, the same motion back ends at the same position.
     #[test]
-    fn a_master_that_goes_back_retraces(
+    fn master_moving_back_retraces_path(
         (tables, values) in sets(),
         ways in proptest::collection::vec(-300_i64..300, 1..20),
     ) {

@@ -225,7 +225,7 @@ fn a_correction_keeps_the_window_that_it_began_with() {
 }
 
 #[test]
-fn a_master_that_trembles_at_its_zero_loses_no_mark() {
+fn master_oscillating_at_zero_loses_no_mark() {
     let tables = [y(&[0, 20_000, 40_000, 60_000])];
     let mut bench = fipw(&tables);
     bench.start(&registered(&[("corr_start", 1000), ("corr_length", 0)]), 0);

@@ -23,7 +23,7 @@ fn both_forms_run_through_the_same_curve() {
 
 /// Proves: AMK-XFIPW-44, AMK-XFIPW-64, AMK-XFIPW-65, AMK-XFIPW-66, AMK-XFIPW-88, AMK-XFIPW-O3
 #[test]
-fn a_slave_is_set_on_where_its_master_is() {
+fn slave_starts_at_position_of_master() {
     let tables = [y(&T)];
     let mut bench = xfipw(&tables);
     bench.call_ns = 4 * HALF;
@@ -113,7 +113,7 @@ fn sets_are_whole() {
 
 /// Proves: AMK-XFIPW-92, AMK-XFIPW-97, AMK-XFIPW-122, AMK-XFIPW-123, AMK-XFIPW-16, AMK-XFIPW-24
 #[test]
-fn what_an_extended_mode_does_not_use_is_refused() {
+fn field_unused_by_extended_mode_is_refused() {
     let (many, more): (Vec<i64>, Vec<i64>) = ((0..2000).collect(), (0..2001).collect());
     let places: Vec<(i64, i64)> = (0..1001).map(|i| (i, i)).collect();
     let one = |table: Arc<Table>, values: &[(&str, i64)]| xfipw(&[table]).refused(values).map(|fault| fault.code);

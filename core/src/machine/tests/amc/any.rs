@@ -116,7 +116,7 @@ proptest! {
 
     /// Proves: AMC-POS-01, AMC-SEL-09
     #[test]
-    fn the_selector_never_jumps_never_fights_and_ends_at_rest(
+    fn selector_makes_no_velocity_step_and_ends_at_rest(
         is_fraction in any::<bool>(), happenings in prop::collection::vec(random_event(), 1..60),
     ) {
         let mut config = wired();

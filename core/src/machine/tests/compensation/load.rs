@@ -67,7 +67,7 @@ fn off(config: MachineConfig, method: i8) -> Vec<f64> {
 ///
 /// Proves: WF-INC-04
 #[test]
-fn the_load_stands_where_it_is_asked_to_be_from_either_side() {
+fn load_reaches_command_from_either_side() {
     for (method, delay) in [(20, 0), (19, 0), (20, 3), (19, 3)] {
         let off = off(cell(delay, BACKLASH, Some(&PITCH)), method);
         assert!(off.iter().all(|off| off.abs() <= 1.0), "method {method}: {off:?}");
@@ -140,7 +140,7 @@ fn off_behind_motor(interface: Interface, backlash: i64, is_turned: bool) -> Vec
 ///
 /// Proves: WF-INC-04
 #[test]
-fn the_load_behind_the_gap_of_a_motor_stands_where_it_is_asked_to_be() {
+fn load_after_backlash_reaches_command() {
     for (interface, is_turned) in
         [(Interface::Velocity, false), (Interface::Velocity, true), (Interface::Torque, false)]
     {

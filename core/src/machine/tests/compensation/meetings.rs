@@ -13,7 +13,12 @@ fn a_zero_that_is_found_again_is_where_it_was() {
         let mut rig = Rig::of(cell(2, BACKLASH, Some(&[(-40_000, 0), (-1_000, 90), (40_000, 30)])));
         let index = Some(Index { every: 2_000, at: 300 });
         let home_switch = Some((-500, 500));
-        rig.plant.drive(0).unwrap().install_fixtures(Fixtures { start: -3_000, home: home_switch, index, ..Fixtures::default() });
+        rig.plant.drive(0).unwrap().install_fixtures(Fixtures {
+            start: -3_000,
+            home: home_switch,
+            index,
+            ..Fixtures::default()
+        });
         rig.enable();
         let mut zeros = Vec::new();
         for place in [None, Some(-1_700), Some(-1_700), Some(-1_200)] {
@@ -35,9 +40,13 @@ fn a_zero_that_is_found_again_is_where_it_was() {
 
 /// During homing nothing is compensated: the detected edge is a position of the motor.
 #[test]
-fn homing_holds_what_there_is() {
+fn homing_freezes_compensation() {
     let mut rig = homed(cell(0, BACKLASH, Some(&PITCH)));
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { start: 0, home: Some((30_000, 30_500)), ..Fixtures::default() });
+    rig.plant.drive(0).unwrap().install_fixtures(Fixtures {
+        start: 0,
+        home: Some((30_000, 30_500)),
+        ..Fixtures::default()
+    });
     go(&mut rig, 20_000);
     let goal = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(19) }));
     while rig.done(goal).is_empty() {
@@ -61,7 +70,10 @@ fn pulses_are_counted_as_before_and_their_places_are_those_of_the_load() {
     let p = &mut config.axes[1].parameters;
     (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 0 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 0 }), ..Fixtures::default() });
     rig.enable();
     home(&mut rig, 35);
     for target in [30_000, 29_000, 31_000, -20_000, 500] {
@@ -84,7 +96,7 @@ fn pulses_are_counted_as_before_and_their_places_are_those_of_the_load() {
 
 /// Followers of the axis do not see its compensation; a led axis compensates at its own reversals.
 #[test]
-fn a_coupling_sees_the_load_alone() {
+fn followers_see_the_load_only() {
     let mut config = cell(0, BACKLASH, Some(&PITCH));
     config.axes[2].parameters.max_following_error = 1;
     let mut rig = homed(config);
@@ -200,7 +212,11 @@ fn a_drive_that_homes_by_itself_has_the_sense_of_its_method() {
         let mut config = cell(1, BACKLASH, Some(&[(-50_000, 0), (-5_000, 100), (50_000, 100)]));
         config.axes[1].parameters.homing.in_drive = true;
         let mut rig = Rig::of(config);
-        rig.plant.drive(0).unwrap().install_fixtures(Fixtures { start: -3_000, home: Some((-500, 500)), ..Fixtures::default() });
+        rig.plant.drive(0).unwrap().install_fixtures(Fixtures {
+            start: -3_000,
+            home: Some((-500, 500)),
+            ..Fixtures::default()
+        });
         rig.enable();
         home(&mut rig, method);
         let first = rig.int("x.actual.position");
@@ -223,7 +239,7 @@ fn a_drive_that_homes_by_itself_has_the_sense_of_its_method() {
 
 /// 50 ms until the brake is open: nothing is compensated against the brake.
 #[test]
-fn nothing_is_taken_up_against_a_brake() {
+fn closed_brake_suspends_compensation() {
     let mut config = cell(0, BACKLASH, None);
     config.io.push(IoConfig { name: "brake".into(), kind: IoKind::DigitalOutput, latch: false });
     let brake = BrakeConfig { output: 1, closes_with_one: false, release_ns: 50_000_000, engage_ns: 30_000_000 };

@@ -29,7 +29,7 @@ fn slow(target: i64) -> Move {
 ///
 /// Proves: MACS-DIR-06
 #[test]
-fn a_way_back_is_refused() {
+fn backward_motion_is_refused() {
     for (rule, posdrct) in [(2, 1), (2, -1), (1, 1)] {
         let mut rig = ruled(rule, posdrct);
         let ahead = rig.give(Action::Move(to(X, 10_000)));
@@ -58,7 +58,7 @@ fn a_way_back_is_refused() {
 ///
 /// Proves: MACS-DIR-06
 #[test]
-fn what_would_turn_back_later_is_refused() {
+fn motion_that_would_reverse_later_is_refused() {
     let mut rig = ruled(2, 1);
     rig.give(Action::Move(to(X, 50_000)));
     rig.run(300);
@@ -208,7 +208,7 @@ proptest! {
 
     /// Proves: MACS-DIR-06
     #[test]
-    fn whatever_happens_it_never_goes_back(
+    fn axis_never_moves_backwards_with_any_commands(
         rule in 1_i64..3,
         posdrct in prop::sample::select(vec![1_i64, -1]),
         deeds in prop::collection::vec((random_command(), prop_oneof![0_u64..20, 0_u64..300]), 1..25),

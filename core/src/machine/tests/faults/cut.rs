@@ -1,7 +1,7 @@
 //! Absolute encoders whose line is cut: they do not recover, so each needs a separate machine.
 
 use super::super::rig::{Rig, config};
-use super::{Numbers, Shown, X, check_reaction, begin, by_errcond, errors, set, shown};
+use super::{Numbers, Shown, X, begin, by_errcond, check_reaction, errors, set, shown};
 use crate::axis::Wired;
 use crate::code::Code;
 use crate::drive::Interface;

@@ -14,7 +14,7 @@ fn warnings(rig: &Rig) -> Vec<Event> {
 /// Such a failure stops nothing and is not an error, but it is reported in its cycle, once; the next enable ends in the
 /// error.
 #[test]
-fn a_drive_that_fails_while_its_axis_is_off_is_told() {
+fn drive_fault_while_axis_is_off_is_reported() {
     for (fails, code) in [
         ((|rig: &mut Rig| rig.plant.drive(0).unwrap().inject_fault(0x7305)) as fn(&mut Rig), Code::drive_fault(0x7305)),
         (|rig| rig.plant.drive(0).unwrap().disconnect(), Code::DRIVE_LOST),
@@ -37,7 +37,7 @@ fn a_drive_that_fails_while_its_axis_is_off_is_told() {
 
 /// A failure that appears and disappears does not flood the subscribers.
 #[test]
-fn a_drive_that_comes_and_goes_is_told_once_a_second() {
+fn intermittent_drive_fault_is_reported_once_a_second() {
     let mut rig = Rig::new();
     rig.run(20);
     for _ in 0..100 {

@@ -458,7 +458,7 @@ impl Case {
 ///
 /// Proves: MACS-ERR-02, MACS-LIM-08, MACS-IO-07
 #[test]
-fn every_error_does_what_the_page_says_of_it() {
+fn every_error_has_the_documented_reaction() {
     let page = Page::read();
     let interfaces = [Some(Interface::Position), Some(Interface::Velocity), Some(Interface::OpenLoop), None];
     let (mut walked, mut count, mut failed) = (BTreeSet::new(), 0, Vec::new());

@@ -10,7 +10,7 @@ use crate::vocabulary::wf::Request;
 ///
 /// Proves: WF-MON-06
 #[test]
-fn alarm_7_is_acknowledged_after_its_cable_is_mended() {
+fn alarm_7_can_be_acknowledged_after_cable_is_repaired() {
     let mut config = shared_config();
     config.axes[1].parameters.encoder.monitored = 1;
     let mut rig = Rig::of(config);

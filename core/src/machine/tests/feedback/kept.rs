@@ -100,7 +100,7 @@ fn the_size_of_an_absolute_encoder_changes_while_its_axis_is_off() {
 ///
 /// Proves: MACS-ENC-10
 #[test]
-fn an_absolute_encoder_is_told_to_know_its_zero() {
+fn absolute_encoder_counts_as_homed() {
     let mut rig = Rig::of(velocity_config());
     rig.enable();
     home(&mut rig);
@@ -115,7 +115,7 @@ fn an_absolute_encoder_is_told_to_know_its_zero() {
 
 /// A limit that would leave its range with a new position is reported with the requested position.
 #[test]
-fn a_limit_that_cannot_follow_is_told() {
+fn limit_that_would_leave_its_range_is_reported() {
     let mut config = velocity_config();
     config.axes[1].parameters.max_position = Some(20);
     let mut rig = Rig::of(config);
@@ -129,7 +129,7 @@ fn a_limit_that_cannot_follow_is_told() {
 
 /// The numbers of an error also appear in its reset.
 #[test]
-fn a_reset_tells_what_the_error_told() {
+fn reset_reports_numbers_of_the_error() {
     let mut rig = Rig::of(velocity_config());
     rig.enable();
     rig.plant.drive(0).unwrap().jump(20_001);

@@ -19,7 +19,10 @@ fn the_index_is_that_of_the_encoder_that_the_axis_reads() {
     config.encoders[0].check = Some(PulseCheck { every: 1_000, tolerance: 8 });
     config.axes[1].wired = Wired::Encoder(0);
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 300, at: 150 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 300, at: 150 }), ..Fixtures::default() });
     rig.enable();
     rig.give(Action::Move(at(X, 20_000.0)));
     let mut seen = Vec::new();
@@ -40,7 +43,10 @@ fn the_index_is_that_of_the_encoder_that_the_axis_reads() {
         config.axes[1].wired = Wired::Encoder(0);
         config
     });
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 300, at: 150 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 300, at: 150 }), ..Fixtures::default() });
     rig.enable();
     rig.give(Action::Move(to(X, 400)));
     rig.run(300);

@@ -17,7 +17,10 @@ fn monitored() -> Rig {
     let p = &mut config.axes[1].parameters;
     (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
     rig.give(Action::Move(at(X, 10_000.0)));
     rig.run(500);
@@ -34,7 +37,10 @@ fn an_axis_that_rests_on_its_mark_goes_back_and_forth() {
     let p = &mut config.axes[1].parameters;
     (p.encoder.monitored, p.encoder.pulses_or_step, p.max_velocity) = (1, 250, 20_000.0);
     let mut rig = Rig::of(config);
-    rig.plant.drive(0).unwrap().install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
+    rig.plant
+        .drive(0)
+        .unwrap()
+        .install_fixtures(Fixtures { index: Some(Index { every: 1_000, at: 100 }), ..Fixtures::default() });
     rig.enable();
     let home = rig.give(Action::HomeAxis(HomeAxis { axis: X, method: HomingMethod::Cia402(34) }));
     rig.run(3_000);

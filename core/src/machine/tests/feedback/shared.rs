@@ -62,7 +62,7 @@ fn a_hard_zero_waits_for_the_other_users() {
 
 /// Followers of a shared encoder do not follow its new zero.
 #[test]
-fn a_hard_zero_moves_nobody_who_follows() {
+fn hard_zero_moves_no_follower() {
     let mut config = velocity_config();
     config.axes[1].wired = Wired::Encoder(0);
     let mut rig = Rig::of(config);
@@ -134,7 +134,7 @@ fn another_type_of_encoder_cancels_homing() {
 
 /// Proves: MACS-ENC-10, MACS-HOME-08
 #[test]
-fn the_zero_of_an_absolute_encoder_stands() {
+fn zero_of_absolute_encoder_is_fixed() {
     let mut rig = corrected();
     assert_eq!(rig.int("x.homed"), 1, "it knows where it is");
     let set = rig.give(zero(X, 5));

@@ -45,7 +45,7 @@ fn seen(rig: &Rig) -> [i64; 4] {
 ///
 /// Proves: MACS-ENC-11, MACS-ENC-12
 #[test]
-fn of_several_zeros_in_a_cycle_the_last_one_stands() {
+fn last_of_several_zeros_in_a_cycle_applies() {
     for (zeros, expected) in [
         (vec![zero(X, 500), zero(Y, 740)], [700, 740, 700, 700]),
         (vec![zero(Y, 740), zero(X, 500)], [500, 540, 500, 500]),
@@ -78,7 +78,7 @@ fn of_several_zeros_in_a_cycle_the_last_one_stands() {
 ///
 /// Proves: MACS-ENC-11
 #[test]
-fn a_soft_zero_keeps_its_turn() {
+fn soft_zero_keeps_its_order_with_hard_zeros() {
     for (zeros, expected) in [
         (vec![zero(X, 500), zero(Y, 740)], [500, 740, 500, 500]),
         (vec![zero(Y, 740), zero(X, 500)], [500, 940, 500, 500]),

@@ -8,7 +8,7 @@ use crate::object::Object;
 /// The state of a function is reported as an event: at its start, with each output, at its end. A bit that changes
 /// continuously causes no flood.
 #[test]
-fn a_function_tells_its_start_its_outputs_and_its_end() {
+fn function_reports_start_outputs_and_end() {
     let line = |object, inverted| Some(Line { object, inverted });
     let mut watch = slot("f", 0, Type::Ecopy);
     watch.inputs[0] = line(Object::Io(0), false);

@@ -65,7 +65,7 @@ fn a_goal_starts_its_function_and_succeeds_where_its_order_ends() {
 }
 
 #[test]
-fn what_no_goal_can_be_is_refused_and_changes_nothing() {
+fn invalid_goal_is_refused_and_changes_nothing() {
     let copied = copy("c", 1, SourceConfig::Signal("l".into()), SinkConfig::None);
     let mut rig = Rig::of(cell(vec![indexer(&[]), copied]));
     let refused = |rig: &mut Rig, action: Action, code: Code, end: &str| {
@@ -164,7 +164,7 @@ fn an_input_that_stops_an_order_ends_its_goal_with_what_is_left() {
 }
 
 #[test]
-fn reset_an_error_of_its_axis_and_whatever_else_takes_it_end_a_goal() {
+fn reset_error_or_takeover_of_axis_ends_goal() {
     let mut rig = indexed(&[]);
     let goal = rig.give(run(0, &[]));
     rig.run(50);

@@ -128,7 +128,7 @@ fn answer_of_read_value_is_a_signal_and_an_event() {
 
 /// AMK-FIPW-01: a table lasts 50 to 32767 inc.
 #[test]
-fn a_value_beyond_its_bound_is_told_on_the_side_where_it_is() {
+fn out_of_range_value_is_reported_with_its_bound() {
     let mut rig = machine(Type::Fipw, &FIPW);
     let rev = field(Type::Fipw, "increments_per_rev");
     let refused = rig.give(with(0, Order::Start, &[(rev, 49)]));
@@ -143,7 +143,7 @@ fn a_value_beyond_its_bound_is_told_on_the_side_where_it_is() {
 }
 
 #[test]
-fn a_mode_that_there_is_not_is_told_with_those_that_there_are() {
+fn unknown_mode_is_reported_with_allowed_modes() {
     let mut rig = machine(Type::Fipw, &FIPW);
     let refused = rig.give(with(0, Order::Start, &[(field(Type::Fipw, "mode"), 3)]));
     assert_eq!(rig.refusal(refused), "f: mode: no mode has number 3; 2, 4, 26, 82, 84, 98, 100, 132 are allowed");

@@ -115,7 +115,7 @@ fn the_actual_position_of_a_virtual_axis_is_the_last_cycles() {
 ///
 /// Proves: AMK-SIDIFF-12
 #[test]
-fn what_compensation_adds_is_no_difference_of_a_drive() {
+fn compensation_is_not_counted_as_drive_difference() {
     let shown = |sak: i64, [moves, watches]: [u16; 2]| {
         let mut gear = gear("g", moves, Leader::AxisCommand(LINE), X);
         gear.values[usize::from(field(Type::Varsync, "sak"))] = sak;
@@ -209,7 +209,7 @@ fn sidiff_reads_a_loaded_table_again_at_value_new() {
 
 /// A RESET of a speed changes the sink once, and not in the following cycles.
 #[test]
-fn who_follows_a_sink_that_rests_stands() {
+fn follower_of_sink_at_rest_stands_still() {
     let mut turn = slot("t", 0, Type::Digdreh);
     turn.inputs[0] = Some(Line { object: Object::Io(0), inverted: true });
     turn.inputs[1] = Some(Line { object: Object::Io(3), inverted: false });

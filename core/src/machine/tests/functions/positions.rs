@@ -135,7 +135,7 @@ fn without_a_drive_there_is_no_reference() {
 ///
 /// Proves: AMK-EPOS-03, AMK-EPOS-13, AMK-EPOS-22, AMK-BCOM-35, AMK-BCOM-36
 #[test]
-fn a_carrier_runs_over_stations_until_its_input_goes() {
+fn positioning_repeats_while_its_input_is_set() {
     let mut slot = indexer(&[("ba", 16), ("travel", 1000)]);
     slot.words[0] = Some("w".into());
     let mut rig = Rig::of(cell(vec![slot]));

@@ -150,7 +150,7 @@ fn signals_are_read_and_memory_cells_written_by_their_names() {
 }
 
 #[test]
-fn what_is_no_number_fails_before_anything_is_written() {
+fn nan_output_fails_before_anything_is_written() {
     let text =
         "(i64.store (i32.const 184) (i64.const 5)) (f64.store (i32.const 192) (f64.div (f64.const 0) (f64.const 0)))";
     let mut rig = Rig::of(runs(&body(text), |slot| slot.writes = vec![0, 3]));

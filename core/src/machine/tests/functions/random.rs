@@ -4,7 +4,7 @@ use super::programs::{WILD, module};
 use super::{DISC, cell, field, with};
 use crate::command::{Action, RunFunction};
 use crate::config::{Line, MachineConfig, ProgramConfig, SinkConfig, SlotConfig, SourceConfig, TableConfig};
-use crate::function::{Kind, Requirement, OnAxisError, Order, Quantity, TYPES, Width};
+use crate::function::{Kind, OnAxisError, Order, Quantity, Requirement, TYPES, Width};
 use crate::machine::tests::rig::{LINE, Rig, X, Y, at, cases, couple};
 use crate::object::{AxisSet, Leader, Object};
 use crate::sim::{Fixtures, Index};

@@ -68,7 +68,7 @@ const SWITCHES: [(i64, i64); 2] = [(5_000, FAR), (5_030, FAR)];
 
 /// The zero is the edge of the first switch, as with one drive, or the index of the first drive.
 #[test]
-fn both_come_square_at_their_switches() {
+fn both_drives_are_squared_at_their_switches() {
     for (method, expected) in [(19, 5_000), (20, 5_000), (3, 3_700), (4, 6_700)] {
         for skew in [-1_500, -40, 0, 1, 800] {
             let starts = [-12_000, -12_000 + 30 + skew];
@@ -142,7 +142,7 @@ fn a_switch_that_does_not_come_ends_homing() {
 
 /// A method that squares nothing is refused by name.
 #[test]
-fn what_squares_nothing_is_refused() {
+fn method_without_squaring_is_refused() {
     for (method, expected) in [
         (
             33,
@@ -405,7 +405,7 @@ proptest! {
     /// square, with the zero at the edge of the first switch. Above squaring_distance there is the error, and the skew
     /// is unchanged. A machine restored in between gives the same results.
     #[test]
-    fn homing_squares_what_it_may(skew in -2_600_i64..2_600, shift in -900_i64..900, turned: bool, method in prop::sample::select(vec![19_i8, 20, 23, 24, 25, 26]), after in 1_u64..900) {
+    fn homing_squares_within_squaring_distance(skew in -2_600_i64..2_600, shift in -900_i64..900, turned: bool, method in prop::sample::select(vec![19_i8, 20, 23, 24, 25, 26]), after in 1_u64..900) {
         let starts = [-3_000, -3_000 + shift + skew];
         let mut rig = rig(starts, [(5_000, 12_000), (5_000 + shift, 12_000 + shift)]);
         if turned {

@@ -111,7 +111,7 @@ fn guarded(in_drive: bool) -> Rig {
 ///
 /// Proves: MACS-HOME-09
 #[test]
-fn a_contact_that_opens_ends_it() {
+fn open_contact_ends_homing() {
     for (in_drive, contact, code, on) in [
         (false, 1, Code::EMERGENCY_STOP, 0),
         (false, 2, Code::INTERLOCK, 1),
@@ -148,7 +148,7 @@ fn a_contact_that_opens_ends_it() {
 
 /// A command that requires an axis at rest reports the present state.
 #[test]
-fn an_axis_that_does_not_stand_is_told_as_what_it_does() {
+fn refusal_reports_present_state_of_moving_axis() {
     let moving: [(Action, &str); 3] = [
         (Action::Move(at(X, 1_000.0)), "the axis runs at a velocity (CONTINUOUS_MOTION); halt it first"),
         (
@@ -174,7 +174,7 @@ fn an_axis_that_does_not_stand_is_told_as_what_it_does() {
 
 /// Each scheme has its own numbers.
 #[test]
-fn a_method_that_a_scheme_does_not_have_is_told_with_those_that_it_has() {
+fn unknown_method_is_refused_with_allowed_methods() {
     let mut rig = rig(travel_range(START, (5_000, 7_000)));
     for (method, sentence) in [
         (HomingMethod::Macs(4), "scheme macs has no homing method 4; 0 to 3, its home_type, are allowed"),

@@ -6,7 +6,7 @@ use crate::code::Code;
 use crate::drive::{Interface, inputs};
 use crate::event::Kind;
 use crate::parameter::Value;
-use crate::sim::{Fixtures, Index, Mechanics, Model, VelocityLag, SwitchWiring};
+use crate::sim::{Fixtures, Index, Mechanics, Model, SwitchWiring, VelocityLag};
 
 const L: i64 = 200;
 const R: i64 = 1_200;
@@ -35,7 +35,7 @@ fn expected(method: i64) -> ((i64, i64), i64) {
 /// it, in the middle of a phase that reverses there. Each phase finds its edge, and the zero is the same as for any
 /// other start.
 #[test]
-fn an_axis_that_trembles_across_an_edge_finds_its_zero() {
+fn axis_oscillating_across_switch_edge_finds_its_zero() {
     for method in (3..=14).chain(19..=30) {
         let (home_switch, reference) = expected(method);
         for edge in [L, R] {
@@ -104,7 +104,8 @@ fn a_simulated_switch_lets_its_input_latch() {
                 };
                 let wire = Some(SwitchWiring { switch, input: 0, normally_closed });
                 let mut rig = rig_with(config, Model::Ideal, fixtures);
-                rig.plant.attach_mechanics(0, &Mechanics { fixtures, wires: [wire, None, None], ..Mechanics::default() });
+                rig.plant
+                    .attach_mechanics(0, &Mechanics { fixtures, wires: [wire, None, None], ..Mechanics::default() });
                 rig.run(5);
                 let sequence = home(&mut rig, method);
                 let what = format!("method {method}, {slow} inc/s, normally closed: {normally_closed}");

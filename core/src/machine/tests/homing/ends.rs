@@ -204,7 +204,7 @@ fn a_switch_that_never_changes_ends_it_within_the_largest_way() {
 
 /// A rotary axis without limits and without a maximum distance: two revolutions are enough to detect its switch.
 #[test]
-fn an_axis_that_turns_for_ever_looks_for_its_switch_for_two_turns() {
+fn rotary_axis_searches_its_switch_for_two_revolutions() {
     for (value, method) in [(0, 19), (4, 19), (0, -2)] {
         let mut config = cell(0);
         let x = &mut config.axes[usize::from(X)];
@@ -244,7 +244,7 @@ fn nothing_else_moves_an_axis_that_homes() {
 
 /// Proves: MACS-HOME-04
 #[test]
-fn what_homing_lacks_is_refused_with_a_sentence() {
+fn missing_requirement_of_homing_is_refused_with_message() {
     let cases: [(&str, Value, i64, &str); 4] = [
         (
             "homing.velocity",

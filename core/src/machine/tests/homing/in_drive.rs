@@ -50,7 +50,7 @@ fn the_drive_finds_the_zero_and_its_counts_begin_there() {
 }
 
 #[test]
-fn who_follows_it_sees_no_jump() {
+fn follower_sees_no_jump_by_homing_in_drive() {
     let mut rig = in_drive(0, 0);
     rig.give(Action::Synchronize(couple(Y, Leader::AxisActual(X), 1, 1)));
     rig.run(2);
@@ -206,7 +206,7 @@ fn axis_is_homed_once_the_drive_is_back_in_its_mode() {
 /// Bits 10 and 12 of the first homing remain long after bit 4 was set for the second one: the axis is moved meanwhile,
 /// and is not homed.
 #[test]
-fn a_second_homing_is_not_over_by_the_bits_of_the_first_one() {
+fn second_homing_does_not_end_by_status_bits_of_the_first() {
     let mut rig = in_drive(0, 0);
     let first = home(&mut rig, 3);
     assert_eq!(run_to_end(&mut rig, first).code, Code::NONE);
@@ -246,7 +246,7 @@ fn a_drive_that_shows_no_begin_is_an_error_where_it_stands() {
 
 /// A drive that finds nothing, on a travel range without end.
 #[test]
-fn a_drive_that_goes_on_for_ever_is_stopped_behind_the_largest_way() {
+fn drive_is_stopped_after_maximum_homing_distance() {
     let mut rig = in_drive(0, 0);
     let fixtures = crate::sim::Fixtures { positive: None, negative: None, ..travel_range(0, (5_000, FAR)) };
     rig.plant.drive(0).unwrap().install_fixtures(fixtures);
@@ -303,7 +303,7 @@ fn homing_that_lasts_longer_than_max_time_ends_in_an_error() {
 /// Without a limit homing continues, and is reported after 60 s and 120 s. A search of the core is limited by its
 /// distance.
 #[test]
-fn homing_in_the_drive_that_lasts_is_told_each_minute() {
+fn long_homing_in_drive_is_reported_each_minute() {
     for in_drive in [true, false] {
         let mut rig = slow(in_drive);
         let sequence = home(&mut rig, 3);

@@ -27,7 +27,7 @@ fn a_limit_switch_on_the_way_to_the_zero_ends_homing() {
 
 /// If revers forbids the motion back to it, the zero is still valid: the axis stops after it.
 #[test]
-fn without_a_way_back_the_axis_stands_behind_its_zero() {
+fn axis_that_must_not_reverse_stops_after_its_zero() {
     let mut config = cell(0);
     assign(&mut config.axes[usize::from(X)].parameters, "revers", Value::Int(2));
     let mut rig = rig_with(config, Model::Ideal, travel_range(START, (5_000, 7_000)));
@@ -88,7 +88,7 @@ fn the_switches_stay_where_they_are_while_it_homes() {
 
 /// Homing that waits for its target window reports this.
 #[test]
-fn a_long_wait_for_the_window_is_told_of() {
+fn long_wait_for_target_window_is_reported() {
     let mut config = cell(0);
     let p = &mut config.axes[usize::from(X)].parameters;
     assign(p, "in_position_window", Value::Int(5));

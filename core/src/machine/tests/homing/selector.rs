@@ -68,7 +68,7 @@ const BUSY: &str = "x: the axis is homing; wait for its end, or cancel it";
 ///
 /// Proves: AMC-FSM-02, AMC-FSM-03, AMC-FSM-06, AMC-FSM-07, AMC-SEL-09, AMC-TRG-01
 #[test]
-fn another_reference_ends_homing_and_says_so() {
+fn another_reference_ends_homing_and_is_reported() {
     let speed = ("speed_reference", Value::Real(500.0));
     let place = ("position_reference", Value::Int(3));
     for key in ["reference_select", "reference_select_trigger"] {
@@ -104,7 +104,7 @@ fn another_reference_ends_homing_and_says_so() {
 ///
 /// Proves: AMC-FSM-01, AMC-STP-06
 #[test]
-fn reference_0_ends_homing_and_says_so() {
+fn reference_0_ends_homing_and_is_reported() {
     for (key, number) in [("reference_select", 0), ("reference_select_trigger", 0), ("following_error_window", 1)] {
         for stop_mode in 0..4 {
             let trigger = i64::from(key == "reference_select_trigger") * 5;
@@ -271,7 +271,7 @@ fn homing_that_waits_for_rest_may_be_given_up() {
 ///
 /// Proves: AMC-SEL-08, AMC-FSM-08
 #[test]
-fn the_end_of_homing_is_one_cycle() {
+fn homing_end_changes_zero_and_selection_in_one_cycle() {
     // Method 35 is done at once; its zero is the present position of the axis.
     for (method, stop_mode) in [(3, 0), (3, 1), (35, 0), (35, 1)] {
         let mut rig =

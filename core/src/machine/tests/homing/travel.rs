@@ -69,7 +69,7 @@ fn commands_that_remove_the_enable() -> Vec<(&'static str, Action)> {
 
 /// Proves: WF-IF-03, WF-OST-10, WF-OLC-09, WF-DAC-01, WF-IF-10
 #[test]
-fn what_takes_the_enable_switches_the_speed_off_in_every_phase() {
+fn removing_the_enable_switches_speed_off_in_every_phase() {
     for (md7, phase) in [(0, 1), (0, 2), (0, 3), (2, 2), (2, 3)] {
         for (what, action) in commands_that_remove_the_enable() {
             let mut rig = under_way(md7, phase);

@@ -258,7 +258,7 @@ fn the_mark_has_to_come_within_the_revolution_of_md34() {
 ///
 /// Proves: WF-MD-22, WF-MD-13
 #[test]
-fn what_has_no_number_has_a_name() {
+fn machine_data_without_number_have_names() {
     let mut rig = wf(START, |_| ());
     for (key, value) in [
         ("wf.max_following_error", Value::Int(300)),
@@ -295,7 +295,7 @@ fn what_has_no_number_has_a_name() {
 
 /// Proves: WF-REF-12
 #[test]
-fn released_it_stops_and_knows_nothing() {
+fn released_axis_stops_without_a_zero() {
     for (cycles, phase) in [(500, 1), (1_800, 2)] {
         let mut rig = wf(START, |_| ());
         jog(&mut rig, Jog::Plus);

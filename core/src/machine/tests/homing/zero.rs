@@ -207,7 +207,7 @@ fn inverted_units_keep_the_places_of_switches_and_offset() {
 
 /// Proves: MACS-LIM-01, MACS-CMD-16
 #[test]
-fn limits_keep_their_places_when_the_position_is_set_and_are_as_given_after_the_next_homing() {
+fn limits_keep_machine_position_after_set_position_and_are_restored_by_homing() {
     let mut rig = homed();
     rig.set("min_position", Value::Int(-10_000));
     rig.set("max_position", Value::Int(1_000));
@@ -394,7 +394,7 @@ fn assigned_inputs_are_read_in_the_next_cycle() {
 
 /// Proves: MACS-O-17, MACS-HOME-01, MACS-HOME-02, MACS-HOME-06
 #[test]
-fn the_rates_of_homing_in_parts_of_the_largest_ones() {
+fn homing_rates_are_shares_of_the_maximum() {
     let mut p = crate::parameter::AxisParameters::new(1.0, 1.0);
     for (key, value) in [
         ("velmax", Value::Real(1_000.0)),

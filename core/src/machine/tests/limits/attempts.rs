@@ -81,7 +81,9 @@ fn lead(rig: &mut Rig, led: MotionSource, way: i64) {
     let gear = couple(X, TO_LINE, 1, 1);
     let runs = at(LINE, way as f64 * 20_000.0);
     let goal = match led {
-        MotionSource::Gear | MotionSource::ShiftOfMaster | MotionSource::ShiftOfSlave => Synchronize { offset: Length::default(), ..gear },
+        MotionSource::Gear | MotionSource::ShiftOfMaster | MotionSource::ShiftOfSlave => {
+            Synchronize { offset: Length::default(), ..gear }
+        }
         MotionSource::Velocity => Synchronize { mode: SyncMode::Velocity, ..gear },
         MotionSource::AtPosition => {
             let here = rig.int("line.command.position");
@@ -167,7 +169,7 @@ fn reset(rig: &mut Rig) {
 ///
 /// Proves: MACS-LIM-05
 #[test]
-fn whatever_leads_into_a_limit_again_is_error_98_at_its_first_attempt() {
+fn repeated_motion_into_limit_is_error_98() {
     for led in ALL {
         for way in [1, -1] {
             let mut rig = rig(2, Model::Ideal);
@@ -215,7 +217,7 @@ fn a_drive_that_is_behind_when_its_power_goes_has_not_left_the_limit() {
 /// noise, so the stop at the limit starts in time.
 /// Proves: MACS-LIM-01
 #[test]
-fn a_leader_that_stands_hides_no_velocity() {
+fn catch_up_with_leader_at_rest_is_not_treated_as_count_noise() {
     let table = Table::new(Form::Xy, &[0, 1000, 1600, 4000], &[0, 300, 1700, 2500]).expect("points");
     let mut config = config(0);
     config.tables = vec![TableConfig { name: "steep".into(), table: Arc::new(table) }];

@@ -159,7 +159,7 @@ fn a_superimposed_way_of_one_cycle_ends_at_the_limit() {
 
 /// At 0.001 inc/s the 30 inc to the limit would take more than eight hours.
 #[test]
-fn what_hardly_moves_before_it_would_pass_the_limit_does_not_creep_there() {
+fn stopped_axis_does_not_creep_to_the_limit() {
     let mut rig = cell(20, 1e6, 1);
     go_to(&mut rig, HIGH - 30);
     rig.give(Action::Synchronize(couple(X, Leader::AxisCommand(LINE), 1, 1)));
@@ -412,7 +412,7 @@ proptest! {
     ///
     /// Proves: MACS-LIM-02, MACS-LIM-04
     #[test]
-    fn nothing_that_follows_ever_passes_a_limit(
+    fn follower_never_exceeds_a_limit(
         cycle_ms in prop::sample::select(vec![1_u64, 2, 4, 20]),
         rate in 1e5..5e6_f64,
         deceleration in prop::option::of(0.1..3.0_f64),

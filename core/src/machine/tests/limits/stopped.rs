@@ -181,7 +181,7 @@ fn run_until_off(rig: &mut Rig) -> u64 {
 ///
 /// Proves: MACS-ERR-02
 #[test]
-fn the_power_goes_once_the_axis_stands_and_not_its_command() {
+fn power_is_removed_once_the_axis_not_its_command_is_at_rest() {
     for (what, reaction) in [("limit", 0), ("limit", 1), ("limit", 3), ("disable", 2), ("contact", 2), ("limit", 2)] {
         let io: &[IoKind] = if what == "contact" { &[IoKind::DigitalInput] } else { &[] };
         let mut rig = lagging(reaction, io);
@@ -217,7 +217,7 @@ fn the_power_goes_once_the_axis_stands_and_not_its_command() {
 
 /// The wait ends after 5 s, and a reset in between does not end it earlier.
 #[test]
-fn what_never_stands_loses_its_power_all_the_same() {
+fn axis_that_never_comes_to_rest_is_switched_off_after_timeout() {
     fn tremble(inputs: &mut Inputs) {
         inputs.drive[0].count += 50 * (inputs.cycle & 1) as i64;
     }
@@ -235,7 +235,7 @@ fn what_never_stands_loses_its_power_all_the_same() {
 
 /// A drive that moves away from its command by more than the following error limit is not waited for.
 #[test]
-fn what_runs_away_from_its_command_is_not_waited_for() {
+fn axis_moving_away_from_command_is_switched_off() {
     fn run_away(inputs: &mut Inputs) {
         inputs.drive[0].count += 40 * inputs.cycle as i64 - 20_000;
     }

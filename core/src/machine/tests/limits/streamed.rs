@@ -134,7 +134,7 @@ fn a_jog_leads_away_from_the_limit_while_it_still_brakes() {
 
 /// A press of 50 ms every 500 ms, with pauses longer than setpoint_timeout; then all presses with a duration.
 #[test]
-fn each_further_press_moves_nothing_and_is_not_told_again() {
+fn repeated_press_at_limit_moves_nothing_and_is_reported_once() {
     let mut rig = rig();
     rig.mirror();
     jog(&mut rig, 20_000.0, 400);
@@ -210,7 +210,7 @@ fn a_jog_that_begins_next_to_the_limit_still_ends_at_it() {
 
 /// Goals, halts and silence end a jog as usual, and reaching the limit again is reported again.
 #[test]
-fn an_axis_that_a_goal_leads_away_and_back_is_told_again() {
+fn limit_is_reported_again_after_goal_away_and_back() {
     let mut rig = rig();
     jog(&mut rig, 20_000.0, 400);
     rig.give(Action::Move(to(X, 0)));

@@ -107,7 +107,7 @@ fn a_quarter_of_what_10_v_are_is_2_5_v() {
 /// Shutdown in the cycle of the command, switched on in the next; the third sets its enable, and 30 ms later it is on.
 /// If it is off, neither is set.
 #[test]
-fn it_is_enabled_by_its_output_and_comes_on_behind_its_time() {
+fn analog_drive_is_enabled_by_output_after_its_delay() {
     let mut rig = rig(analog_config(Interface::Velocity), lag());
     rig.run(3);
     assert_eq!((rig.int("enable"), rig.real("reference"), rig.state("x")), (0, 0.0, "DISABLED"));
@@ -298,7 +298,7 @@ fn the_output_of_a_brake_closes_where_the_power_goes_behind_a_stop_of_the_drive(
 
 /// Motor and encoder have opposite directions, or the encoder is dead: the axis is switched off before it is far away.
 #[test]
-fn a_sense_wired_the_wrong_way_and_a_dead_encoder_end_without_enable() {
+fn reversed_wiring_or_dead_encoder_removes_enable() {
     for interface in [Interface::Velocity, Interface::Torque] {
         for factor in [-1, 0] {
             let mut rig = on(interface);
@@ -408,7 +408,7 @@ fn out_an_needs_a_drive_that_stops_by_itself() {
 
 /// Reference and enable belong to the axis: no other function or client may set them.
 #[test]
-fn its_outputs_are_taken() {
+fn outputs_of_analog_drive_are_reserved() {
     let mut rig = on(Interface::Velocity);
     for index in [3, 6] {
         let answer = rig.give(Action::SetOutputs([OutputValue { index, value: 1.0 }].into()));
@@ -486,5 +486,8 @@ fn what_a_cell_cannot_have_is_refused() {
         "{problem}"
     );
     let problem = refused(|config| config.axes[1].parameters.max_velocity = 200_000.5);
-    assert!(matches!(problem, ConfigError::NotImplemented { key: "max_velocity", code: Code::ANALOG_FULL, .. }), "{problem}");
+    assert!(
+        matches!(problem, ConfigError::NotImplemented { key: "max_velocity", code: Code::ANALOG_FULL, .. }),
+        "{problem}"
+    );
 }

@@ -124,7 +124,7 @@ fn a_play_leaves_no_error_at_the_load() {
 ///
 /// Proves: MACS-AMP-06
 #[test]
-fn full_is_what_ampencres_and_ampencrpm_say() {
+fn ampencres_and_ampencrpm_define_the_encoder_ratio() {
     // 100000 inc/s are 1.5915 revolutions per second, 95.49 per minute.
     for (factor, resolution, rpm, within) in [(3, 3 * TURN, 0, 500.0), (3, 3 * TURN, 95, 800.0), (-1, TURN, 95, 800.0)]
     {
@@ -180,7 +180,7 @@ fn the_tens_digit_is_the_sense_of_the_motor() {
 /// The words of the drive and those of the load have 16 bits: both wrap around, and a new zero of the position does not
 /// affect the velocity: the effort that holds the load is unchanged.
 #[test]
-fn neither_a_seam_nor_a_new_zero_disturbs_the_velocity_loop() {
+fn overflow_and_new_zero_do_not_disturb_velocity_loop() {
     let mut config = dual_config();
     config.axes[1].wired = Wired::Drive(Form::Incremental(16));
     config.axes[1].parameters.encoder.encodertype = 10;

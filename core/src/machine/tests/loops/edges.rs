@@ -155,7 +155,7 @@ fn the_effort_that_is_told_has_the_sense_of_the_one_that_is_asked_for() {
 }
 
 #[test]
-fn what_damps_nothing_and_what_only_seems_to_move_is_refused() {
+fn loop_without_damping_or_with_simulated_encoder_is_refused() {
     let refused = |change: &dyn Fn(&mut MachineConfig), key: &'static str, code| {
         let mut config = torque_config();
         change(&mut config);

@@ -167,7 +167,7 @@ fn its_drive_stops_it_and_the_power_goes() {
 
 /// Any other motion is refused, and changes nothing; after disable and enable the position loop is closed again.
 #[test]
-fn nothing_else_moves_it_until_it_was_off() {
+fn open_loop_axis_refuses_motion_until_disabled() {
     let mut rig = rig(velocity_config(Law::Pid), lag(5));
     open(&mut rig, 0.1);
     let refused = rig.give(Action::Move(to(X, 100)));
@@ -421,7 +421,7 @@ fn an_abort_closes_the_brake_at_rest() {
 /// A drive receives a value ten cycles later: a halt before that does not count as a stop at rest, and is done once the
 /// axis is at rest.
 #[test]
-fn a_halt_waits_for_what_the_drive_has_not_heard_yet() {
+fn halt_waits_for_values_not_yet_received_by_drive() {
     let mut config = config(10);
     config.axes[1].interface = Interface::Velocity;
     config.axes[1].parameters.max_following_error = 20_000;

@@ -160,7 +160,7 @@ fn the_integral_part_works_at_rest() {
 ///
 /// Proves: MACS-REG-12
 #[test]
-fn switched_off_it_forgets() {
+fn loop_restarts_without_history_after_power_off() {
     let mut rig = enabled(lag(5), |gains| (gains.integral, gains.limit) = (5, 60_000));
     rig.give(Action::Move(to(X, 30_000)));
     rig.run(200);

@@ -101,7 +101,7 @@ fn an_amplifier_that_saturates_stops_on_its_loop() {
 /// reported current does not show it. The position loop detects it: the axis stops or loses its power before it is
 /// behind by twice the allowed error, plus some coasting.
 #[test]
-fn a_current_that_is_told_wrongly_is_no_runaway() {
+fn wrongly_reported_current_causes_no_runaway() {
     type Tamper = (&'static str, fn(&mut Inputs));
     let tampers: [Tamper; 3] = [
         ("dead", |inputs| inputs.drive[0].effort = 0.0),

@@ -130,7 +130,7 @@ fn the_current_is_capped_where_it_is_known() {
 ///
 /// Proves: MACS-I2T-01, MACS-I2T-02, MACS-I2T-03, MACS-I2T-04
 #[test]
-fn a_current_that_lasts_is_warned_of_and_then_error_99() {
+fn persistent_current_causes_warning_then_error_99() {
     let mut config = torque_config();
     let p = &mut config.axes[1].parameters;
     p.error_reaction = 0;
@@ -158,7 +158,7 @@ fn a_current_that_lasts_is_warned_of_and_then_error_99() {
 ///
 /// Proves: MACS-I2T-05
 #[test]
-fn the_filter_of_the_current_is_for_eyes() {
+fn current_filter_affects_display_only() {
     let run = |time| {
         let mut config = torque_config();
         let p = &mut config.axes[1].parameters.amplifier;

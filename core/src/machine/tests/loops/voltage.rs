@@ -296,7 +296,7 @@ fn off_there_is_no_voltage() {
 ///
 /// Proves: MACS-I2T-03
 #[test]
-fn the_heat_of_the_motor_is_watched() {
+fn motor_i2t_is_supervised() {
     let mut config = voltage_config(Law::Pid, 0);
     let p = &mut config.axes[1].parameters;
     p.error_reaction = 0;

@@ -50,7 +50,7 @@ fn shared(control: i64) -> Rig {
 ///
 /// Proves: MACS-CMD-17, MACS-ENC-15
 #[test]
-fn a_new_zero_of_the_master_is_one_of_who_sees_it() {
+fn new_master_zero_applies_to_its_follower_only() {
     for control in [0, 2] {
         let mut rig = Rig::of(cell(-1, control));
         rig.enable();
@@ -338,7 +338,7 @@ fn the_simulated_master_runs_on_from_its_new_value() {
 ///
 /// Proves: MACS-ENC-15
 #[test]
-fn what_is_shown_counts_on_whatever_sets_the_leader_anew() {
+fn shown_master_position_continues_after_new_leader_zero() {
     for leader in [Leader::AxisCommand(X), Leader::AxisActual(X)] {
         let mut rig = Rig::of(cell(0, 0));
         rig.enable();

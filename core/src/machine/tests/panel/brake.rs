@@ -21,7 +21,8 @@ pub(super) fn vertical_of(mut cell: MachineConfig, release_ns: u64, engage_ns: u
     let mut rig = Rig::with(cell, [model, Model::Ideal]);
     let brake = SimBrake { output: 2, closes_with_one: false, opens_ns: 40_000_000, closes_ns: 30_000_000 };
     let fixtures = Fixtures::default();
-    rig.plant.attach_mechanics(0, &Mechanics { fixtures, load: -9_810_000.0, brake: Some(brake), ..Mechanics::default() });
+    rig.plant
+        .attach_mechanics(0, &Mechanics { fixtures, load: -9_810_000.0, brake: Some(brake), ..Mechanics::default() });
     rig
 }
 

@@ -148,7 +148,7 @@ fn saia(commands: &[saia::Command]) -> saia::Request {
 /// FStart switches the axis on; its motion starts once the brake is open, and is the same as without a brake. FMotOff
 /// first closes the brake of a load, and a start in the meantime waits.
 #[test]
-fn the_motor_commands_of_saia_mind_the_brake() {
+fn motor_commands_of_saia_wait_for_the_brake() {
     use saia::Command::{Initialise, LoadAcceleration, LoadDestination, LoadVelocity, MotorOff, Start};
     let start = |to: i64| {
         let request = saia(&[LoadAcceleration, LoadVelocity, LoadDestination, Start]);

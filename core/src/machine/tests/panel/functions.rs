@@ -27,7 +27,7 @@ fn changes(of: &[(u16, &str, i64)]) -> Action {
 ///
 /// Proves: MACS-IO-06
 #[test]
-fn axes_share_the_output_that_tells_of_motion() {
+fn axes_share_the_motion_output() {
     for (number, active) in [(1, 1), (-1, 0)] {
         let mut cell = with_io();
         (cell.axes[1].parameters.outputs.axmove, cell.axes[2].parameters.outputs.axmove) = (number, number);

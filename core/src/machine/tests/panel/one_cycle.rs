@@ -261,7 +261,7 @@ fn prepared(before: Before) -> Rig {
 /// A reset in one cycle with a stop, before or after it or in another lane, applies to earlier errors: it ends with the
 /// code of the stop, and a later reset unlocks the axis.
 #[test]
-fn a_stop_wins_over_a_reset_of_its_cycle() {
+fn stop_takes_precedence_over_reset_of_its_cycle() {
     for before in BEFORE {
         let held = if before == Before::Failed { "ERROR_STOP" } else { "STOPPING" };
         for stop in STOPS {
@@ -342,7 +342,7 @@ fn a_stop_wins_over_the_reset_bit_of_its_cycle() {
 
 /// I_CONTINUE and I_ERRCLR in the cycle of a stop, and an I_ERRCLR that waits for rest, do not release the axis.
 #[test]
-fn inputs_in_the_cycle_of_a_stop_let_nothing_go_on() {
+fn inputs_in_the_cycle_of_a_stop_release_nothing() {
     let mut rig = prepared(Before::Stands);
     rig.plant.set_digital(1, true);
     Stop::Break.give(&mut rig, true, &[]);

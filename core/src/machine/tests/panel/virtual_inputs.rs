@@ -89,7 +89,7 @@ fn an_output_with_a_function_is_read_too() {
 /// A filter counts from the level that the input would have had without it; the value of a backend for the input has no
 /// effect.
 #[test]
-fn a_virtual_input_may_be_filtered_and_hears_no_backend() {
+fn virtual_input_may_be_filtered_and_ignores_backend() {
     let mut cell = virtual_c();
     cell.global.filters = vec![FilterConfig { input: 2, time_ns: 5_000_000 }];
     let mut rig = ready(cell);

@@ -157,7 +157,7 @@ fn an_encoder_at_the_load_reads_the_twist() {
 
 /// A weight makes the train fall with 1000 rad/s^2, whatever other torque there is.
 #[test]
-fn what_hangs_on_it_falls_with_its_acceleration() {
+fn attached_weight_falls_with_given_acceleration() {
     let mut servo = servo(motor());
     // A previous weight has no effect.
     servo.attach_weight(5.0);
@@ -193,7 +193,7 @@ proptest! {
 
     /// For any setpoint, the motor has a finite angle and velocity, and a torque within its limit.
     #[test]
-    fn no_setpoint_takes_the_numbers_away(asked in prop::collection::vec((any::<f64>(), any::<bool>(), any::<bool>()), 1..40)) {
+    fn any_setpoint_keeps_state_finite(asked in prop::collection::vec((any::<f64>(), any::<bool>(), any::<bool>()), 1..40)) {
         let friction = Friction { viscous: 1e-3, coulomb: 0.05, holding: 0.08 };
         let mut data = MotorData { friction, ..motor() };
         data.coupling = Some(Coupling { stiffness: 300.0, damping: 0.05, backlash: 0.01 });

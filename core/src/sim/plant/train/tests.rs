@@ -249,7 +249,7 @@ fn a_gap_and_friction_agree_with_small_steps() {
 
 /// No setpoint leads to a state of NaN.
 #[test]
-fn what_is_no_number_is_no_torque() {
+fn setpoint_of_nan_is_zero_torque() {
     let data = MotorData { friction: Friction { viscous: 1e-3, coulomb: 0.02, holding: 0.03 }, ..elastic(0.05, 0.02) };
     let (train, mut state) = train(&data, MS);
     for asked in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -369,7 +369,7 @@ fn cycles_of_any_length_agree_within_the_rounding_of_events() {
 /// Thousands of flank contacts in a cycle of 20 ms are not computed to the end: the train does not move in the rest,
 /// and no energy is added.
 #[test]
-fn what_rattles_too_often_in_a_cycle_stands_still_for_its_rest() {
+fn train_stops_for_rest_of_cycle_after_too_many_events() {
     let mut data = elastic(0.0, 1e-6);
     data.coupling = Some(Coupling { stiffness: 1e6, damping: 0.0, backlash: 1e-6 });
     let (train, mut state) = train(&data, 20 * MS);

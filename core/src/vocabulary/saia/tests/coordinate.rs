@@ -63,7 +63,7 @@ fn a_new_zero_passes_no_break_position() {
 
 /// If `enable` replaced axinit, the zero is that of the axis and follows it.
 #[test]
-fn a_zero_that_is_that_of_the_axis_goes_with_it() {
+fn shared_zero_follows_zero_of_axis() {
     for own in [false, true] {
         let mut rig = Rig::saia();
         rig.on();

@@ -56,7 +56,7 @@ fn fsetpe_takes_two_bytes_and_no_command_minds_bits_13_to_31() {
 
 /// Proves: SAIA-ORA-15, SAIA-ERR-03, SAIA-ERR-05
 #[test]
-fn a_failed_command_is_tried_three_times_told_once_and_left_out() {
+fn failed_command_is_tried_three_times_reported_once_and_skipped() {
     let mut rig = Rig::logging(FAST);
     rig.verb(X, &[("destp", 1000.0)], "fldda fstart").unwrap();
     rig.run_until("x.saia.ondest", 1);
@@ -117,7 +117,7 @@ fn with_motor_off_an_error_also_stops_the_axis() {
 
 /// A start that the axis refuses fails as a command; the other commands are executed.
 #[test]
-fn what_the_axis_refuses_is_a_command_error_too() {
+fn refusal_by_axis_is_command_error() {
     let mut rig = Rig::logging(FAST);
     rig.verb(X, &[("destp", 15_000.0)], "fldda fstart").unwrap();
     rig.run_to("x.command.velocity", 49_999.9);

@@ -112,7 +112,7 @@ fn no_start_ends_homing() {
 ///
 /// Proves: SAIA-ERR-01
 #[test]
-fn what_the_axis_cannot_do_once_it_is_on_is_refused_before() {
+fn start_that_axis_cannot_execute_is_refused_before_enabling() {
     let verbs = [&STARTS[..], &["fmotoff fsstepb", "fldaa fbackw"]].concat();
     for is_on in [false, true] {
         let make = |config, switches: Fixtures| {
@@ -179,7 +179,7 @@ fn as_a_command_error_only_the_start_fails() {
 
 /// A change after the request is detected once the drive is on, and reported with its reason.
 #[test]
-fn what_comes_between_is_told_without_a_stream() {
+fn change_between_request_and_start_is_reported() {
     let mut rig = rig_of(cell(|_| ()));
     rig.does(DOWN, "fldda fldaa fstart");
     rig.parameter("revers", Value::Int(2));

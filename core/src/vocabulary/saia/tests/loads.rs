@@ -172,7 +172,7 @@ fn a_relative_break_position_counts_from_the_destination_and_keeps_within_the_ra
 ///
 /// Proves: SAIA-HND-05, SAIA-HND-01
 #[test]
-fn flags_that_stand_together_run_in_one_order() {
+fn flags_set_together_run_in_fixed_order() {
     let mut rig = Rig::holding();
     let request = rig.request(X, &[("destp", 9000.0), ("veloc", 20_000.0)], "fstart fressf fldva fldda");
     let order: Vec<Command> = request.commands.iter().collect();

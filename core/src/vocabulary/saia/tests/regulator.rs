@@ -129,7 +129,7 @@ fn the_derivative_part_sees_its_interval_at_every_cycle_length() {
 ///
 /// Proves: SAIA-PID-01, SAIA-SW-01
 #[test]
-fn the_error_between_two_cycles_lies_on_a_line() {
+fn error_is_interpolated_linearly_between_cycles() {
     let gains = Gains { integral: 1, limit: 32_767, ..Gains::default() };
     let mut pid = Pid::default();
     let sums = [30, 0, 90].map(|error| {

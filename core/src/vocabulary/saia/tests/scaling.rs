@@ -168,7 +168,7 @@ fn a_rate_at_the_limit_of_the_axis_is_taken_and_never_exceeded() {
 proptest! {
     /// Proves: SAIA-SCL-06
     #[test]
-    fn what_is_loaded_reads_back(units in -1_000_000..1_000_000_i32, k in 1.0..1000.0_f64, legacy: bool) {
+    fn loaded_values_read_back(units in -1_000_000..1_000_000_i32, k in 1.0..1000.0_f64, legacy: bool) {
         let scaling = scaling(k, legacy);
         prop_assert_eq!(scaling.units(scaling.counts(units)), Some(units));
         prop_assert_eq!(scaling.units_of_velocity(scaling.velocity(units) as f64), Some(units));

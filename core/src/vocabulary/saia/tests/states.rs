@@ -55,7 +55,7 @@ fn before_axinit_every_command_is_refused() {
 
 /// Proves: SAIA-FSM-02, SAIA-INI-09
 #[test]
-fn enable_stands_for_axinit_and_the_axis_stays_on() {
+fn enable_replaces_axinit_and_axis_stays_on() {
     let mut rig = Rig::saia();
     rig.on();
     assert_eq!(rig.saia_state(), "PWR");

@@ -116,7 +116,7 @@ impl Bench {
 }
 
 #[test]
-fn what_takes_the_axis_over_is_not_fought() {
+fn vocabulary_yields_to_new_owner_of_axis() {
     for (on, phase) in [(true, Phase::Hold), (false, Phase::Off)] {
         for names in ["", "fforw", "fselom fstart"] {
             let mut bench = Bench::new();
@@ -216,7 +216,7 @@ fn a_stop_while_the_drive_switches_on_ends_the_start() {
 }
 
 #[test]
-fn a_stop_also_stops_what_somebody_else_began() {
+fn stop_also_stops_motion_of_other_command() {
     let mut bench = Bench::new();
     let mut saia = bench.moving_state();
     bench.owns = false;
@@ -245,7 +245,7 @@ fn a_start_that_the_axis_cannot_do_once_it_is_on_is_a_command_error() {
 
 /// FStop in HOLD leads to RAMP without registers of a start: such a state is valid.
 #[test]
-fn every_state_that_comes_about_is_sound() {
+fn every_reachable_state_is_valid() {
     let mut bench = Bench::new();
     bench.parameters.vocabularies.saia.mcw = 0x41B;
     let mut saia = Saia::default();

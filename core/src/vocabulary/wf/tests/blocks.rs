@@ -129,7 +129,7 @@ fn each_mode_runs_its_blocks() {
 
 /// Distances count from the previous end, not from the actual position of the axis.
 #[test]
-fn repeated_distances_do_not_add_what_was_missed() {
+fn repeated_distances_do_not_accumulate_position_error() {
     let mut bench = Bench::new();
     bench.start(Mode::Mdi, &[by(200, 80.0)]);
     for round in 1..=3 {
@@ -211,7 +211,7 @@ fn a_rotary_axis_goes_the_shortest_way_or_that_of_the_jog_inputs() {
 
 /// A turn of 333 1/3 inc: half of it is 166 2/3 inc, which is reached at 167, and still counts as half a turn.
 #[test]
-fn half_a_turn_of_no_whole_increment_goes_plus() {
+fn half_a_turn_of_fractional_increments_is_positive() {
     for (asked, way) in [(500, 167), (501, -166), (499, 166)] {
         let mut bench = turntable(0);
         bench.modulo = Modulo::new(1_000, 3);

@@ -113,7 +113,7 @@ fn a_slow_block_behind_short_ones_is_slowed_down_for_in_time() {
 
 /// Proves: WF-CLC-06
 #[test]
-fn with_any_profile_no_block_is_run_faster_than_it_asks_for() {
+fn no_block_exceeds_its_speed_with_any_profile() {
     for profile in 0..=2 {
         let mut config = config();
         config.axes[0].parameters.profile = profile;
@@ -334,7 +334,7 @@ fn setup_runs_up_and_down_its_ramps() {
 }
 
 #[test]
-fn a_halt_takes_the_axis_and_is_not_fought() {
+fn vocabulary_yields_to_halt() {
     let mut rig = Rig::wf();
     rig.wf_verb(&start(Mode::Continuous, &[at(500, 200.0), at(600, 50.0)]));
     rig.run(500);

@@ -141,7 +141,7 @@ fn the_time_may_begin_with_start() {
 
 /// Proves: WF-OST-10, WF-MON-06, WF-IF-10
 #[test]
-fn reset_enable_and_what_takes_the_axis_end_the_motion() {
+fn reset_disable_and_takeover_end_motion() {
     let mut bench = running();
     bench.give(&reset()).unwrap();
     assert_eq!(bench.now(), ("IDLE", 0.0, 0, 0));
@@ -184,7 +184,7 @@ fn reset_acknowledges_the_alarm_and_so_does_reset_errors() {
 
 /// Proves: WF-OLC-10
 #[test]
-fn switched_off_f_and_b_show_where_the_target_lies() {
+fn after_switch_off_f_and_b_show_direction_to_target() {
     let mut bench = running();
     bench.at(499 * MM + 200);
     assert_eq!((bench.state(), bench.direction()), ("SETTLE", (1, 0)));

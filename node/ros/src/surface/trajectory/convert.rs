@@ -9,7 +9,9 @@
 use super::joints::Joints;
 use super::settings::Settings;
 use crate::surface::joint_names::object_name_refusal;
-use lineshaft_core::request::{MAX_START_NS, ZERO_VELOCITY_TOLERANCE, PointRequest, ToleranceRequest, TrajectoryRequest, Units};
+use lineshaft_core::request::{
+    MAX_START_NS, PointRequest, ToleranceRequest, TrajectoryRequest, Units, ZERO_VELOCITY_TOLERANCE,
+};
 use lineshaft_core::unit::excerpt;
 use lineshaft_msgs::foreign::builtin_interfaces::msg::{Duration, Time};
 use lineshaft_msgs::foreign::control_msgs::action::FollowJointTrajectoryGoal as Goal;
@@ -149,8 +151,9 @@ pub(super) fn request(
         }
     }
     // The default velocity tolerance is for joints at rest. It applies to no joint then, because measured velocities are coarse.
-    let ends_in_motion =
-        points.last().is_some_and(|last| last.velocities.iter().any(|velocity| velocity.abs() > ZERO_VELOCITY_TOLERANCE));
+    let ends_in_motion = points
+        .last()
+        .is_some_and(|last| last.velocities.iter().any(|velocity| velocity.abs() > ZERO_VELOCITY_TOLERANCE));
     let usual = |place: usize| settings.joints.get(place).copied().unwrap_or_default();
     let path = |place: usize| ToleranceRequest { position: positive(usual(place)[0]), ..ToleranceRequest::default() };
     let end = |place: usize| ToleranceRequest {

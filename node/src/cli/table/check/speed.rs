@@ -30,7 +30,8 @@ fn read(text: &str, leader: Option<&Master>) -> Result<f64, String> {
     }
     let Some(scale) = leader.and_then(|leader| leader.scale) else {
         let all = [increments, Dimension::Length(1), Dimension::Angle(1)];
-        let speed = Quantity::parse(text, &all).map_err(|error| error.message_with_example(increments, Unit::INCREMENT))?;
+        let speed =
+            Quantity::parse(text, &all).map_err(|error| error.message_with_example(increments, Unit::INCREMENT))?;
         if speed.unit().dimension() == increments {
             return Ok(speed.si());
         }
@@ -41,7 +42,8 @@ fn read(text: &str, leader: Option<&Master>) -> Result<f64, String> {
         return Err(format!("`{}` {why}", excerpt(text)));
     };
     let (expected, unit) = (scale.kind().dimension(1), scale.unit().unit());
-    let speed = Quantity::parse(text, &[expected, increments]).map_err(|error| error.message_with_example(expected, unit))?;
+    let speed =
+        Quantity::parse(text, &[expected, increments]).map_err(|error| error.message_with_example(expected, unit))?;
     scale.rate(&speed, 1).map_err(|error| error.message_with_hint())
 }
 

@@ -102,7 +102,7 @@ fn without_words_of_the_motor_the_power_goes() {
 
 /// A real ratio of half to twice the given one is not detected as a broken belt; a larger deviation is.
 #[test]
-fn a_ratio_that_is_not_quite_the_one_given_is_borne() {
+fn inexact_encoder_ratio_is_tolerated() {
     for (resolution, is_borne) in [(TURN * 5 / 9, true), (TURN * 9 / 5, true), (TURN / 3, false), (TURN * 3, false)] {
         let mut config = faulty(5);
         config.axes[1].parameters.amplifier.encoder.resolution = resolution;
