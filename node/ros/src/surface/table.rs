@@ -131,7 +131,7 @@ impl<S: Service> ServiceRow<S> {
     }
 
     /// Returns the service with requests that are commands.
-    const fn as_command(self) -> Self
+    const fn for_commands(self) -> Self
     where
         S::Response: RefusalResponse<S::Request>,
     {
@@ -139,7 +139,7 @@ impl<S: Service> ServiceRow<S> {
     }
 
     /// Returns the service with requests that are stops.
-    const fn as_stop(self) -> Self
+    const fn for_stops(self) -> Self
     where
         S::Response: RefusalResponse<S::Request>,
     {
@@ -233,7 +233,7 @@ pub(super) const CYCLE_STATISTICS: TopicRow<CycleStatistics> =
     TopicRow::published("~/cycle_statistics", Qos::STREAM, "how well the cycle keeps its time, once a second");
 pub(super) const CHANGE_STATE: ServiceRow<ChangeState> =
     ServiceRow::new("~/change_state", Qos::SERVICE, "makes a transition of the life cycle; answers when it is made")
-        .as_command();
+        .for_commands();
 pub(super) const GET_STATE: ServiceRow<GetState> =
     ServiceRow::new("~/get_state", Qos::SERVICE, "the present state of the life cycle");
 pub(super) const GET_AVAILABLE_STATES: ServiceRow<GetAvailableStates> =
@@ -252,72 +252,74 @@ pub(super) const SETPOINTS: TopicRow<Setpoints> = TopicRow::subscribed(
     Qos::STREAM,
     "velocities for axes, from a machine, until they stop coming; see below",
 );
-pub(super) const ENABLE: ServiceRow<AxesCommand> = axes("~/enable", "switches axes on").as_command();
-pub(super) const DISABLE: ServiceRow<AxesCommand> = axes("~/disable", "stops axes, then switches them off").as_stop();
-pub(super) const HALT: ServiceRow<AxesCommand> = axes("~/halt", "stops axes; a new goal may follow at once").as_stop();
+pub(super) const ENABLE: ServiceRow<AxesCommand> = axes("~/enable", "switches axes on").for_commands();
+pub(super) const DISABLE: ServiceRow<AxesCommand> = axes("~/disable", "stops axes, then switches them off").for_stops();
+pub(super) const HALT: ServiceRow<AxesCommand> =
+    axes("~/halt", "stops axes; a new goal may follow at once").for_stops();
 pub(super) const QUICK_STOP: ServiceRow<AxesCommand> =
-    axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`").as_stop();
-pub(super) const RESET_ERRORS: ServiceRow<AxesCommand> = axes("~/reset_errors", "clears errors and locks").as_command();
+    axes("~/quick_stop", "stops axes as fast as they can and locks them until `~/reset_errors`").for_stops();
+pub(super) const RESET_ERRORS: ServiceRow<AxesCommand> =
+    axes("~/reset_errors", "clears errors and locks").for_commands();
 pub(super) const HOME: ServiceRow<AxesCommand> = ServiceRow::new(
     "~/home",
     Qos::SERVICE,
     "starts homing of axes, an empty list: of all that have a method; answers at once, when each has accepted or refused; see [homing.md](homing.md)",
-).as_command();
+).for_commands();
 pub(super) const SET_POSITION: ServiceRow<SetPosition> = ServiceRow::new(
     "~/set_position",
     Qos::SERVICE,
     "the present position of an axis gets a new value, or that of an encoder, or of a master (`x.master`); nothing moves, and a motion that refers to no place goes on; see [homing.md](homing.md#a-new-position) and [encoders.md](encoders.md)",
-).as_command();
+).for_commands();
 pub(super) const SET_POSITION_RELATIVE: ServiceRow<SetPosition> = ServiceRow::new(
     "~/set_position_relative",
     Qos::SERVICE,
     "the same of an axis by a distance: all of its positions are `position` more from then on (MC_SetPosition with Relative)",
 )
-.as_command();
+.for_commands();
 pub(super) const GEAR_OUT: ServiceRow<GearOut> = ServiceRow::new(
     "~/gear_out",
     Qos::SERVICE,
     "ends the coupling of an axis now, or where its leader or it comes to a place; its goal of `~/synchronize` succeeds; see [shaft.md](shaft.md#gear-out)",
 )
-.as_command();
+.for_commands();
 pub(super) const TOUCH_PROBE: ServiceRow<TouchProbe> = ServiceRow::new(
     "~/touch_probe",
     Qos::SERVICE,
     "records where an axis is when an input, an encoder or a drive latches, once or until it is aborted, within a window if that is asked for; moves nothing; each record is an event `latch` of the axis; see [motion.md](motion.md#touch-probe-without-a-motion)",
 )
-.as_command();
+.for_commands();
 pub(super) const ABORT_TRIGGER: ServiceRow<AbortTrigger> =
     ServiceRow::new("~/abort_trigger", Qos::SERVICE, "ends touch probes of an axis, those of one trigger or all")
-        .as_command();
+        .for_commands();
 pub(super) const SET_OUTPUT: ServiceRow<SetOutput> = ServiceRow::new(
     "~/set_output",
     Qos::SERVICE,
     "sets digital outputs (0, 1) and analog ones (V) permanently, all of a request in one cycle, or none; see [io.md](io.md)",
-).as_command();
+).for_commands();
 pub(super) const SET_MEMORY: ServiceRow<SetMemory> = ServiceRow::new(
     "~/set_memory",
     Qos::SERVICE,
     "sets memory cells, which functions read, all of a request in one cycle, or none; see [functions.md](functions.md)",
 )
-.as_command();
+.for_commands();
 pub(super) const COMMAND_FUNCTION: ServiceRow<CommandFunction> = ServiceRow::new(
     "~/command_function",
     Qos::SERVICE,
     "stages values of a function's fields and commands it in the same cycle (RESET, START, VALUE_NEW, READ_VALUE), or changes nothing; answers with the set in force; see below",
 )
-.as_command();
+.for_commands();
 pub(super) const LOAD_PROGRAM: ServiceRow<LoadProgram> = ServiceRow::new(
     "~/load_program",
     Qos::SERVICE,
     "another module for a program, in the functions that run it, which go on with their state or begin again; refused where it is no program, or its state is not as long",
 )
-.as_command();
+.for_commands();
 pub(super) const LOAD_TABLE: ServiceRow<LoadTable> = ServiceRow::new(
     "~/load_table",
     Qos::SERVICE,
     "new numbers for a table, of the form that it has; refused while a started function reads it, but by types that take them while they run",
 )
-.as_command();
+.for_commands();
 pub(super) const GET_TABLE: ServiceRow<GetTable> =
     ServiceRow::new("~/get_table", Qos::SERVICE, "the numbers of a table in force");
 pub(super) const SDO_READ: ServiceRow<SdoRead> = ServiceRow::new(
@@ -325,37 +327,37 @@ pub(super) const SDO_READ: ServiceRow<SdoRead> = ServiceRow::new(
     Qos::SERVICE,
     "an object of a device on CAN, by its name in the EDS or its index, while the cycles run; see [can.md](can.md#objects-by-ros)",
 )
-.as_command();
+.for_commands();
 pub(super) const SDO_WRITE: ServiceRow<SdoWrite> = ServiceRow::new(
     "~/sdo_write",
     Qos::SERVICE,
     "the same the other way; refused for what the master writes, and for mapped objects of a drive under power",
 )
-.as_command();
+.for_commands();
 pub(super) const ABORT: ServiceRow<Trigger> = ServiceRow::new(
     "~/abort",
     Qos::SERVICE,
     "the Esc of MACS: stops all axes as fast as they can, closes brakes, sets outputs as `esccond` says, and locks the axes until `~/reset_errors`; answers when all stand; see [io.md](io.md)",
-).as_stop();
+).for_stops();
 pub(super) const RECORD: ServiceRow<Record> = ServiceRow::new(
     "~/record",
     Qos::SERVICE,
     "STATUS, START a bag, STOP it, SAVE what the flight recorder holds; see [recording.md](recording.md)",
 )
-.as_command();
+.for_commands();
 pub(super) const VOCABULARY: ServiceRow<Vocabulary> = ServiceRow::new(
     "~/vocabulary",
     Qos::SERVICE,
     "a verb of an old controller for one axis; answers when the machine has accepted or refused it; see below",
 )
-.as_command();
+.for_commands();
 pub(super) const GET_PARAMETERS: ServiceRow<GetParameters> = parameters("~/get_parameters", "values of parameters");
 pub(super) const GET_PARAMETER_TYPES: ServiceRow<GetParameterTypes> =
     parameters("~/get_parameter_types", "their types");
 pub(super) const SET_PARAMETERS: ServiceRow<SetParameters> =
-    parameters("~/set_parameters", "sets each by itself").as_command();
+    parameters("~/set_parameters", "sets each by itself").for_commands();
 pub(super) const SET_PARAMETERS_ATOMICALLY: ServiceRow<SetParametersAtomically> =
-    parameters("~/set_parameters_atomically", "sets all of them, or none").as_command();
+    parameters("~/set_parameters_atomically", "sets all of them, or none").for_commands();
 pub(super) const LIST_PARAMETERS: ServiceRow<ListParameters> = parameters("~/list_parameters", "their names");
 pub(super) const DESCRIBE_PARAMETERS: ServiceRow<DescribeParameters> =
     parameters("~/describe_parameters", "their descriptions, units and ranges");
@@ -364,20 +366,20 @@ pub(super) const GET_LOGGER_LEVELS: ServiceRow<GetLoggerLevels> =
 pub(super) const SET_LOGGER_LEVELS: ServiceRow<SetLoggerLevels> =
     ServiceRow::new("~/set_logger_levels", Qos::SERVICE, "sets them, in force at once");
 pub(super) const SAVE_PARAMETERS: ServiceRow<AxesCommand> =
-    axes("~/save_parameters", "keeps what is in force beyond the power; answers when it is stored").as_command();
+    axes("~/save_parameters", "keeps what is in force beyond the power; answers when it is stored").for_commands();
 pub(super) const DELETE_PARAMETERS: ServiceRow<AxesCommand> =
-    axes("~/delete_parameters", "forgets what was kept; answers when that is stored").as_command();
+    axes("~/delete_parameters", "forgets what was kept; answers when that is stored").for_commands();
 pub(super) const RESET_PARAMETERS: ServiceRow<ResetParameters> = ServiceRow::new(
     "~/reset_parameters",
     Qos::SERVICE,
     "brings layer USER (what was saved) or INIT (the cell) back into force",
 )
-.as_command();
+.for_commands();
 pub(super) const EXPORT_PARAMETERS: ServiceRow<ExportParameters> =
     ServiceRow::new("~/export_parameters", Qos::SERVICE, "parameters in force as text");
 pub(super) const IMPORT_PARAMETERS: ServiceRow<ImportParameters> =
     ServiceRow::new("~/import_parameters", Qos::SERVICE, "parameters from text, all or none; at most 1 MiB")
-        .as_command();
+        .for_commands();
 pub(super) const MOVE_AXIS: ActionRow<MoveAxis> =
     ActionRow::new("~/move_axis", "positioning; mode VELOCITY stays open until it is cancelled, halted or replaced");
 pub(super) const PROBE_AXIS: ActionRow<ProbeAxis> =
@@ -455,7 +457,7 @@ pub(super) const SWITCH_CONTROLLER: ServiceRow<SwitchController> = ServiceRow::n
     Qos::SERVICE,
     "activates and deactivates controllers; an inactive one takes no trajectory; deactivation halts its axes",
 )
-.as_stop();
+.for_stops();
 
 /// URDF as a parameter, for tools that read it from there.
 pub(super) const ROBOT_DESCRIPTION_PARAMETER: ParameterRow = ParameterRow {
