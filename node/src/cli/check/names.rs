@@ -47,9 +47,10 @@ mod tests {
     #[test]
     fn names_that_are_values_in_yaml_1_1_are_warned_of() {
         let axis = "type: linear, drive: virtual, scale: {increments: 1000, per: 1 mm}, max_velocity: 1 m/s, max_acceleration: 1 m/s^2";
+        let driven = axis.replace("virtual", "{backend: plant, address: 0, interface: position}");
         let text = format!(
-            "lineshaft: 1\ncycle: 1 ms\nmemory: {{yes: {{type: bit}}, n: {{type: bit}}}}\naxes:\n  on: {{{axis}}}\n  \
-             y: {{joint: \"Null\", {axis}}}\ngroups: {{off: [y]}}\n"
+            "lineshaft: 1\ncycle: 1 ms\nbackends: {{plant: {{type: sim}}}}\nmemory: {{yes: {{type: bit}}, n: {{type: bit}}}}\naxes:\n  on: {{{axis}}}\n  \
+             y: {{joint: \"Null\", {driven}}}\ngroups: {{off: [y]}}\n"
         );
         let cell = Cell::parse("c.yaml", text).unwrap_or_else(|problems| panic!("{problems}"));
         let warned = |what: &str, value: &str| {
