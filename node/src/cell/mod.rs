@@ -381,7 +381,12 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         joints.push(joint);
         firsts.push(first);
         seconds.push(second);
-        bare_numbers.extend(of_axis);
+        // A value with an anchor is read at every alias.
+        for warning in of_axis {
+            if !bare_numbers.contains(&warning) {
+                bare_numbers.push(warning);
+            }
+        }
     }
     let places =
         |drives: &[Option<axes::Driven>]| drives.iter().map(|drive| drive.as_ref().map(|drive| drive.at)).collect();

@@ -397,10 +397,10 @@ mod tests {
     #[test]
     fn homing_that_is_refused_is_warned_of() {
         let expected = "x: homing has no method: a home command that names none is refused (10302); give homing.method";
-        for keys in ["velocity: 10 mm/s, index_velocity: 1 mm/s", "max_distance: 1 m", "offset: 5 mm", "home_vel: 10"] {
+        for keys in ["velocity: 10 mm/s, index_velocity: 1 mm/s", "offset: 5 mm", "home_vel: 10"] {
             assert_eq!(warned(&format!("{MM}, homing: {{{keys}}}")), [expected], "{keys}");
         }
-        for keys in ["required: true", "index_distance: 5 mm", "home_type: 2, max_distance: 1 m"] {
+        for keys in ["required: true", "index_distance: 5 mm", "max_distance: 1 m", "home_type: 2, max_distance: 1 m"] {
             assert_eq!(warned(&format!("{MM}, i_refswitch: 1, homing: {{{keys}}}")), [""; 0], "{keys}");
         }
         assert_eq!(

@@ -60,21 +60,42 @@ pub(super) fn without_escape_tip(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// Returns the command line with --ros-args before an argument of ROS.
+/// Returns the command line with its arguments of ROS after --ros-args, where each value is a separate word.
 fn ros_argument(unknown: &str, words: &[String]) -> Option<String> {
-    let is_rule = unknown.starts_with("__") && unknown.contains(":=");
-    if !is_rule && !ROS_ARGUMENTS.contains(&unknown) {
+    let is_rule = |word: &str| word.starts_with("__") && word.contains(":=");
+    let is_of_ros = |word: &str| is_rule(word) || ROS_ARGUMENTS.contains(&flag_and_value(word).0);
+    if !is_of_ros(unknown) {
         return None;
     }
-    let is_it = |word: &String| word.strip_prefix(unknown).is_some_and(|rest| rest.is_empty() || rest.starts_with('='));
-    let (before, ros) = words.split_at(words.iter().position(is_it)?);
-    let before = match before {
-        [] => "run".to_owned(),
-        [command, ..] if command == "run" => line(before),
+    let words = match words.split_first()? {
+        (command, rest) if command == "run" => rest,
+        (first, _) if is_of_ros(first) => words,
         _ => return None,
     };
-    let flag = if is_rule { "-r " } else { "" };
-    Some(format!("ROS arguments follow --ros-args: `lineshaft {before} --ros-args {flag}{}`", line(ros)))
+    let (mut own, mut ros) = (vec!["run"], Vec::new());
+    let mut words = words.iter().map(String::as_str);
+    while let Some(word) = words.next() {
+        match flag_and_value(word) {
+            _ if is_rule(word) => ros.extend(["-r", word]),
+            (flag, value) if ROS_ARGUMENTS.contains(&flag) => {
+                ros.push(flag);
+                if !flag.starts_with("--disable-") {
+                    ros.extend(value.or_else(|| words.next()));
+                }
+            }
+            _ => own.push(word),
+        }
+    }
+    Some(format!("ROS arguments follow --ros-args: `lineshaft {} --ros-args {}`", line(&own), line(&ros)))
+}
+
+/// Returns the parts of `--flag=value`.
+fn flag_and_value(word: &str) -> (&str, Option<&str>) {
+    // In `-r from:=to` the sign is part of the rule.
+    match word.split_once('=') {
+        Some((flag, value)) if !flag.ends_with(':') => (flag, Some(value)),
+        _ => (word, None),
+    }
 }
 
 /// Returns the option for a scenario that was given as an argument.
@@ -102,7 +123,7 @@ fn scenario(unknown: &str, words: &[String]) -> Option<String> {
 
 /// Returns the name of a velocity that was given by another name.
 fn velocity(words: &[String]) -> Option<String> {
-    let has = |option: &str| words.iter().any(|word| word == option);
+    let has = |option: &str| words.iter().any(|word| word.split('=').next() == Some(option));
     match words.first()?.as_str() {
         "move" | "tune" if has("--speed") => Some(did_you_mean("--velocity")),
         "jog" if has("--speed") || has("--velocity") => {
@@ -113,7 +134,7 @@ fn velocity(words: &[String]) -> Option<String> {
 }
 
 /// Returns words as a shell accepts them.
-fn line(words: &[String]) -> String {
+fn line(words: &[&str]) -> String {
     words.iter().map(|text| word(text)).collect::<Vec<_>>().join(" ")
 }
 
@@ -146,15 +167,17 @@ mod tests {
             ),
             (&["run", "first.yaml", "__ns:=/press"], "lineshaft run first.yaml --ros-args -r __ns:=/press"),
             (&["-p", "x.max_velocity:=0.5"], "lineshaft run --ros-args -p x.max_velocity:=0.5"),
-            (&["run", "--log-level=debug"], "lineshaft run --ros-args --log-level=debug"),
+            (&["run", "--log-level=debug"], "lineshaft run --ros-args --log-level debug"),
+            (
+                &["run", "-r", "__node:=b", "first.yaml", "--sim"],
+                "lineshaft run first.yaml --sim --ros-args -r __node:=b",
+            ),
+            (&["run", "a.yaml", "__node:=x", "__ns:=/y"], "lineshaft run a.yaml --ros-args -r __node:=x -r __ns:=/y"),
         ] {
             let hint = format!("ROS arguments follow --ros-args: `{expected}`");
             assert_eq!(hint_of(words), Some(hint), "{words:?}");
+            assert_eq!(parses(expected.split(' ').map(str::to_owned)), Ok(()), "{expected}");
         }
-        assert_eq!(
-            parses("lineshaft run first.yaml --ros-args -r __node:=second".split(' ').map(str::to_owned)),
-            Ok(())
-        );
         assert_eq!(hint_of(&["state", "-r", "__node:=second"]), None, "it starts no node");
     }
 
@@ -186,9 +209,11 @@ mod tests {
     fn velocity_by_another_name_is_named() {
         let meant = Some("did you mean `--velocity`?".to_owned());
         assert_eq!(hint_of(&["move", "x", "10 mm", "--speed", "5 mm/s"]), meant);
+        assert_eq!(hint_of(&["move", "x", "10 mm", "--speed=5 mm/s"]), meant);
         assert_eq!(hint_of(&["tune", "cell.yaml", "x", "--speed", "5 mm/s"]), meant);
         let positional = Some("VELOCITY is no option: `lineshaft jog AXIS VELOCITY`".to_owned());
         assert_eq!(hint_of(&["jog", "x", "--velocity", "5 mm/s"]), positional);
+        assert_eq!(hint_of(&["jog", "x", "--velocity=5 mm/s"]), positional);
     }
 
     #[test]

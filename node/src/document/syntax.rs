@@ -120,7 +120,7 @@ fn line_without_colon(text: &str, number: usize) -> Option<(Place, &str)> {
 /// Returns a line with its colon, which is missing at its first space or lacks a space after it, or is a `=`.
 fn with_colon(line: &str) -> String {
     let line = line.trim_start_matches("- ");
-    let with = match line.split_once([':', ' ', '=']) {
+    let with = match line.split_once(|sign: char| sign.is_whitespace() || matches!(sign, ':' | '=')) {
         Some((key, value)) => format!("{key}: {}", without_equals_sign(value)),
         None => format!("{line}: .."),
     };
@@ -172,6 +172,10 @@ mod tests {
         said(
             "a:\n  b: 1\n  min_position:\u{a0}-50 mm\n  c: 2\n",
             &format!("3:3: {missing} `min_position: -50 mm`; the line has a no-break space (U+00A0)"),
+        );
+        said(
+            "a:\n  b: 1\n  max_velocity\u{a0}1200 mm/s\n  c: 2\n",
+            &format!("3:3: {missing} `max_velocity: 1200 mm/s`; the line has a no-break space (U+00A0)"),
         );
         said("for 2 s\n\n# what is traced\ntrace: []\n", &format!("1:1: {missing} `for: 2 s`"));
     }

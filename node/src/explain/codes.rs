@@ -28,7 +28,7 @@ fn fault(name: &str) -> Option<Code> {
     let digits = small.strip_prefix("0x").or_else(|| small.strip_suffix('h'))?;
     let is_plain = (3..=4).contains(&digits.len()) && digits.chars().all(|digit| digit.is_ascii_hexdigit());
     let number = u16::from_str_radix(digits, 16).ok().filter(|number| is_plain && *number != 0)?;
-    if objects::is_of_profile(number) {
+    if objects::is_of_drive_profile(number) {
         return None;
     }
     error_text(number).map(|_| Code::drive_fault(number))

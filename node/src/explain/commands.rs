@@ -4,7 +4,7 @@
 use super::{section, verbs};
 
 /// A command, the interface of the node that it uses, and the equivalent verb of scenarios.
-const COMMANDS: [(&str, &str, &str); 9] = [
+const COMMANDS: [(&str, &str, &str); 10] = [
     ("state", "~/axis_states", ""),
     ("enable", "~/enable", "enable"),
     ("disable", "~/disable", "disable"),
@@ -12,6 +12,8 @@ const COMMANDS: [(&str, &str, &str); 9] = [
     ("jog", "~/setpoints", "setpoints"),
     ("home", "~/home_axis", "home_axis"),
     ("halt", "~/halt", "halt"),
+    // Another name of halt.
+    ("stop", "~/halt", "halt"),
     ("reset", "~/reset_errors", "reset_errors"),
     ("activate", "~/change_state", "activate"),
 ];
@@ -30,9 +32,9 @@ pub(super) fn sections(name: &str, width: usize) -> Vec<String> {
     sections
 }
 
-/// Returns the verbs for the commands of that name. A user of another controller may call a halt a stop.
+/// Returns the verbs for the commands of that name.
 pub(super) fn equivalents(is_called: impl Fn(&str) -> bool) -> impl Iterator<Item = &'static str> {
-    let verbs = COMMANDS.into_iter().map(|(command, _, verb)| (command, verb)).chain([("stop", "halt")]);
+    let verbs = COMMANDS.into_iter().map(|(command, _, verb)| (command, verb));
     verbs.filter(move |(command, verb)| is_called(command) && !verb.is_empty()).map(|(_, verb)| verb)
 }
 

@@ -1,7 +1,7 @@
 //! Explains objects of CANopen devices by index or by name: `60FDh`, `0x6041`, `6099:01`, `Statusword`.
 //!
-//! Law      an index is hexadecimal. `603Fh` may also be the error code of a drive, which codes.rs explains; an object of a
-//!          profile that has a name here is not explained as an error code
+//! Law      an index is hexadecimal. `603Fh` may also be the error code of a drive, which codes.rs explains; an object of
+//!          CiA 402 that has a name here is not explained as an error code
 //! Source   CiA 301, CiA 401, CiA 402-2 and CiA 406, object dictionaries
 
 use super::section;
@@ -201,9 +201,10 @@ pub(super) fn names() -> Vec<String> {
     OBJECTS.iter().map(|object| object.name.to_owned()).collect()
 }
 
-/// Whether the number is the index of an object of a profile that is in the table.
-pub(super) fn is_of_profile(index: u16) -> bool {
-    PROFILE.contains(&index) && OBJECTS.iter().any(|object| object.has(index))
+/// Whether the number is the index of an object of drives that is in the table. Objects of modules and encoders may also be error codes of
+/// drives (6200h).
+pub(super) fn is_of_drive_profile(index: u16) -> bool {
+    PROFILE.contains(&index) && OBJECTS.iter().any(|object| object.standard == "CiA 402" && object.has(index))
 }
 
 impl Object {

@@ -74,7 +74,7 @@ fn object_of_a_drive_is_explained_by_index_and_by_name() {
     }
     has("6060h", &["6060h: an object of CiA 402", "  name          Modes of operation"]);
     has("603Fh", &["603Fh: an object of CiA 402", "  name          Error code"]);
-    has("6200h", &["6200h: an object of CiA 401"]);
+    has("6200h", &["6200h: an object of CiA 401", "  CiA 402       device software"]);
     has("1A02h", &["1A02h: an object of CiA 301", "  name          TPDO mapping parameter"]);
     // Both an object and an error code.
     has("1018h", &["1018h: an object of CiA 301", "code 69656 DRIVE_FAULT: an error of an axis"]);

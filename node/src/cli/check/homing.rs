@@ -50,10 +50,10 @@ fn outside(axis: &AxisConfig) -> Option<String> {
 /// Returns a warning about homing that is refused: without a method, and a sequence of MACS without its input.
 fn refused(axis: &AxisConfig) -> Option<String> {
     let (name, homing) = (&axis.name, &axis.parameters.homing);
+    // max_distance and index_distance also limit the reference travel of WF, which needs no method.
     let is_described = homing.velocity.is_some()
         || homing.index_velocity.is_some()
         || homing.acceleration.is_some()
-        || homing.max_distance.is_some()
         || homing.offset != 0
         || homing.in_drive;
     match homing.method {
