@@ -20,8 +20,8 @@ use tokio::time::{sleep, timeout};
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(10);
 /// Time after the first match within which a second node of the same name is found.
 const SETTLE: Duration = Duration::from_millis(100);
-/// Time after which a request that changes nothing is repeated.
-const ASK_AGAIN: Duration = Duration::from_secs(2);
+/// Time after which a request that changes nothing, or a stop, is repeated.
+pub(super) const ASK_AGAIN: Duration = Duration::from_secs(2);
 /// Time after which a node that is not matched any more counts as ended.
 const GONE: Duration = Duration::from_secs(1);
 
