@@ -5,7 +5,7 @@
 //! Refuses  a finalized node, which has no transition
 
 use super::node_log::NodeLog;
-use super::output::print;
+use super::output::{node_option, print};
 use super::session::Session;
 use super::{Failure, Options};
 use lineshaft_msgs::foreign::lifecycle_msgs::msg::{State, Transition};
@@ -40,10 +40,7 @@ pub(crate) async fn activate(options: &Options) -> Result<(), Failure> {
 
 /// Returns the command that activates the node of this full name.
 pub(crate) fn activate_command(node: &str) -> String {
-    match node {
-        "/lineshaft" => "lineshaft activate".to_owned(),
-        other => format!("lineshaft activate --node {other}"),
-    }
+    format!("lineshaft activate{}", node_option(node))
 }
 
 /// Returns the end of a message about a node in this lifecycle state that runs no cycle; empty if it may run cycles.

@@ -54,8 +54,7 @@ pub(crate) async fn command_axes(options: &Options, service: AxesService, axes: 
     if let Some(done) = done {
         print(&clean(&done));
     }
-    let axis = if let [axis] = axes { Some(axis.as_str()) } else { None };
-    failure.map_or(Ok(()), |failure| Err(Failure::Failed(with_commands(&failure, axis))))
+    failure.map_or(Ok(()), |failure| Err(Failure::Failed(with_commands(&failure, axes, session.target()))))
 }
 
 /// Answer of the node.

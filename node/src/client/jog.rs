@@ -11,7 +11,7 @@
 use super::amount::Given;
 use super::info::{AxisInfos, no_axis};
 use super::node_log::NodeLog;
-use super::output::{Progress, position_text, print, short, si_unit, with_commands};
+use super::output::{Progress, node_option, position_text, print, short, si_unit, with_commands};
 use super::session::{Session, axis_states, own_end};
 use super::state::error_line;
 use super::stop::Stop;
@@ -57,17 +57,20 @@ pub(crate) struct Jog {
 /// Returns an error if the axis does not follow, or if the node has ended.
 pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     let session = Session::open(options).await?;
+    let node = node_option(session.target());
     let (kind, unit) = AxisInfos::open(&session)?.of(&session, &jog.axis).await?;
     let velocity = jog.velocity.si((kind, unit))?;
     if velocity == 0.0 {
-        return Err(Failure::Usage("VELOCITY: 0 does not move the axis; `lineshaft halt` stops it".to_owned()));
+        return Err(Failure::Usage(format!("VELOCITY: 0 does not move the axis; `lineshaft halt{node}` stops it")));
     }
     let mut states = axis_states(&session)?;
     let before = session.first_states(&mut states).await?;
     let axis = of_axis(&before, &jog.axis).ok_or_else(|| no_axis(&session, &jog.axis))?;
     if !axis.enabled {
         let name = &jog.axis;
-        return Err(Failure::Failed(format!("{name}: the axis is not enabled; `lineshaft enable {name}` enables it")));
+        return Err(Failure::Failed(format!(
+            "{name}: the axis is not enabled; `lineshaft enable {name}{node}` enables it"
+        )));
     }
     let (log, events) = (NodeLog::open(&session)?, session.topic::<Event>("events", Qos::EVENTS)?);
     let setpoints = session.publisher::<Setpoints>("setpoints", Qos::STREAM)?;
@@ -94,7 +97,7 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     let stopped = stream.stop().await;
     end?;
     let state = stopped?;
-    if let Some(error) = error_line(&state) {
+    if let Some(error) = error_line(&state, session.target()) {
         return Err(Failure::Failed(error));
     }
     print(&format!("{}: {}", jog.axis, position_text(state.position, Some(kind), unit)));
@@ -196,10 +199,10 @@ impl Stream<'_> {
                     if let Some(refusal) = line.strip_prefix("setpoints: ")
                         && names(refusal, self.axis)
                     {
-                        return Err(Failure::Failed(with_commands(refusal, Some(self.axis))));
+                        return Err(Failure::Failed(self.with_commands(refusal)));
                     }
                     if line.strip_prefix(self.axis).is_some_and(|rest| rest.starts_with(':')) {
-                        let line = with_commands(&line, Some(self.axis));
+                        let line = self.with_commands(&line);
                         eprintln!("{}", clean(&line));
                         reason = Some(line);
                     }
@@ -207,6 +210,10 @@ impl Stream<'_> {
                 failure = &mut gone => return Err(failure),
             }
         }
+    }
+
+    fn with_commands(&self, message: &str) -> String {
+        with_commands(message, &[self.axis], self.session.target())
     }
 
     fn frozen(&self, time: Duration) -> Failure {
@@ -237,7 +244,7 @@ impl Stream<'_> {
 
     /// Returns the error for an axis that was stopped or moved otherwise.
     fn ended_by_other(&self, reason: Option<String>) -> Failure {
-        let of = |reason: String| format!(" ({})", clean(&with_commands(&reason, Some(self.axis))));
+        let of = |reason: String| format!(" ({})", clean(&self.with_commands(&reason)));
         let reason = reason.map_or_else(String::new, of);
         Failure::Failed(format!("{}: the axis does not follow the jog any more{reason}; the jog has ended", self.axis))
     }
