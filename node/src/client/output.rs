@@ -1,11 +1,13 @@
 //! Prints the output of a command.
 
-use super::find::DEFAULT;
 use crate::output;
 use crate::recording::clean::clean;
 use indicatif::ProgressBar;
 use lineshaft_core::unit::{Fraction, Quantity, ScaleKind, Unit};
 use std::io::IsTerminal;
+
+/// Name of the node of the built-in demo, and of cells that give no other name.
+pub(super) const DEFAULT: &str = "/lineshaft";
 
 /// Prints a line to standard output. Returns false if its reader has ended, or if it cannot be written, which the command line reports.
 pub(super) fn print(text: &str) -> bool {

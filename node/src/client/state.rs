@@ -1,8 +1,7 @@
 //! `lineshaft state`: prints the axes as `~/axis_states` reports them.
 
-use super::find::DEFAULT;
 use super::info::{AxisInfo, AxisInfos};
-use super::output::{in_unit, is_screen, position_text, print, short, si_unit, with_commands};
+use super::output::{DEFAULT, in_unit, is_screen, position_text, print, short, si_unit, with_commands};
 use super::session::{Session, axis_states, own_end};
 use super::stop::Stop;
 use super::{Failure, Options};
