@@ -277,7 +277,8 @@ fn node_that_waits_is_activated_without_ros() {
     let demo = Demo { program, domain };
     demo.program.wait_for_log("autostart is false: the node waits, unconfigured; `lineshaft activate` starts it");
     let refused = demo.fails(1, &["enable", "x"]);
-    assert!(refused.contains("configure and activate it first (`lineshaft activate`, or ~/change_state)"), "{refused}");
+    let remedy = "configure and activate it first (`lineshaft activate` with the name of the node, or ~/change_state)";
+    assert!(refused.contains(remedy), "{refused}");
     assert_eq!(demo.good(&["activate"]), "node /lineshaft is active\n");
     // Nothing is to be done the second time.
     assert_eq!(demo.good(&["activate"]), "node /lineshaft is active\n");

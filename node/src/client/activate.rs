@@ -1,11 +1,11 @@
 //! `lineshaft activate`: makes the lifecycle transitions of a node until it is active.
 //!
 //! Law      unconfigured: configure, then activate; inactive: activate. A transition in progress, such as that of
-//!          `autostart`, is awaited
+//!          `autostart`, is awaited. A transition that the node refuses, because another client has begun one, is requested again
 //! Refuses  a finalized node, which has no transition
 
 use super::node_log::NodeLog;
-use super::output::print;
+use super::output::{node_option, print};
 use super::session::Session;
 use super::{Failure, Options};
 use lineshaft_msgs::foreign::lifecycle_msgs::msg::{State, Transition};
@@ -40,10 +40,7 @@ pub(crate) async fn activate(options: &Options) -> Result<(), Failure> {
 
 /// Returns the command that activates the node of this full name.
 pub(crate) fn activate_command(node: &str) -> String {
-    match node {
-        "/lineshaft" => "lineshaft activate".to_owned(),
-        other => format!("lineshaft activate --node {other}"),
-    }
+    format!("lineshaft activate{}", node_option(node))
 }
 
 /// Returns the end of a message about a node in this lifecycle state that runs no cycle; empty if it may run cycles.
@@ -60,6 +57,7 @@ async fn make_active(session: &Session) -> Result<(), Failure> {
     let mut transitions = session.service::<ChangeState>("change_state", Qos::SERVICE)?;
     let mut log = NodeLog::open(session)?;
     let begun = Instant::now();
+    let mut refusal = None;
     loop {
         let State { id, label } = session.ask(&mut states, &GetStateRequest::default()).await?.current_state;
         match id {
@@ -69,25 +67,31 @@ async fn make_active(session: &Session) -> Result<(), Failure> {
             }
             _ if begun.elapsed() >= PATIENCE => {
                 let time = PATIENCE.as_secs();
-                return Err(Failure::Failed(format!("node {node} is not active after {time} s; it is {label}")));
+                let unknown = || Failure::Failed(format!("node {node} is not active after {time} s; it is {label}"));
+                return Err(refusal.unwrap_or_else(unknown));
             }
-            State::PRIMARY_STATE_UNCONFIGURED => step(session, &mut transitions, &mut log, CONFIGURE).await?,
-            State::PRIMARY_STATE_INACTIVE => step(session, &mut transitions, &mut log, ACTIVATE).await?,
+            State::PRIMARY_STATE_UNCONFIGURED | State::PRIMARY_STATE_INACTIVE => {
+                let transition = if id == State::PRIMARY_STATE_INACTIVE { ACTIVATE } else { CONFIGURE };
+                refusal = step(session, &mut transitions, &mut log, transition).await?;
+                if refusal.is_some() {
+                    sleep(AGAIN).await;
+                }
+            }
             _ => sleep(AGAIN).await,
         }
     }
 }
 
-/// Makes one transition.
+/// Makes one transition. Returns the reason if the node has refused it, because its state has changed meanwhile.
 ///
 /// # Errors
-/// Returns an error with the reason from the log of the node if it was not made.
+/// Returns an error with the reason from the log of the node if the transition has failed.
 async fn step(
     session: &Session,
     transitions: &mut ServiceClient<ChangeState>,
     log: &mut NodeLog,
     (id, label, during): Step,
-) -> Result<(), Failure> {
+) -> Result<Option<Failure>, Failure> {
     log.skip().await;
     let service = transitions.name().to_string();
     session.matched(&service, || transitions.servers()).await?;
@@ -102,20 +106,24 @@ async fn step(
         }
     };
     if response.success {
-        return Ok(());
+        return Ok(None);
     }
-    // The lines of a failed and of a refused transition.
-    let prefixes = [format!("{during}: "), format!("change_state: transition `{label}` is refused: ")];
+    let (failed, refused) = (format!("{during}: "), format!("change_state: transition `{label}` is refused: "));
     let find = async {
         loop {
             let line = log.next().await;
-            if let Some(reason) = prefixes.iter().find_map(|prefix| line.strip_prefix(prefix.as_str())) {
-                return reason.to_owned();
+            if let Some(reason) = line.strip_prefix(&failed) {
+                return (reason.to_owned(), false);
+            }
+            if let Some(reason) = line.strip_prefix(&refused) {
+                return (reason.to_owned(), true);
             }
         }
     };
-    let reason = timeout(REASON, find).await.unwrap_or_else(|_| "the log of the node shows the reason".to_owned());
-    Err(Failure::Failed(format!("node {}: {label} failed: {reason}", session.target())))
+    let unknown = |_| ("the log of the node shows the reason".to_owned(), false);
+    let (reason, is_refused) = timeout(REASON, find).await.unwrap_or_else(unknown);
+    let failure = Failure::Failed(format!("node {}: {label} failed: {reason}", session.target()));
+    if is_refused { Ok(Some(failure)) } else { Err(failure) }
 }
 
 #[cfg(test)]
@@ -123,7 +131,8 @@ mod tests {
     use super::super::test_node::TestNode;
     use super::*;
     use lineshaft_msgs::foreign::lifecycle_msgs::srv::{ChangeStateResponse, GetStateResponse};
-    use lineshaft_ros::layer::{Request, ServiceServer};
+    use lineshaft_msgs::foreign::rcl_interfaces::msg::Log;
+    use lineshaft_ros::layer::{Publisher, Request, ServiceServer};
 
     /// Lifecycle services of a node.
     struct Lifecycle {
@@ -133,6 +142,8 @@ mod tests {
         state: u8,
         /// ID of the transition that fails; 0 for none.
         fails: u8,
+        /// Log of the node and the line with which it refuses the next transition.
+        refusal: Option<(Publisher<Log>, Log)>,
         /// IDs of the requested transitions.
         asked: Vec<u8>,
     }
@@ -141,7 +152,7 @@ mod tests {
         fn new(served: &TestNode, state: u8, fails: u8) -> Self {
             let states = served.node.service("~/get_state", Qos::SERVICE).unwrap();
             let transitions = served.node.service("~/change_state", Qos::SERVICE).unwrap();
-            Self { states, transitions, state, fails, asked: Vec::new() }
+            Self { states, transitions, state, fails, refusal: None, asked: Vec::new() }
         }
 
         async fn serve(&mut self) {
@@ -158,9 +169,16 @@ mod tests {
                     Some(Request { message, reply }) = self.transitions.next() => {
                         let id = message.transition.id;
                         self.asked.push(id);
-                        let success = id != self.fails;
+                        let success = id != self.fails && self.refusal.is_none();
                         self.state += u8::from(success);
                         reply.send_soon(ChangeStateResponse { success });
+                        if let Some((log, line)) = self.refusal.take() {
+                            // The first lines may be lost.
+                            for _ in 0..20 {
+                                log.publish(&line).unwrap();
+                                sleep(Duration::from_millis(20)).await;
+                            }
+                        }
                     }
                     else => return,
                 }
@@ -191,6 +209,26 @@ mod tests {
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn transition_in_progress_is_awaited() {
         assert_eq!(run("activate_configuring", 10, 0).await, (Ok(()), vec![3]));
+    }
+
+    /// Another client has begun a transition after the query of the state.
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn refused_transition_is_requested_again() {
+        let served = TestNode::start("activate_refused");
+        let mut lifecycle = Lifecycle::new(&served, 1, 0);
+        let session = served.session().await;
+        let log = served.node.publisher::<Log>("/rosout", Qos::ROSOUT).unwrap();
+        let line = Log {
+            name: session.target().trim_start_matches('/').to_owned(),
+            msg: "change_state: transition `configure` is refused: the node is configuring".to_owned(),
+            ..Log::default()
+        };
+        lifecycle.refusal = Some((log, line));
+        let end = tokio::select! {
+            end = make_active(&session) => end,
+            () = lifecycle.serve() => panic!("the node has ended"),
+        };
+        assert_eq!((end, lifecycle.asked), (Ok(()), vec![1, 1, 3]));
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

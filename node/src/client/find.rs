@@ -7,6 +7,7 @@
 //!          machine would move
 
 use super::Failure;
+use super::output::DEFAULT;
 use super::session::{Options, POLL_INTERVAL};
 use lineshaft_msgs::srv::AxesCommand;
 use lineshaft_ros::layer::{Environment, Networks, Node, NodeNames, Qos, ServiceClient};
@@ -14,8 +15,6 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 use tokio::time::sleep;
 
-/// Name of the node of the built-in demo, and of cells that give no other name.
-pub(super) const DEFAULT: &str = "/lineshaft";
 /// Time after which all nodes are discovered.
 const COMPLETE: Duration = Duration::from_secs(2);
 /// Time from which the names of nodes are read. A reader that is created before its participant has discovered the

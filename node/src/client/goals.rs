@@ -7,6 +7,7 @@
 
 use super::Failure;
 use super::node_log::NodeLog;
+use super::output::node_option;
 use super::session::Session;
 use super::stop::Stop;
 use lineshaft_msgs::Action;
@@ -164,9 +165,10 @@ impl<'a, A: Action> Goals<'a, A> {
         // If that fails, the message below is still valid.
         let _ = self.client.cancel(id);
         Failure::Failed(format!(
-            "{}: no answer within {} s; a cancel was sent, and it is not known whether the goal runs; `lineshaft halt` stops all axes",
+            "{}: no answer within {} s; a cancel was sent, and it is not known whether the goal runs; `lineshaft halt{}` stops all axes",
             self.client.name(),
-            (self.session.timeout() + LATE).as_secs_f64()
+            (self.session.timeout() + LATE).as_secs_f64(),
+            node_option(self.session.target())
         ))
     }
 

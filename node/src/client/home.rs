@@ -43,8 +43,10 @@ pub(crate) async fn home(options: &Options, axes: &[String]) -> Result<(), Failu
             Ended::Over { status: GoalStatus::STATUS_SUCCEEDED, .. } => {
                 print(&format!("{axis}: homed"));
             }
-            Ended::Over { result, .. } => failures.push(with_commands(&result.message, Some(axis))),
-            Ended::Rejected(reason) => failures.push(format!("{axis}: {}", with_commands(&reason, Some(axis)))),
+            Ended::Over { result, .. } => failures.push(with_commands(&result.message, &[axis], session.target())),
+            Ended::Rejected(reason) => {
+                failures.push(format!("{axis}: {}", with_commands(&reason, &[axis], session.target())));
+            }
         }
     }
     if failures.is_empty() { Ok(()) } else { Err(Failure::Failed(failures.join("; "))) }

@@ -11,7 +11,7 @@
 use super::amount::Given;
 use super::info::{AxisInfos, no_axis};
 use super::node_log::NodeLog;
-use super::output::{Progress, position_text, print, short, si_unit, with_commands};
+use super::output::{Progress, node_option, position_text, print, short, si_unit, with_commands};
 use super::session::{Session, axis_states, own_end};
 use super::state::error_line;
 use super::stop::Stop;
@@ -57,17 +57,20 @@ pub(crate) struct Jog {
 /// Returns an error if the axis does not follow, or if the node has ended.
 pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     let session = Session::open(options).await?;
+    let node = node_option(session.target());
     let (kind, unit) = AxisInfos::open(&session)?.of(&session, &jog.axis).await?;
     let velocity = jog.velocity.si((kind, unit))?;
     if velocity == 0.0 {
-        return Err(Failure::Usage("VELOCITY: 0 does not move the axis; `lineshaft halt` stops it".to_owned()));
+        return Err(Failure::Usage(format!("VELOCITY: 0 does not move the axis; `lineshaft halt{node}` stops it")));
     }
     let mut states = axis_states(&session)?;
     let before = session.first_states(&mut states).await?;
     let axis = of_axis(&before, &jog.axis).ok_or_else(|| no_axis(&session, &jog.axis))?;
     if !axis.enabled {
         let name = &jog.axis;
-        return Err(Failure::Failed(format!("{name}: the axis is not enabled; `lineshaft enable {name}` enables it")));
+        return Err(Failure::Failed(format!(
+            "{name}: the axis is not enabled; `lineshaft enable {name}{node}` enables it"
+        )));
     }
     let (log, events) = (NodeLog::open(&session)?, session.topic::<Event>("events", Qos::EVENTS)?);
     let setpoints = session.publisher::<Setpoints>("setpoints", Qos::STREAM)?;
@@ -94,7 +97,7 @@ pub(crate) async fn jog(options: &Options, jog: &Jog) -> Result<(), Failure> {
     let stopped = stream.stop().await;
     end?;
     let state = stopped?;
-    if let Some(error) = error_line(&state) {
+    if let Some(error) = error_line(&state, session.target()) {
         return Err(Failure::Failed(error));
     }
     print(&format!("{}: {}", jog.axis, position_text(state.position, Some(kind), unit)));
@@ -115,6 +118,22 @@ fn message(axis: &str, velocity: f64) -> Setpoints {
 /// Whether a refusal names an axis. Streams of other clients are refused on the same topic.
 fn names(refusal: &str, axis: &str) -> bool {
     refusal.split(|sign: char| !(sign.is_alphanumeric() || sign == '_')).any(|word| word == axis)
+}
+
+/// Whether the new state in an event is another one than that of a jog.
+fn ends_jog(state: &str) -> bool {
+    !state.ends_with("CONTINUOUS_MOTION")
+}
+
+/// Line of the log of the node about the axis.
+struct LogLine {
+    received: Instant,
+    text: String,
+}
+
+/// Returns the line if it is recent. An older one, such as a warning during the jog, is not the reason for its end.
+fn recent(line: Option<LogLine>) -> Option<String> {
+    line.filter(|line| line.received.elapsed() < SILENCE).map(|line| line.text)
 }
 
 /// Format of positions.
@@ -146,7 +165,9 @@ impl Stream<'_> {
         let gone = session.gone();
         tokio::pin!(gone);
         let begun = Instant::now();
-        let (mut heard, mut sent, mut silence, mut reason) = (begun, begun, SILENCE, None);
+        let (mut heard, mut sent, mut silence) = (begun, begun, SILENCE);
+        // The last line of the log about the axis.
+        let mut line: Option<LogLine> = None;
         loop {
             tokio::select! {
                 biased;
@@ -158,15 +179,15 @@ impl Stream<'_> {
                         return Err(self.frozen(frozen));
                     }
                     if time.is_some_and(|time| begun.elapsed() >= time) {
-                        let fails = !self.has_moved && (reason.is_some() || begun.elapsed() >= BEGIN);
-                        return if fails { Err(self.does_not_move(reason)) } else { Ok(()) };
+                        let fails = !self.has_moved && (line.is_some() || begun.elapsed() >= BEGIN);
+                        return if fails { Err(self.does_not_move(line)) } else { Ok(()) };
                     }
                     if heard.elapsed() >= silence {
                         return Err(session.no_states().await);
                     }
                     self.setpoints.publish(&message(self.axis, velocity)).map_err(Failure::failed)?;
                     if !self.has_moved && begun.elapsed() >= BEGIN.max(silence) {
-                        return Err(self.does_not_move(reason));
+                        return Err(self.does_not_move(line));
                     }
                 }
                 states = self.states.next() => {
@@ -177,7 +198,7 @@ impl Stream<'_> {
                     let follows = state.state == AxisState::CONTINUOUS_MOTION && state.reference == BY_STREAM;
                     self.show(state);
                     if self.has_moved && !follows {
-                        let reason = self.reason(reason, None).await;
+                        let reason = self.reason(recent(line), None).await;
                         return Err(self.ended_by_other(reason));
                     }
                     self.has_moved |= follows;
@@ -185,28 +206,32 @@ impl Stream<'_> {
                 // A halt may be shorter than the time between two states.
                 event = self.events.next() => {
                     let event = event.ok_or_else(own_end)?;
-                    let ends = event.kind == "error" || event.kind == "state" && !event.text.ends_with("CONTINUOUS_MOTION");
+                    let ends = event.kind == "error" || event.kind == "state" && ends_jog(&event.text);
                     if self.has_moved && event.source == self.axis && ends {
-                        let known = if event.kind == "error" { Some(event.text.clone()) } else { reason };
+                        let known = if event.kind == "error" { Some(event.text.clone()) } else { recent(line) };
                         let reason = self.reason(known, Some(event.text)).await;
                         return Err(self.ended_by_other(reason));
                     }
                 }
-                line = self.log.next() => {
-                    if let Some(refusal) = line.strip_prefix("setpoints: ")
+                text = self.log.next() => {
+                    if let Some(refusal) = text.strip_prefix("setpoints: ")
                         && names(refusal, self.axis)
                     {
-                        return Err(Failure::Failed(with_commands(refusal, Some(self.axis))));
+                        return Err(Failure::Failed(self.with_commands(refusal)));
                     }
-                    if line.strip_prefix(self.axis).is_some_and(|rest| rest.starts_with(':')) {
-                        let line = with_commands(&line, Some(self.axis));
-                        eprintln!("{}", clean(&line));
-                        reason = Some(line);
+                    if text.strip_prefix(self.axis).is_some_and(|rest| rest.starts_with(':')) {
+                        let text = self.with_commands(&text);
+                        eprintln!("{}", clean(&text));
+                        line = Some(LogLine { received: Instant::now(), text });
                     }
                 }
                 failure = &mut gone => return Err(failure),
             }
         }
+    }
+
+    fn with_commands(&self, message: &str) -> String {
+        with_commands(message, &[self.axis], self.session.target())
     }
 
     fn frozen(&self, time: Duration) -> Failure {
@@ -219,33 +244,37 @@ impl Stream<'_> {
 
     /// Returns the reason for the end of the jog: the known one, otherwise the one that the node reports soon, otherwise the new state of
     /// the axis, which is reported first.
-    async fn reason(&mut self, known: Option<String>, state: Option<String>) -> Option<String> {
+    async fn reason(&mut self, known: Option<String>, mut state: Option<String>) -> Option<String> {
         if known.is_some() {
             return known;
         }
         let axis = self.axis;
         let reported = async {
             while let Some(event) = self.events.next().await {
-                if event.source == axis && matches!(event.kind.as_str(), "error" | "limit" | "warning") {
-                    return Some(event.text);
+                match event.kind.as_str() {
+                    _ if event.source != axis => {}
+                    "error" | "limit" | "warning" => return Some(event.text),
+                    "state" if state.is_none() && ends_jog(&event.text) => state = Some(event.text),
+                    _ => {}
                 }
             }
             None
         };
-        timeout(REASON, reported).await.ok().flatten().or(state)
+        let reported = timeout(REASON, reported).await.ok().flatten();
+        reported.or(state)
     }
 
     /// Returns the error for an axis that was stopped or moved otherwise.
     fn ended_by_other(&self, reason: Option<String>) -> Failure {
-        let of = |reason: String| format!(" ({})", clean(&with_commands(&reason, Some(self.axis))));
+        let of = |reason: String| format!(" ({})", clean(&self.with_commands(&reason)));
         let reason = reason.map_or_else(String::new, of);
         Failure::Failed(format!("{}: the axis does not follow the jog any more{reason}; the jog has ended", self.axis))
     }
 
-    fn does_not_move(&self, reason: Option<String>) -> Failure {
+    fn does_not_move(&self, line: Option<LogLine>) -> Failure {
         let unknown =
             || format!("{}: the axis does not follow the velocity; `lineshaft state` shows its state", self.axis);
-        Failure::Failed(reason.unwrap_or_else(unknown))
+        Failure::Failed(line.map_or_else(unknown, |line| line.text))
     }
 
     fn show(&self, state: &AxisState) {
@@ -353,6 +382,52 @@ mod tests {
         let want =
             "x: the axis does not follow the jog any more (x: streamed setpoints stopped coming); the jog has ended";
         assert_eq!(end, want);
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn new_state_of_the_axis_is_the_reason_if_the_node_reports_no_other() {
+        let served = TestNode::start("jog_state");
+        let events = served.node.publisher::<Event>("~/events", Qos::EVENTS).unwrap();
+        let session = served.session().await;
+        let setpoints = session.publisher::<Setpoints>("setpoints", Qos::STREAM).unwrap();
+        let (_signals, stop) = Stop::made();
+        let mut stream = stream(&session, setpoints, stop);
+        let event = |source: &str, text: &str| Event {
+            kind: "state".to_owned(),
+            source: source.to_owned(),
+            text: text.to_owned(),
+            ..Event::default()
+        };
+        let node = async {
+            for _ in 0..1000 {
+                events.publish(&event("x", "x: now CONTINUOUS_MOTION")).unwrap();
+                events.publish(&event("y", "y: now STANDSTILL")).unwrap();
+                events.publish(&event("x", "x: now STOPPING")).unwrap();
+                sleep(Duration::from_millis(20)).await;
+            }
+        };
+        // The first events may be lost.
+        let reason = async {
+            loop {
+                if let Some(reason) = stream.reason(None, None).await {
+                    return reason;
+                }
+            }
+        };
+        let reason = tokio::select! {
+            reason = reason => reason,
+            () = node => panic!("no state is reported"),
+        };
+        assert_eq!(reason, "x: now STOPPING");
+    }
+
+    #[test]
+    fn old_line_of_the_log_is_not_the_reason_for_the_end() {
+        let line = |received| Some(LogLine { received, text: "x: warning".to_owned() });
+        let now = Instant::now();
+        assert_eq!(recent(line(now)).as_deref(), Some("x: warning"));
+        assert_eq!(recent(line(now - SILENCE)), None);
+        assert_eq!(recent(None), None);
     }
 
     /// The signal and the first velocity are due at the same time.

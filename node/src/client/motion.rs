@@ -45,15 +45,17 @@ pub(crate) async fn move_axis(options: &Options, motion: &Motion) -> Result<(), 
             print(&format!("{axis}: {}, {position_increments} inc", at(position)));
             Ok(())
         }
-        Some(Ended::Over { result, .. }) => Err(Failure::Failed(unfinished(axis, &result, &at(result.position)))),
-        Some(Ended::Rejected(reason)) => Err(Failure::Failed(with_commands(&reason, Some(axis)))),
+        Some(Ended::Over { result, .. }) => {
+            Err(Failure::Failed(unfinished(axis, session.target(), &result, &at(result.position))))
+        }
+        Some(Ended::Rejected(reason)) => Err(Failure::Failed(with_commands(&reason, &[axis], session.target()))),
         None => Err(Failure::Failed(format!("{axis}: the goal has no end"))),
     }
 }
 
 /// Returns the message for a motion that has not reached its position.
-fn unfinished(axis: &str, result: &MoveAxisResult, position: &str) -> String {
-    let message = with_commands(&result.message, Some(axis));
+fn unfinished(axis: &str, node: &str, result: &MoveAxisResult, position: &str) -> String {
+    let message = with_commands(&result.message, &[axis], node);
     // A machine without cycles has no position.
     if result.code == Code::NOT_ACTIVE.0 { message } else { format!("{message}; command position {position}") }
 }
@@ -135,11 +137,11 @@ mod tests {
         };
         let in_error = result(Code::IN_ERROR, "x: the axis stands in ERROR_STOP; reset_errors first");
         assert_eq!(
-            unfinished("x", &in_error, "0.05 m"),
-            "x: the axis stands in ERROR_STOP; `lineshaft reset x` first; command position 0.05 m"
+            unfinished("x", "/second", &in_error, "0.05 m"),
+            "x: the axis stands in ERROR_STOP; `lineshaft reset x --node /second` first; command position 0.05 m"
         );
         let unconfigured = result(Code::NOT_ACTIVE, "the node is unconfigured and no cycle runs");
-        assert_eq!(unfinished("x", &unconfigured, "0 m"), "the node is unconfigured and no cycle runs");
+        assert_eq!(unfinished("x", "/lineshaft", &unconfigured, "0 m"), "the node is unconfigured and no cycle runs");
     }
 
     #[test]

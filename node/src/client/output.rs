@@ -6,6 +6,9 @@ use indicatif::ProgressBar;
 use lineshaft_core::unit::{Fraction, Quantity, ScaleKind, Unit};
 use std::io::IsTerminal;
 
+/// Name of the node of the built-in demo, and of cells that give no other name.
+pub(super) const DEFAULT: &str = "/lineshaft";
+
 /// Prints a line to standard output. Returns false if its reader has ended, or if it cannot be written, which the command line reports.
 pub(super) fn print(text: &str) -> bool {
     output::print_line(&text)
@@ -41,11 +44,28 @@ impl Drop for Progress {
     }
 }
 
-/// Replaces the service that resets errors in a message of the node by the command that does it.
-pub(super) fn with_commands(message: &str, axis: Option<&str>) -> String {
-    let reset = axis.map_or_else(|| "`lineshaft reset`".to_owned(), |axis| format!("`lineshaft reset {axis}`"));
-    let message = message.replace("reset_errors of all", "`lineshaft reset --all`");
-    message.replace("~/reset_errors", &reset).replace("reset_errors", &reset)
+/// Replaces the service that resets errors in a message of the node of this full name by the command that does it. A part of the message
+/// that begins with the name of one of the axes, such as `x: `, is about that axis.
+pub(super) fn with_commands(message: &str, axes: &[impl AsRef<str>], node: &str) -> String {
+    let node = node_option(node);
+    let mut axis = match axes {
+        [axis] => axis.as_ref(),
+        _ => "AXIS",
+    };
+    let mut parts = Vec::new();
+    for part in message.split("; ") {
+        let is_named = |axis: &&str| part.strip_prefix(*axis).is_some_and(|rest| rest.starts_with(": "));
+        axis = axes.iter().map(AsRef::as_ref).find(is_named).unwrap_or(axis);
+        let part = part.replace("reset_errors of all", &format!("`lineshaft reset --all{node}`"));
+        let reset = format!("`lineshaft reset {axis}{node}`");
+        parts.push(part.replace("~/reset_errors", &reset).replace("reset_errors", &reset));
+    }
+    parts.join("; ")
+}
+
+/// Returns the option that selects the node of this full name, with a blank before it; empty for the default node.
+pub(super) fn node_option(node: &str) -> String {
+    if node == DEFAULT { String::new() } else { format!(" --node {node}") }
 }
 
 /// Returns the SI unit of the derivative of this order (0 position, 1 velocity) of an axis; empty if its kind is
@@ -101,10 +121,27 @@ mod tests {
     fn message_of_the_node_names_the_command_that_resets_errors() {
         let refused = "x: the axis stands in ERROR_STOP; reset_errors first";
         let named = "x: the axis stands in ERROR_STOP; `lineshaft reset x` first";
-        assert_eq!(with_commands(refused, Some("x")), named);
-        assert_eq!(with_commands("locked; ~/reset_errors unlocks", None), "locked; `lineshaft reset` unlocks");
-        assert_eq!(with_commands("then reset_errors of all.", Some("x")), "then `lineshaft reset --all`.");
-        assert_eq!(with_commands("x: target 900 mm", Some("x")), "x: target 900 mm");
+        assert_eq!(with_commands(refused, &["x"], DEFAULT), named);
+        assert_eq!(with_commands("then reset_errors of all.", &["x"], DEFAULT), "then `lineshaft reset --all`.");
+        assert_eq!(with_commands("x: target 900 mm", &["x"], DEFAULT), "x: target 900 mm");
+    }
+
+    #[test]
+    fn command_that_resets_errors_names_the_axis_of_the_message() {
+        let commands = |message| with_commands(message, &["x", "y", "x2"], DEFAULT);
+        assert_eq!(commands("locked; ~/reset_errors unlocks"), "locked; `lineshaft reset AXIS` unlocks");
+        assert_eq!(commands("z: reset_errors first"), "z: `lineshaft reset AXIS` first");
+        assert_eq!(
+            commands("x2: locked; reset_errors first; y: reset_errors first"),
+            "x2: locked; `lineshaft reset x2` first; y: `lineshaft reset y` first"
+        );
+    }
+
+    #[test]
+    fn command_that_resets_errors_names_the_node_unless_it_is_the_default_one() {
+        let commands = |message| with_commands(message, &["x"], "/second");
+        assert_eq!(commands("x: reset_errors first"), "x: `lineshaft reset x --node /second` first");
+        assert_eq!(commands("then reset_errors of all."), "then `lineshaft reset --all --node /second`.");
     }
 
     #[test]

@@ -20,8 +20,8 @@ use tokio::time::{sleep, timeout};
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(10);
 /// Time after the first match within which a second node of the same name is found.
 const SETTLE: Duration = Duration::from_millis(100);
-/// Time after which a request that changes nothing is repeated.
-const ASK_AGAIN: Duration = Duration::from_secs(2);
+/// Time after which a request that changes nothing, or a stop, is repeated.
+pub(super) const ASK_AGAIN: Duration = Duration::from_secs(2);
 /// Time after which a node that is not matched any more counts as ended.
 const GONE: Duration = Duration::from_secs(1);
 
@@ -178,7 +178,11 @@ impl Session {
                     )));
                 }
                 Err(failure) if is_late => return Err(failure),
-                Ok(None) | Err(_) => {}
+                Err(_) => {
+                    self.check_loss()?;
+                    sleep(POLL_INTERVAL).await;
+                }
+                Ok(None) => {}
             }
         }
     }
@@ -284,7 +288,20 @@ pub(super) fn axis_states(session: &Session) -> Result<Subscription<AxisStates>,
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_node::{TIMEOUT, TestNode};
     use super::*;
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn end_of_the_dds_library_ends_a_query_at_once() {
+        let served = TestNode::start("library_end");
+        let mut session = served.session().await;
+        let mut client = session.service::<GetState>("get_state", Qos::SERVICE).unwrap();
+        (_, session.loss) = watch::channel(Some("has ended".to_owned()));
+        let begun = Instant::now();
+        let end = session.ask(&mut client, &GetStateRequest::default()).await;
+        assert_eq!(end, Err(Failure::Failed("the DDS library of this command has ended".to_owned())));
+        assert!(begun.elapsed() < TIMEOUT, "{:?}", begun.elapsed());
+    }
 
     #[test]
     fn hint_for_several_nodes_of_one_name_is_a_command_that_is_accepted() {

@@ -1,8 +1,7 @@
 //! `lineshaft state`: prints the axes as `~/axis_states` reports them.
 
-use super::find::DEFAULT;
 use super::info::{AxisInfo, AxisInfos};
-use super::output::{in_unit, is_screen, position_text, print, short, si_unit, with_commands};
+use super::output::{DEFAULT, in_unit, is_screen, position_text, print, short, si_unit, with_commands};
 use super::session::{Session, axis_states, own_end};
 use super::stop::Stop;
 use super::{Failure, Options};
@@ -84,9 +83,9 @@ fn text(node: &str, states: &AxisStates, infos: &[AxisInfo], form: StateForm) ->
         }
         // The reader may expect the default node.
         StateForm { is_json: false, .. } if node != DEFAULT => {
-            format!("node {}\n{}", clean(node), table(states, infos))
+            format!("node {}\n{}", clean(node), table(node, states, infos))
         }
-        StateForm { is_json: false, .. } => table(states, infos),
+        StateForm { is_json: false, .. } => table(node, states, infos),
     }
 }
 
@@ -106,7 +105,7 @@ fn state_name(state: u8) -> &'static str {
 }
 
 /// Returns a line for each axis, with columns of equal width, then a line for each error.
-fn table(states: &AxisStates, infos: &[AxisInfo]) -> String {
+fn table(node: &str, states: &AxisStates, infos: &[AxisInfo]) -> String {
     let header = ["axis", "state", "enabled", "homed", "position", "velocity", "error"].map(str::to_owned);
     let rows = states.axes.iter().zip(infos).map(|(axis, info)| row(axis, *info));
     let rows: Vec<[String; 7]> = std::iter::once(header).chain(rows).collect();
@@ -120,7 +119,7 @@ fn table(states: &AxisStates, infos: &[AxisInfo]) -> String {
         let cells: Vec<_> = row.iter().zip(widths).map(|(cell, width)| format!("{cell:width$}")).collect();
         cells.join("  ").trim_end().to_owned()
     };
-    let errors = states.axes.iter().filter_map(error_line);
+    let errors = states.axes.iter().filter_map(|axis| error_line(axis, node));
     rows.iter().map(line).chain(errors).collect::<Vec<_>>().join("\n")
 }
 
@@ -138,14 +137,14 @@ fn row(axis: &AxisState, AxisInfo { kind, unit }: AxisInfo) -> [String; 7] {
 }
 
 /// Returns the error of an axis with its cause and remedy, if it has one.
-pub(super) fn error_line(axis: &AxisState) -> Option<String> {
+pub(super) fn error_line(axis: &AxisState, node: &str) -> Option<String> {
     if axis.error_code == 0 {
         return None;
     }
     let name = clean(&axis.name);
     let mut line = format!("{name}: error {}", axis.error_code);
     if let Some(row) = Code(axis.error_code).row() {
-        let remedy = with_commands(&format!("{} {}", row.cause, row.remedy), Some(&*name));
+        let remedy = with_commands(&format!("{} {}", row.cause, row.remedy), &[&*name], node);
         // Writing to a string cannot fail.
         let _ = write!(line, " {}: {remedy}", row.name);
     }
@@ -202,7 +201,7 @@ mod tests {
     #[test]
     fn table_has_a_line_for_each_axis_and_for_each_error() {
         let (states, infos) = states();
-        let text = table(&states, &infos);
+        let text = table(DEFAULT, &states, &infos);
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines.len(), 4);
         assert_eq!(lines[0], "axis    state            enabled  homed  position        velocity  error");
@@ -223,11 +222,13 @@ mod tests {
     fn remedies_name_the_command_that_resets_errors() {
         for row in Code::rows().filter(|row| !row.code.is_none()) {
             let axis = AxisState { name: "x".to_owned(), error_code: row.code.0, ..AxisState::default() };
-            let line = error_line(&axis).unwrap();
+            let line = error_line(&axis, DEFAULT).unwrap();
             assert!(!line.contains("reset_errors"), "{line}");
         }
         let drive = AxisState { name: "x".to_owned(), error_code: 10204, ..AxisState::default() };
-        assert!(error_line(&drive).unwrap().ends_with(" Remove the cause, then `lineshaft reset x`."));
+        assert!(error_line(&drive, DEFAULT).unwrap().ends_with(" Remove the cause, then `lineshaft reset x`."));
+        let second = error_line(&drive, "/second").unwrap();
+        assert!(second.ends_with(" Remove the cause, then `lineshaft reset x --node /second`."), "{second}");
     }
 
     #[test]

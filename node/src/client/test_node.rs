@@ -31,7 +31,16 @@ impl TestNode {
 
     /// Connects a command to it.
     pub(super) async fn session(&self) -> Session {
-        let options = Options { node: Some(self.name.clone()), timeout: TIMEOUT, is_reading: false, is_stop: false };
+        self.connect(false).await
+    }
+
+    /// Connects a command that only stops axes, also if several nodes have the name.
+    pub(super) async fn session_to_stop(&self) -> Session {
+        self.connect(true).await
+    }
+
+    async fn connect(&self, is_stop: bool) -> Session {
+        let options = Options { node: Some(self.name.clone()), timeout: TIMEOUT, is_reading: false, is_stop };
         let name = format!("_client_of_{}", self.name);
         Session::open_in(self.environment.clone(), Side::Thread, &name, &options).await.unwrap()
     }

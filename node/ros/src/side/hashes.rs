@@ -152,6 +152,11 @@ impl Hashes {
         self.announced().close(endpoint);
     }
 
+    /// Records that a participant was lost. It is introduced again if it returns, because it has forgotten our endpoints.
+    pub(super) fn forget(&self, who: Prefix) {
+        self.announced().newcomers.retain(|newcomer| newcomer.who != who);
+    }
+
     /// Records that a successor replaces our participant.
     pub(super) fn end(&self) {
         self.announced().has_ended = true;
@@ -603,6 +608,14 @@ mod tests {
         let (_, addresses) = hashes.introduction(OTHER, News::Found).unwrap();
         assert_eq!(addresses, [address]);
         assert_eq!(hashes.introduction(OTHER, News::Heard(&[address])), None, "once");
+    }
+
+    #[test]
+    fn participant_that_was_lost_is_introduced_again_when_it_returns() {
+        let hashes = hashes();
+        assert!(is_introduced(&hashes, OTHER));
+        hashes.forget(OTHER);
+        assert!(is_introduced(&hashes, OTHER));
     }
 
     #[test]

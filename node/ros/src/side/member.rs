@@ -373,6 +373,7 @@ async fn follow(shared: Weak<Shared>, barrier: super::dds::Barrier, probe: Arc<P
                 Discovery::Gone { participant, .. } => {
                     shared.heard().retain(|writer, _| writer.prefix() != participant);
                     probe.gone(participant);
+                    shared.hashes.forget(participant);
                 }
                 Discovery::Found { participant } => probe.found(participant),
                 Discovery::Matched { reader, .. } => {

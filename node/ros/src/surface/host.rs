@@ -55,7 +55,8 @@ pub enum SubmitError {
     Full,
     /// No cycles run, so that no command would be read.
     #[error(
-        "the node is unconfigured and no cycle runs; configure and activate it first (`lineshaft activate`, or ~/change_state)"
+        "the node is unconfigured and no cycle runs; configure and activate it first (`lineshaft activate` with the name of \
+         the node, or ~/change_state)"
     )]
     Unconfigured,
 }

@@ -83,12 +83,29 @@ impl RefusalResponse<ChangeStateRequest> for ChangeStateResponse {
 impl RefusalResponse<SetParametersRequest> for SetParametersResponse {
     fn refusing(request: &SetParametersRequest, reason: String) -> Self {
         let refused = SetParametersResult { successful: false, reason };
-        Self { results: vec![refused; request.parameters.len()] }
+        // A request that cannot be read has no parameters here, and an empty list would read as success.
+        Self { results: vec![refused; request.parameters.len().max(1)] }
     }
 }
 
 impl RefusalResponse<SetParametersAtomicallyRequest> for SetParametersAtomicallyResponse {
     fn refusing(_: &SetParametersAtomicallyRequest, reason: String) -> Self {
         Self { result: SetParametersResult { successful: false, reason } }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use lineshaft_msgs::foreign::rcl_interfaces::msg::Parameter;
+
+    #[test]
+    fn refused_request_to_set_parameters_has_a_result_even_without_parameters() {
+        let refused = SetParametersResult { successful: false, reason: "too late".to_owned() };
+        for (given, results) in [(0, 1), (1, 1), (3, 3)] {
+            let request = SetParametersRequest { parameters: vec![Parameter::default(); given] };
+            let response = SetParametersResponse::refusing(&request, "too late".to_owned());
+            assert_eq!(response, SetParametersResponse { results: vec![refused.clone(); results] });
+        }
     }
 }

@@ -97,9 +97,20 @@ impl<S: Service> ServiceClient<S> {
     /// # Errors
     /// [`ClientError::Unreadable`], [`ClientError::Closed`].
     pub async fn reply(&mut self, number: RequestNumber) -> Result<S::Response, ClientError> {
+        let (_, response) = self.any_reply(&[number]).await?;
+        Ok(response)
+    }
+
+    /// Waits for the first reply to any of these requests, and returns it with the number of its request. No reply is lost if the future is
+    /// dropped.
+    ///
+    /// # Errors
+    /// As [`ServiceClient::reply`].
+    pub async fn any_reply(&mut self, numbers: &[RequestNumber]) -> Result<(RequestNumber, S::Response), ClientError> {
         loop {
-            if let Some(reply) = self.early.remove(&number.0) {
-                return reply;
+            let early = numbers.iter().find_map(|number| Some((*number, self.early.remove(&number.0)?)));
+            if let Some((number, reply)) = early {
+                return reply.map(|response| (number, response));
             }
             let taken = tokio::select! {
                 taken = self.replies.next() => taken,

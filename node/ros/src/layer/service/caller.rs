@@ -94,6 +94,13 @@ pub(super) fn client(sample: &Sample) -> Option<Caller> {
     Some(Caller { header: Some(header), ..beside })
 }
 
+/// Returns true if a request from Cyclone DDS can be read without the header of rmw_cyclonedds. Its client may be plain and would read
+/// a header as the response itself.
+pub(super) fn is_plain<Q: DeserializeOwned>(sample: &Sample) -> bool {
+    let is_unmarked = sample.related.is_none() && sample.id.writer.is_cyclone();
+    is_unmarked && cdr::decode::<Q>(&sample.bytes, sample.endian()).is_ok()
+}
+
 /// Returns the client that a `related_sample_identity` describes.
 fn marked(request: SampleId, related: Related) -> Caller {
     let answers = SampleId { writer: related.guid, number: related.number.unwrap_or(request.number) };

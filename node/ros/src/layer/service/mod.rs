@@ -63,7 +63,8 @@ pub enum ReplyError {
 /// Server of one service; dropping it removes the service from the node.
 ///
 /// Requests that do not have exactly the form of the service are refused and logged. They are answered if the service has a response with a
-/// reason and the request identifies its client, which would wait otherwise.
+/// reason and the request identifies its client, which would wait otherwise. A request from Cyclone DDS that can be read without the header
+/// of rmw_cyclonedds is refused without an answer, because its client may read no header.
 pub struct ServiceServer<S: Service> {
     requests: Reader,
     /// Requests that were read but not yet returned. The queue of the library alone is not fair: it returns the requests of one client
@@ -263,6 +264,9 @@ impl<S: Service> ServiceServer<S> {
             tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
         });
         let (RequestPolicy::Stops(answer) | RequestPolicy::Commands(answer)) = self.care else { return };
+        if caller::is_plain::<S::Request>(sample) {
+            return;
+        }
         if let Some(caller) = caller::client(sample) {
             let reply = Reply::new(self.replies.clone(), caller, Origin::of_sample(sample));
             reply.send_soon(answer(&S::Request::default(), format!("the request was refused: {refusal}")));

@@ -139,11 +139,25 @@ fn request_from_cyclone_dds_that_fits_both_forms_is_refused_unless_it_is_marked(
     assert_eq!(both.len(), 20);
     let cyclone = sample(CYCLONE, both.clone());
     assert_eq!(refusal::<AxesCommandRequest>(&cyclone), Refusal::Ambiguous { length: 20 });
-    // The refusal is answered in the form of rmw_cyclonedds.
-    assert_eq!(client(&cyclone).unwrap().reply(&7u8), [&both[..HEADER], &[7]].concat());
+    // Its client may be plain: the 16 bytes before a refusal would read as `success: true`, because the first one is not 0.
+    assert!(is_plain::<AxesCommandRequest>(&cyclone) && both[0] != 0);
     for other in [sample(OTHER, both.clone()), fast(both)] {
         assert_eq!(read::<AxesCommandRequest>(&other).unwrap().1, axes(&["", ""]));
     }
+}
+
+#[test]
+fn refused_request_of_a_plain_client_on_cyclone_dds_is_told_from_one_of_rmw_cyclonedds() {
+    let plain = sample(CYCLONE, encode(&axes(&["x", "turret"])));
+    assert!(client(&plain).is_some(), "its first 16 bytes look like a header");
+    assert!(read::<AxesCommandRequest>(&plain).is_err() && is_plain::<AxesCommandRequest>(&plain));
+    let damaged = sample(CYCLONE, [with_header(&axes(&["x"])), vec![0; 8]].concat());
+    assert!(read::<AxesCommandRequest>(&damaged).is_err() && !is_plain::<AxesCommandRequest>(&damaged));
+    // The client of a marked request, and of a request from another DDS library, is known.
+    let bytes = || encode(&axes(&["x"]));
+    assert!(
+        !is_plain::<AxesCommandRequest>(&fast(bytes())) && !is_plain::<AxesCommandRequest>(&sample(OTHER, bytes()))
+    );
 }
 
 #[test]
