@@ -12,20 +12,21 @@
 //! Source   AMK-CMD-01 to -14, AMK-BCOM-32 to -41, A-07 to -13
 
 mod bounds;
+mod commands;
 mod goals;
+mod outputs;
 mod programs;
+mod state;
 
-use self::bounds::{check_in_cell, check_set_in_cell};
-use self::programs::{first_output, module};
-use super::field::{Field, Words};
+use self::outputs::signals;
+use super::field::Words;
 use super::goal::{Goal, GoalEnd};
-use super::kind::{Description, Quantity};
 use super::notice::EventRateLimit;
-use super::program::{CallInputs, Drive, Fault, GoalRequest, LINES, Occasion, Outcome, Setting, SourceValue, Tables};
-use super::reading::{SourceReading, millivolts, read_inputs};
-use super::shown::{ANSWER, MOST_SHOWN};
+use super::program::{CallInputs, Drive, GoalRequest, LINES, SourceValue, Tables};
+use super::reading::{SourceReading, read_inputs};
+use super::shown::ANSWER;
 use super::types::Any;
-use super::wires::{Bit, Mark, MemorySize, Sink, Source, Width, Wires};
+use super::wires::{Mark, MemorySize, Width, Wires};
 use crate::code::Code;
 use crate::encoder::{COUNT, Lead};
 use crate::parameter::Sets;
@@ -216,22 +217,6 @@ impl Slot {
         self.outputs
     }
 
-    /// Returns the published values.
-    #[inline]
-    fn shows(&self) -> &[i64] {
-        match self.function.shown() {
-            Some(kept) if self.is_active() => kept,
-            Some(_) => &[0; MOST_SHOWN],
-            None => &self.shown,
-        }
-    }
-
-    /// Sets the published values of the last call to 0.
-    fn clear_shown(&mut self) {
-        let [.., answer] = self.shown;
-        self.shown = [0, 0, 0, answer];
-    }
-
     /// Returns the compensation of the following error (inc).
     pub(crate) fn sak_share(&self) -> i64 {
         if self.is_active() { self.shown[0] } else { 0 }
@@ -253,91 +238,6 @@ impl Slot {
     pub(crate) fn due_event(&mut self, cycle: u64, cycle_ns: u64) -> Option<(u16, u32)> {
         let state = u16::from(self.is_active()) << LINES | u16::from(self.outputs);
         Some((state, self.notice.take(state, cycle, cycle_ns)?))
-    }
-
-    /// Executes a command, completely or not at all; after an error only the published error changes. `room` holds two
-    /// of the widest sets. Returns the answer to READ_VALUE with the number of its field.
-    pub(crate) fn command(
-        &mut self,
-        wires: &Wires,
-        (order, values): (Order, &[(u16, i64)]),
-        tables: &[Arc<Table>],
-        room: &mut [i64],
-    ) -> Result<Option<(u16, i64)>, Fault> {
-        let result = self.try_command(wires, (order, values), tables, room);
-        self.error = result.err().map_or(Code::NONE, |fault| fault.code);
-        self.is_shown = false;
-        result
-    }
-
-    fn try_command(
-        &mut self,
-        wires: &Wires,
-        (order, values): (Order, &[(u16, i64)]),
-        tables: &[Arc<Table>],
-        room: &mut [i64],
-    ) -> Result<Option<(u16, i64)>, Fault> {
-        let row = wires.kind.description();
-        let mut answer = None;
-        match order {
-            Order::Start if self.is_active() => return Err(Fault::new(Code::FUNCTION_ACTIVE)),
-            Order::ReadValue if row.reads_at_rest && self.is_active() => return Err(Fault::new(Code::FUNCTION_ACTIVE)),
-            Order::ValueNew if !row.renews => return Err(Fault::new(Code::FUNCTION_NO_VALUE_NEW)),
-            Order::ValueNew if !self.is_active() => return Err(Fault::new(Code::FUNCTION_AT_REST)),
-            _ => {}
-        }
-        let width = self.staged.len();
-        // The machine allocates `room` in advance; a slot never allocates.
-        let Some((tried, mixed)) = room.get_mut(..2 * width).map(|room| room.split_at_mut(width)) else {
-            return Err(Fault::new(Code::BAD_REQUEST));
-        };
-        tried.copy_from_slice(&self.staged);
-        for &(place, value) in values {
-            check_range(row, place, value)?;
-            check_in_cell(wires, row, (place, value), None)?;
-            if let Some(word) = tried.get_mut(usize::from(place)) {
-                *word = value;
-            }
-        }
-        let setting = self.setting(wires, found(wires, tables), Occasion::Order);
-        match order {
-            Order::Start => {
-                check_set(wires, tried)?;
-                self.function.check(Words(tried), &setting)?;
-                self.active.copy_from_slice(tried);
-                let is_left = self.phase == Phase::Leaving && self.function.has_leave();
-                self.phase = if is_left { Phase::Restarting } else { Phase::Starting };
-            }
-            Order::ValueNew => {
-                // Fields that are not live keep their values of START.
-                copy_live_fields(row, mixed, &self.active, tried);
-                check_set_in_cell(wires, mixed)?;
-                self.function.check(Words(mixed), &setting)?;
-                self.active.copy_from_slice(mixed);
-                self.function.renew(Words(mixed));
-            }
-            Order::Reset => self.reset(),
-            Order::ReadValue if row.reads_at_rest => {
-                check_set(wires, tried)?;
-                if let Some((place, value)) = self.function.read(Words(tried), &setting)? {
-                    self.active.copy_from_slice(tried);
-                    if let Some(word) = self.active.get_mut(usize::from(place)) {
-                        *word = value;
-                    }
-                    self.shown[ANSWER] = value;
-                    answer = row.field_of(place.into()).map(|(number, ..)| (number, value));
-                }
-            }
-            Order::Stage | Order::ReadValue => {}
-        }
-        self.staged.copy_from_slice(tried);
-        Ok(answer)
-    }
-
-    /// Returns an error if START would refuse a set of a function at rest.
-    pub(crate) fn check_start(&self, wires: &Wires, tables: &[Arc<Table>], set: &[i64]) -> Result<(), Fault> {
-        check_set(wires, set)?;
-        self.function.check(Words(set), &self.setting(wires, found(wires, tables), Occasion::Order))
     }
 
     /// RESET. The last outputs are written in the turn of the slot in this cycle.
@@ -443,14 +343,6 @@ impl Slot {
         written
     }
 
-    /// Changes the coordinate of the sink, without motion.
-    #[cold]
-    fn shift_sink(&mut self, wires: &Wires, by: i64) {
-        self.sink = wires.sink_width.cut(self.sink.wrapping_add(by));
-        self.anew = Position::whole(by);
-        self.lead.position += self.anew;
-    }
-
     /// Executes the first call.
     fn begin(&mut self, wires: &Wires, cx: &Cycle<'_>, source: SourceReading<'_>, board: &mut Board) -> Written {
         (self.phase, self.since) = (Phase::Active, cx.cycle);
@@ -469,19 +361,6 @@ impl Slot {
         let written = self.write(wires, outcome, board);
         self.write_cells(wires, cx, board);
         written
-    }
-
-    /// Returns the initial value of the sink: that of its object.
-    fn initial_sink(&self, wires: &Wires, board: &Board) -> i64 {
-        let value = match wires.sink {
-            Sink::None => self.sink,
-            // A position is no speed: the axis is treated as at rest.
-            Sink::Axis(..) if wires.quantity == Quantity::Speed => 0,
-            Sink::Axis(_, command) | Sink::Memory(command, _) => board.int(command),
-            Sink::Real(signal) => board.real(signal) as i64,
-            Sink::Analog(_, signal) => millivolts(board.real(signal)),
-        };
-        wires.sink_width.cut(value)
     }
 
     /// Adds the travel of the source.
@@ -517,74 +396,6 @@ impl Slot {
         }
     }
 
-    /// Writes the outputs of a call.
-    #[inline]
-    fn write(&mut self, wires: &Wires, outcome: Outcome, board: &mut Board) -> Written {
-        let [.., answer] = self.shown;
-        self.shown = [outcome.sak_share, outcome.correction, outcome.deviation, answer];
-        self.writes = outcome.writes;
-        self.write_sink(wires, board);
-        self.set_outputs(wires, outcome.outputs, outcome.writes, board);
-        Written { outputs: outcome.writes, sink: true, failed: None }
-    }
-
-    /// Moves the sink to a value, and its lead by the same distance.
-    #[inline]
-    fn advance_sink(&mut self, wires: &Wires, value: i64) {
-        let before = std::mem::replace(&mut self.sink, wires.sink_width.cut(value));
-        self.lead.change = Position::whole(wires.sink_width.cut(self.sink.wrapping_sub(before)));
-        self.lead.position += self.lead.change;
-    }
-
-    #[inline]
-    fn write_sink(&self, wires: &Wires, board: &mut Board) {
-        match wires.sink {
-            Sink::None | Sink::Axis(..) => {}
-            Sink::Memory(signal, width) => board.set_int(signal, width.cut(self.sink)),
-            Sink::Real(signal) => board.set_real(signal, self.sink as f64),
-            Sink::Analog(_, signal) => board.set_real(signal, self.volts(wires)),
-        }
-    }
-
-    /// Returns an error if the function cannot continue with an edited table.
-    pub(crate) fn check_edit(
-        &self,
-        wires: &Wires,
-        tables: &[Arc<Table>],
-        (index, table): (u16, &Table),
-    ) -> Result<(), Fault> {
-        let (mut found, mut edited) = (found(wires, tables), 0);
-        for (number, (place, read)) in found.iter_mut().zip(wires.tables).enumerate() {
-            if read == Some(index) {
-                *place = Some(table);
-                edited |= 1 << number;
-            }
-        }
-        self.function.check(Words(&self.active), &self.setting(wires, found, Occasion::Edit(edited)))
-    }
-
-    /// Returns the conditions for the check of a set.
-    fn setting<'a>(&self, wires: &Wires, tables: [Option<&'a Table>; LINES], occasion: Occasion) -> Setting<'a> {
-        let (has_source, has_mark) = (wires.source != Source::None, wires.mark != Mark::None);
-        // In the cycle of START the set has not been applied yet.
-        let runs = self.phase == Phase::Active;
-        let first_output = first_output(wires);
-        Setting { call_ns: wires.call_ns, tables, has_source, has_mark, first_output, occasion, runs }
-    }
-
-    /// Returns the sink as voltage of an analog output (V), limited to the full scale.
-    pub(crate) fn volts(&self, wires: &Wires) -> f64 {
-        self.sink.min(wires.full_scale).max(-wires.full_scale) as f64 / 1000.0
-    }
-
-    #[inline]
-    fn set_outputs(&mut self, wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
-        self.outputs = self.outputs & !writes | outputs & writes;
-        if wires.lines.1 > 0 {
-            write_memory(wires, outputs, writes, board);
-        }
-    }
-
     /// Ends a running function.
     fn leave(&mut self, wires: &Wires, cx: &Cycle<'_>, source: SourceReading<'_>, board: &mut Board) -> Written {
         let written = if wires.program.is_some() {
@@ -605,158 +416,4 @@ impl Slot {
         self.mark = None;
         written
     }
-
-    /// Sets sink and outputs of a type without a call of RESET.
-    fn rest_sink(&mut self, wires: &Wires, board: &mut Board) -> Written {
-        let sink = wires.quantity == Quantity::Speed;
-        if sink {
-            self.advance_sink(wires, 0);
-            self.write_sink(wires, board);
-        }
-        let rests = wires.kind.description().rests;
-        self.set_outputs(wires, self.function.rests(rests), self.writes, board);
-        Written { outputs: self.writes, sink, failed: None }
-    }
-
-    fn publish(&self, wires: &Wires, board: &mut Board) {
-        let [sink, active, error, lines @ ..] = board.block(wires.first, signals(wires.shows)) else { return };
-        let int = i64::cast_unsigned;
-        (*sink, *active, *error) = (int(self.sink), u64::from(self.is_active()), u64::from(self.error.0));
-        for (bit, word) in (0..LINES).zip(lines.iter_mut()) {
-            *word = u64::from(self.inputs >> bit & 1);
-        }
-        for (bit, word) in (0..LINES).zip(lines.iter_mut().skip(LINES)) {
-            *word = u64::from(self.outputs >> bit & 1);
-        }
-        for (value, word) in self.shows().iter().zip(lines.iter_mut().skip(2 * LINES)) {
-            *word = int(*value);
-        }
-    }
-
-    /// Returns true if both functions have the same setup, in any state.
-    pub(crate) fn is_set_up_as(&self, other: &Self) -> bool {
-        self.function.is_set_up_as(&other.function)
-    }
-
-    /// Returns true if a restored state is valid.
-    pub(crate) fn is_sound(&self, wires: &Wires, (tables, programs): (&[Arc<Table>], &[Arc<Module>])) -> bool {
-        let row = wires.kind.description();
-        let fits = |values: &[i64]| {
-            let in_range = |(place, value): (u16, &i64)| {
-                let (is_left_out, place_of) = (|field: &Field| *value == field.default, usize::from(place));
-                check_range(row, place, *value).is_ok()
-                    || row.field_of(place_of).is_some_and(|(_, field, _)| is_left_out(field))
-            };
-            values.len() == row.width() && (0_u16..).zip(values).all(in_range)
-        };
-        let setting = self.setting(wires, found(wires, tables), Occasion::Kept);
-        fits(&self.staged)
-            && fits(&self.active)
-            && (!self.is_active()
-                || check_ranges(row, &self.active).is_ok()
-                    && self.function.check(Words(&self.active), &setting).is_ok())
-            && (self.phase != Phase::Active || self.function.is_set(Words(&self.active), wires.call_ns))
-            && self.goal.is_none_or(|_| row.takes_goals && self.is_active())
-            && self.lead.velocity.is_finite()
-            && module(wires, programs).is_none_or(|module| self.function.is_of(module, self.phase != Phase::Reset))
-            && self.function.is_sound()
-    }
-}
-
-impl Clone for Slot {
-    fn clone(&self) -> Self {
-        Self { function: self.function.clone(), staged: self.staged.clone(), active: self.active.clone(), ..*self }
-    }
-
-    /// Does not allocate if both slots belong to the same machine.
-    fn clone_from(&mut self, other: &Self) {
-        // Lists every field, so that the compiler reports a new one.
-        let Self {
-            function,
-            phase,
-            since,
-            staged,
-            active,
-            travel,
-            last,
-            mark,
-            inputs,
-            outputs,
-            writes,
-            sink,
-            shown,
-            error,
-            lead,
-            anew,
-            is_shown,
-            notice,
-            goal,
-            ended,
-        } = other;
-        self.function.clone_from(function);
-        self.staged.clone_from(staged);
-        self.active.clone_from(active);
-        (self.phase, self.since, self.travel, self.last, self.mark) = (*phase, *since, *travel, *last, *mark);
-        (self.inputs, self.outputs, self.writes) = (*inputs, *outputs, *writes);
-        (self.sink, self.shown, self.error, self.lead, self.anew) = (*sink, *shown, *error, *lead, *anew);
-        (self.is_shown, self.notice, self.goal, self.ended) = (*is_shown, *notice, *goal, *ended);
-    }
-}
-
-/// Writes the outputs that are memory cells.
-fn write_memory(wires: &Wires, outputs: u8, writes: u8, board: &mut Board) {
-    for (place, output) in wires.outputs.iter().take(wires.lines.1).enumerate() {
-        if let Some(output) = output
-            && writes >> place & 1 == 1
-            && let Bit::Memory(signal) = output.to
-        {
-            board.set_int(signal, i64::from((outputs >> place & 1 == 1) != output.inverted));
-        }
-    }
-}
-
-/// Returns the number of signals of a slot that publishes `shows` values.
-fn signals(shows: usize) -> usize {
-    3 + 2 * LINES + shows
-}
-
-/// Returns an error if a value of the set is outside the range of its field.
-fn check_range(row: &Description, place: u16, value: i64) -> Result<(), Fault> {
-    match row.field_of(place.into()) {
-        Some((_, field, _)) if (field.min..=field.max).contains(&value) => Ok(()),
-        Some((number, _, nth)) => Err(Fault::new(Code::FUNCTION_RANGE).of(number).with(value, nth as i64)),
-        None => Err(Fault::new(Code::BAD_REQUEST)),
-    }
-}
-
-/// Returns an error if a value is outside the range of its field.
-fn check_ranges(row: &Description, values: &[i64]) -> Result<(), Fault> {
-    let mut values = values.iter();
-    for (number, field) in (0_u16..).zip(row.fields) {
-        for (nth, value) in (0..).zip(values.by_ref().take(field.count)) {
-            if !(field.min..=field.max).contains(value) {
-                return Err(Fault::new(Code::FUNCTION_RANGE).of(number).with(*value, nth));
-            }
-        }
-    }
-    Ok(())
-}
-
-/// Returns an error if a value is outside its range or names an object that the cell lacks.
-fn check_set(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
-    check_ranges(wires.kind.description(), values)?;
-    check_set_in_cell(wires, values)
-}
-
-/// Copies the live fields of `new` into a set that runs with `active`.
-fn copy_live_fields(row: &Description, mixed: &mut [i64], active: &[i64], new: &[i64]) {
-    let live = row.fields.iter().flat_map(|field| std::iter::repeat_n(field.live, field.count));
-    for (((place, live), active), new) in mixed.iter_mut().zip(live).zip(active).zip(new) {
-        *place = if live { *new } else { *active };
-    }
-}
-
-fn found<'a>(wires: &'a Wires, tables: &'a [Arc<Table>]) -> [Option<&'a Table>; LINES] {
-    let tables = Tables { all: tables, places: &wires.tables };
-    std::array::from_fn(|number| tables.get(number))
 }

@@ -1,11 +1,28 @@
 //! `lineshaft bag`.
 
+use super::Exit;
 use super::command_output::Output;
-use super::{BagCommand, Exit};
 use crate::recording::info::Info;
 use crate::recording::run::Run;
+use clap::Subcommand;
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Subcommand)]
+pub(super) enum BagCommand {
+    /// Tell what a run holds, and whether it can be replayed
+    #[command(
+        after_help = "Exit codes: 0 the run was read to its end, also one that was cut off; 2 bad usage, or a file \
+                            that is damaged or no bag."
+    )]
+    Info {
+        /// The run: an .mcap file, a folder, or a metadata.yaml
+        run: PathBuf,
+        /// Print one JSON object (docs/json.md) instead of the lines
+        #[arg(long)]
+        json: bool,
+    },
+}
 
 pub(super) fn bag(command: &BagCommand) -> Exit {
     match command {

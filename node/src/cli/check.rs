@@ -1,13 +1,16 @@
 //! `lineshaft check`.
 
+mod args;
 mod coasting;
 mod functions;
 mod homing;
 mod marks;
 mod names;
 
+pub(super) use self::args::CheckArgs;
+
+use super::Exit;
 use super::command_output::Output;
-use super::{CheckArgs, Exit};
 use crate::cell::{Cell, left_out_of, load_of, mode_by_sdo_of};
 use crate::document::Problems;
 use crate::graph;

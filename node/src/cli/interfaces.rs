@@ -1,9 +1,19 @@
 //! `lineshaft interfaces`.
 
 use super::params::width;
-use super::{Exit, InterfacesArgs, say_all};
+use super::{Exit, say_all};
 use crate::interfaces::{details, listing, markdown, meant};
 use crate::scenario::did_you_mean;
+use clap::Args;
+
+#[derive(Debug, Args)]
+pub(super) struct InterfacesArgs {
+    /// A topic, a service, an action, or a type as `MoveAxis`: all that is said about it; left out: the list
+    name: Option<String>,
+    /// Print everything as Markdown, as it stands in docs/interfaces.md
+    #[arg(long, conflicts_with = "name")]
+    markdown: bool,
+}
 
 pub(super) fn interfaces(args: &InterfacesArgs) -> Exit {
     let text = match &args.name {

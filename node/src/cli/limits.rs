@@ -1,12 +1,40 @@
 //! `lineshaft limits`.
 
-use super::{Exit, LimitsArgs, complain, say, say_all};
+use super::{Exit, complain, say, say_all};
 use crate::cell::Cell;
 use crate::cell_file::{self, Edited};
 use crate::document::Document;
 use crate::limits::{joints, limits_text, read_limits};
 use crate::parameters::{Import, differences};
-use std::path::Path;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+pub(super) const HELP: &str = "\
+Written are position, velocity, acceleration and jerk of each axis with a drive, in SI units, to standard output. max_acceleration is the \
+lower of max_acceleration and max_deceleration of the axis.
+
+--from changes the cell file: values only, comments and order stay. Each change is printed. has_..: false gives no limit, so the cell keeps its \
+own. max_deceleration follows max_acceleration where the cell leaves it out or has a lower one. Values that a node has saved \
+(docs/storage.md) hide those of the cell.
+
+Examples:
+  lineshaft limits cell.yaml > joint_limits.yaml
+  lineshaft limits cell.yaml --group arm > joint_limits.yaml
+  lineshaft limits cell.yaml --from joint_limits.yaml
+
+Exit codes: 0 good, 2 bad usage, no such group, or a file with errors; the cell is what it was then.";
+
+#[derive(Debug, Args)]
+pub(super) struct LimitsArgs {
+    /// The cell
+    cell: PathBuf,
+    /// Only the joints of one group; left out: all axes with a drive
+    #[arg(long, value_name = "NAME")]
+    group: Option<String>,
+    /// Read this joint_limits.yaml into the cell, which is changed in its place
+    #[arg(long, value_name = "FILE")]
+    from: Option<PathBuf>,
+}
 
 pub(super) fn limits(args: &LimitsArgs) -> Exit {
     let cell = match Cell::load(&args.cell) {

@@ -1,19 +1,85 @@
 //! `lineshaft params`.
 
-use super::{Exit, ParamsArgs, say_all};
+use super::{Exit, say_all};
 use crate::cell::Cell;
 use crate::document::Document;
 use crate::output;
 use crate::parameters::{Filter, check_import, details, differences, export_text, listing, markdown, meant, values};
+use clap::{Args, ValueEnum};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::object::AxisSet;
+use lineshaft_core::parameter::System;
 use lineshaft_ros::surface::host::ParameterSelection;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+pub(super) const HELP: &str = "\
+Without a cell: the catalogue, or everything about the one parameter that --name names. With a cell: the values that its axes \
+begin with; * marks those that are not at their default.
+
+Examples:
+  lineshaft params --name 'sync*'
+  lineshaft params --name max_velocity
+  lineshaft params cell.yaml --changed
+  lineshaft params cell.yaml --export > parameters.yaml
+  lineshaft params cell.yaml --import parameters.yaml
+
+Exit codes: 0 good, 2 bad usage, no such parameter, or a file with errors.";
 
 /// Width of output that does not go to a terminal.
 const WIDTH: usize = 120;
 /// Minimum width; narrower terminals get lines of this width.
 const NARROWEST: usize = 60;
+
+#[derive(Debug, Args)]
+pub(super) struct ParamsArgs {
+    /// The cell; left out: the catalogue
+    cell: Option<PathBuf>,
+    /// Only parameters whose key, source's name or name with its axis matches, as `sync*`; capitals do not count
+    #[arg(long, value_name = "GLOB")]
+    name: Option<String>,
+    /// Only parameters of one source
+    #[arg(long, value_enum)]
+    system: Option<SystemArg>,
+    /// Only what is not at its default
+    #[arg(long, requires = "cell")]
+    changed: bool,
+    /// Print the parameters, exactly, as --import and ~/import_parameters take them
+    #[arg(long, requires = "cell", conflicts_with_all = ["name", "system"])]
+    export: bool,
+    /// Check a file of parameters against the cell and tell what it would change; changes nothing
+    #[arg(long, value_name = "FILE", requires = "cell", conflicts_with_all = ["name", "system", "changed", "export"])]
+    import: Option<PathBuf>,
+    /// Print the catalogue as Markdown: docs/parameters.md
+    #[arg(long, conflicts_with_all = ["cell", "name", "system", "changed", "export", "import"])]
+    markdown: bool,
+}
+
+/// A source of parameters.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SystemArg {
+    /// Lineshaft itself
+    Native,
+    /// zub MACS
+    Macs,
+    /// Unidrive M advanced motion controller
+    Amc,
+    /// SAIA PCD4.H3
+    Saia,
+    /// Siemens WF 725 and 726
+    Wf,
+}
+
+impl From<SystemArg> for System {
+    fn from(system: SystemArg) -> Self {
+        match system {
+            SystemArg::Native => Self::Native,
+            SystemArg::Macs => Self::Macs,
+            SystemArg::Amc => Self::Amc,
+            SystemArg::Saia => Self::Saia,
+            SystemArg::Wf => Self::Wf,
+        }
+    }
+}
 
 pub(super) fn params(args: &ParamsArgs) -> Exit {
     if args.markdown {

@@ -1,12 +1,47 @@
 //! `lineshaft plot`.
 
 use super::command_output::watch;
-use super::{Exit, PlotArgs, complain, say};
+use super::{Exit, complain, say, times};
 use crate::recording::bag::SCENARIO;
-use crate::recording::plot::{Across, Chosen, Figure, Problem, Target, write};
+use crate::recording::plot::{Across, Chosen, Figure, HEIGHTS, Problem, Target, WIDTHS, write};
 use crate::recording::run::{Run, RunError};
 use crate::recording::series::{Kind, Recorded, Series, SeriesError, alias, load};
-use std::path::Path;
+use clap::Args;
+use clap::builder::RangedU64ValueParser;
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Args)]
+pub(super) struct PlotArgs {
+    /// The run: an .mcap file, a folder, or a metadata.yaml
+    run: PathBuf,
+    /// Signals to draw, as `x.*`; several times for more
+    #[arg(long, value_name = "GLOB", required = true)]
+    signals: Vec<String>,
+    /// The figure: FILE.svg or FILE.png; one that exists is replaced
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Begin here, as `1.2 s`, from the start of the run; left out: with the first value
+    #[arg(long, value_name = "TIME", value_parser = times::seconds, allow_hyphen_values = true)]
+    from: Option<f64>,
+    /// End here
+    #[arg(long, value_name = "TIME", value_parser = times::seconds, allow_hyphen_values = true)]
+    to: Option<f64>,
+    /// Width (px, 500 to 8000)
+    #[arg(long, value_name = "N", default_value_t = 1200, value_parser = pixels(WIDTHS))]
+    width: u32,
+    /// Height (px, 200 to 20000); left out: what the panels need
+    #[arg(long, value_name = "N", value_parser = pixels(HEIGHTS))]
+    height: Option<u32>,
+    /// Title above the figure; left out: the name of the scenario of the run, or of its file
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Draw each signal in a panel of its own: curves that lie on each other stay visible
+    #[arg(long)]
+    split: bool,
+    /// Unit of the numbers of a signal, as `lag=inc` or `speed=0.0001 rpm`; several times for more
+    #[arg(long, value_name = "SIGNAL=UNIT", value_parser = unit)]
+    unit: Vec<(String, String)>,
+}
 
 /// Reason why no figure was drawn.
 #[derive(Debug, thiserror::Error)]
@@ -91,8 +126,13 @@ fn set_unit(series: &mut [Series], name: &str, text: &str) -> Result<(), PlotErr
     Err(PlotError::Unit { name: name.to_owned(), unit: text.to_owned(), reason })
 }
 
+/// Returns a parser of a size within a range, in px.
+pub(super) fn pixels((least, most): (u32, u32)) -> RangedU64ValueParser<u32> {
+    RangedU64ValueParser::new().range(u64::from(least)..=u64::from(most))
+}
+
 /// Parses a signal and its unit.
-pub(super) fn unit(text: &str) -> Result<(String, String), String> {
+fn unit(text: &str) -> Result<(String, String), String> {
     let pair = text.split_once('=').filter(|(name, unit)| !name.is_empty() && !unit.is_empty());
     pair.map(|(name, unit)| (name.to_owned(), unit.to_owned()))
         .ok_or_else(|| "must be a signal and its unit, as `lag=inc`".to_owned())
@@ -116,11 +156,9 @@ mod tests {
     use crate::cli::{Command, Line};
     use crate::interrupt::Interrupt;
     use crate::recording::bag::BagOptions;
-    use crate::recording::plot::{HEIGHTS, WIDTHS};
     use crate::recording::test_bags::{TestBag, joints};
     use crate::scenario::{Options, Scenario, simulate};
     use clap::Parser;
-    use std::path::PathBuf;
 
     fn args(run: PathBuf, signals: &[&str], output: PathBuf) -> PlotArgs {
         let signals = signals.iter().map(|signal| (*signal).to_owned()).collect();

@@ -1,10 +1,21 @@
 //! `lineshaft replay`.
 
+use super::Exit;
 use super::command_output::Output;
-use super::{Exit, ReplayArgs};
 use crate::recording::replay::{ReplayError, Report, Verdict, replay};
 use crate::recording::run::Run;
+use clap::Args;
 use serde_json::{Value as Json, json};
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(super) struct ReplayArgs {
+    /// The run: an .mcap file, a folder, or a metadata.yaml
+    run: PathBuf,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
+}
 
 pub(super) fn run(args: &ReplayArgs) -> Exit {
     let mut output = Output::new("replay", args.json);

@@ -10,13 +10,17 @@ pub(super) use self::running::{Hardware, InitialData, Prepared, Recording, Runni
 use self::watch::{Change, Timeouts, Watch};
 use super::check::{summary, warnings};
 use super::logging::Logging;
-use super::{Exit, RunArgs, complain, say, store};
+use super::record::RecordArgs;
+use super::store::{self, StoreArgs};
+use super::{Exit, complain, say};
 use crate::cell::{Cell, OnLoss};
 use crate::client::activate_command;
 use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::recording::Topic;
 use crate::run::bridge::Handle;
+use crate::run::realtime::Processor;
 use crate::scenario::{Report, Scenario, other_cell};
+use clap::{Args, value_parser};
 use lineshaft_core::command::{Action, Command, Commands, Source};
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::event::Kind;
@@ -30,10 +34,65 @@ use lineshaft_ros::layer::{
 use lineshaft_ros::line_limit::MessageRateLimit;
 use lineshaft_ros::surface::host::{GateState, Host};
 use lineshaft_ros::surface::{Surface, check_names, start_commands};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
+
+#[derive(Debug, Default, Args)]
+pub(super) struct RunArgs {
+    /// The cell; left out: the built-in demo
+    cell: Option<PathBuf>,
+    /// Put simulation in the place of every backend
+    #[arg(long)]
+    sim: bool,
+    /// Play this scenario on the running machine; the node ends with it
+    #[arg(long, value_name = "FILE")]
+    scenario: Option<PathBuf>,
+    /// Processor of the cycle thread: a number, or `any`; left out: the last one
+    #[arg(long, value_name = "N|any", value_parser = processor)]
+    cpu: Option<Processor>,
+    #[command(flatten)]
+    record: RecordArgs,
+    /// Keep the frames of buses on CAN in recordings, as the flight recorder does in its bags
+    #[arg(long)]
+    record_frames: bool,
+    #[command(flatten)]
+    flight: FlightArgs,
+    #[command(flatten)]
+    store: StoreArgs,
+}
+
+/// The flight recorder.
+#[derive(Clone, Debug, Args)]
+struct FlightArgs {
+    /// The last seconds that the flight recorder keeps and saves as a bag after a fault (s, 1 to 600; 0 off)
+    #[arg(long, value_name = "SECONDS", default_value_t = 10, value_parser = value_parser!(u64).range(0..=600))]
+    flight_recorder: u64,
+    /// Where its bags go; left out: ~/.ros/lineshaft/<node> (ROS_HOME counts)
+    #[arg(long, value_name = "FOLDER")]
+    flight_folder: Option<PathBuf>,
+    /// How many of its bags are kept (1 to 1000); the oldest is removed for a new one
+    #[arg(long, value_name = "COUNT", default_value_t = 10, value_parser = value_parser!(u64).range(1..=1000))]
+    flight_keep: u64,
+}
+
+impl Default for FlightArgs {
+    fn default() -> Self {
+        Self { flight_recorder: 10, flight_folder: None, flight_keep: 10 }
+    }
+}
+
+fn processor(text: &str) -> Result<Processor, String> {
+    match text {
+        "any" => Ok(Processor::Any),
+        number => number
+            .parse()
+            .map(Processor::Number)
+            .map_err(|_| "a number of a processor, or `any`, is allowed".to_owned()),
+    }
+}
 
 pub(super) fn run(args: &RunArgs, ros: &RosArguments, logging: &Logging) -> Exit {
     let (cell, title) = match &args.cell {

@@ -3,12 +3,19 @@
 use super::Exit;
 use crate::cell::Cell;
 use crate::output;
+use clap::Args;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::signal::{Entry, Type};
-use std::path::Path;
+use std::path::PathBuf;
 
-pub(super) fn signals(path: &Path) -> Exit {
-    let cell = match Cell::load(path) {
+#[derive(Debug, Args)]
+pub(super) struct CellArgs {
+    /// The cell
+    cell: PathBuf,
+}
+
+pub(super) fn signals(args: &CellArgs) -> Exit {
+    let cell = match Cell::load(&args.cell) {
         Ok(cell) => cell,
         Err(problems) => {
             eprint!("{problems}");

@@ -8,12 +8,15 @@ mod played;
 use self::played::{Played, Trouble};
 use super::command_output::Output;
 use super::file_hint::is_scenario;
-use super::{Exit, SimArgs, junit, store};
+use super::record::RecordArgs;
+use super::store::{self, StoreArgs};
+use super::{Exit, junit, outputs};
 use crate::cell::Cell;
 use crate::interrupt::Interrupt;
 use crate::scenario::{Options, SUFFIX, Scenario, SimulateError, cell_of, other_cell, simulate_with};
+use clap::{Args, value_parser};
 use serde_json::json;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 pub(super) const HELP: &str = "\
@@ -26,6 +29,42 @@ A scenario without a cell, and each one of --all, runs on the cell that its key 
 NAME.scenario.yaml.
 
 Exit codes: 0 all passed, 1 an expectation failed, or the disk did, 2 bad usage or a file with errors.";
+
+/// Options that are valid for a single scenario only.
+const NOT_WITH_ALL: [&str; 8] =
+    ["cell", "scenario", "csv", "events", "record", "max_bag_size", "max_bag_duration", "store"];
+
+#[derive(Debug, Args)]
+pub(super) struct SimArgs {
+    /// The cell; left out: the one that key `cell` of the scenario names, or NAME.yaml next to NAME.scenario.yaml. Without --scenario
+    /// this is the scenario
+    cell: Option<PathBuf>,
+    /// The scenario
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["all", "cell"])]
+    scenario: Option<PathBuf>,
+    /// Play each NAME.scenario.yaml in this folder and in those below it
+    #[arg(long, value_name = "DIR", conflicts_with_all = NOT_WITH_ALL)]
+    all: Option<PathBuf>,
+    /// How many scenarios are played at the same time (1 to 256); left out: one on each processor
+    #[arg(long, value_name = "N", requires = "all", conflicts_with = "scenario", value_parser = value_parser!(u16).range(1..=256))]
+    jobs: Option<u16>,
+    /// Write a JUnit report, one test case for each expectation; a file that exists is replaced
+    #[arg(long, value_name = "FILE", value_parser = outputs::report())]
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long, conflicts_with = "events")]
+    json: bool,
+    /// Write the traced signals to this file; one that exists is replaced
+    #[arg(long, value_name = "FILE", value_parser = outputs::trace())]
+    csv: Option<PathBuf>,
+    /// Print every event as it comes: cycle, severity, kind, sentence and code
+    #[arg(long)]
+    events: bool,
+    #[command(flatten)]
+    record: RecordArgs,
+    #[command(flatten)]
+    store: StoreArgs,
+}
 
 pub(super) fn sim(args: &SimArgs) -> Exit {
     let mut output = Output::new("sim", args.json);

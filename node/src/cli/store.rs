@@ -1,14 +1,25 @@
 //! `--store`: file in which a machine stores its values.
 
-use super::{StoreArgs, complain};
+use super::complain;
 use crate::cell::Cell;
 use crate::store::{Store, StoreError};
+use clap::Args;
 use lineshaft_ros::layer::NodeName;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Value instead of a file: nothing is read or stored.
 const NONE: &str = "none";
+
+/// Where saved parameters are kept.
+#[derive(Clone, Debug, Default, Args)]
+pub(super) struct StoreArgs {
+    /// Start with the parameters saved in this file, and keep there what is saved; `none`: keep nothing. Left out: `sim`,
+    /// and `tune` of a simulated axis, keep nothing; `run`, and `tune` of a real axis, use
+    /// ~/.ros/lineshaft/<node>/parameters.<cell>.yaml (ROS_HOME counts)
+    #[arg(long, value_name = "FILE|none")]
+    store: Option<PathBuf>,
+}
 
 impl StoreArgs {
     /// Returns the given file; `None` if there is none, or for `none`.

@@ -3,17 +3,75 @@
 mod real;
 
 use self::real::{RealError, try_real};
-use super::{Exit, TuneArgs, complain, say, store};
+use super::record::RecordArgs;
+use super::store::{self, StoreArgs};
+use super::{Exit, complain, say, times};
 use crate::cell::{Cell, CellBackend};
 use crate::cell_file::EditError;
 use crate::document::Problems;
 use crate::interrupt::Interrupt;
 use crate::recording::plot::{Problem, Target};
 use crate::tune::{Bounds, Findings, Setting, Subject, TrialError, Unfit, apply, by_hand, try_until, write_plot};
+use clap::Args;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::unit::{Quantity, Scale, parse_decimal};
 use lineshaft_ros::layer::NodeName;
 use lineshaft_tune::{Record, Refusal};
+use std::path::PathBuf;
+
+pub(super) const HELP: &str = "\
+Runs the cell without ROS, simulated drives as fast as it goes, real ones only with --real: enables the axis, opens its position loop (out_an), finds where it breaks away, moves it to and fro by \
+random steps of its velocity or effort, and disables it. From what it did a model is made, and of the model gains with a phase margin of 60 deg and \
+a gain margin of 6 dB. Printed is the model with its deviations, old and new gains, and what both do with a step and a move. Nothing is \
+written without --apply. A value has a unit: 90 deg, 200 mm/s, 20000 inc. A number without a unit is in SI (m, rad, m/s, rad/s), and \
+the first line of the output says so.
+
+Examples:
+  lineshaft tune cell.yaml x
+  lineshaft tune cell.yaml x --travel '90 deg' --velocity '500 deg/s' --output x.svg
+  lineshaft tune cell.yaml x --apply
+  lineshaft tune cell.yaml x --real --travel '20 mm' --velocity '50 mm/s'
+
+Ctrl-C stops the axis and switches it off. Exit codes: 0 gains were found, 1 none: the sentence says why, 2 bad usage or a file with errors.";
+
+#[derive(Debug, Args)]
+pub(super) struct TuneArgs {
+    /// The cell
+    cell: PathBuf,
+    /// The axis
+    axis: String,
+    /// Way either side of where the axis stands (at least 100 inc); left out: what it goes in 0.4 s at that velocity, or what it needs to stop; less where its limits leave less
+    #[arg(long, value_name = "LENGTH")]
+    travel: Option<String>,
+    /// Largest velocity, to `max_velocity`; left out: 30 % of it
+    #[arg(long, value_name = "VELOCITY")]
+    velocity: Option<String>,
+    /// Largest effort in parts of the largest one (0.01 to 1), for interface torque; left out: 0.3
+    #[arg(long, value_name = "PART")]
+    effort: Option<f64>,
+    /// Time of the motion to and fro, as `6 s` (1 s to 60 s); left out: 6 s
+    #[arg(long, value_name = "TIME", value_parser = times::seconds)]
+    duration: Option<f64>,
+    /// Inertia of the load in parts of the motor's (0 to 1000), for interface torque with the encoder on the motor: gains that keep their margins within play, too; left out, or 0: an axis with play gets no gains
+    #[arg(long, value_name = "RATIO", allow_negative_numbers = true)]
+    inertia_ratio: Option<f64>,
+    /// Draw what was found: FILE.svg or FILE.png; one that exists is replaced
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write the gains into the cell
+    #[arg(long)]
+    apply: bool,
+    /// Put simulation in the place of every backend
+    #[arg(long)]
+    sim: bool,
+    /// Permits that a cell with real drives moves the axis
+    #[arg(long, conflicts_with = "sim")]
+    real: bool,
+    #[command(flatten)]
+    record: RecordArgs,
+    #[command(flatten)]
+    store: StoreArgs,
+}
 
 /// Reason why tuning failed.
 #[derive(Debug, thiserror::Error)]

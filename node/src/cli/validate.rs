@@ -2,12 +2,70 @@
 
 use super::command_output::{Output, watch};
 use super::junit::{self, Case, Outcome, Suite};
-use super::{Exit, ValidateArgs};
+use super::{Exit, outputs};
 use crate::recording::run::{Run, RunError};
-use crate::recording::validate::{Line, Report, validate as compare};
+use crate::recording::validate::{Align, Line, Report, Tolerance, validate as compare};
+use clap::{Args, ValueEnum};
 use serde_json::{Value as Json, json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+pub(super) const HELP: &str = "\
+Both runs are bags of any recorder: an .mcap file, a folder, or a metadata.yaml. The trajectories of joint_states and \
+axis_states are compared in time, read on straight lines between their samples. Numbers that change in steps (states, bits, \
+error codes) must have the same values in the same order; where both runs have samples at the same times, at the same times.
+
+SIGNAL is a name or a pattern, such as x.actual.position (also x.position), x.command.velocity, x.following_error, '*.position', \
+or time, which loosens where the signals begin and end (by itself two samples of what is expected) and how long a run may \
+have no sample (by itself five of its samples). VALUE is a number in SI (m, m/s, m/s^2, rad, \
+rad/s, rad/s^2, N, Nm, s) or has a unit: 10 um, 0.1 deg, 5 mm/s, 50 ms. A value with a unit holds for those matched \
+signals that have it: of linear or of rotary axes, as the cell.yaml attached to one of the runs tells. Without it a length \
+and an angle for one signal are refused, unless the last of them names it alone. What has no tolerance must be equal. Of several the last one holds.
+
+Examples:
+  lineshaft validate run.mcap --against expected.mcap --tolerance '*.position=10 um' --tolerance '*.velocity=5 mm/s'
+  lineshaft validate run/ --against expected/ --align motion --tolerance '*=1 mm' --tolerance 'time=50 ms'
+
+Exit codes: 0 all signals agree, 1 one deviates, is missing, has a gap or is NaN, 2 bad usage or a bad file.";
+
+#[derive(Debug, Args)]
+pub(super) struct ValidateArgs {
+    /// The run: an .mcap file, a folder, or a metadata.yaml
+    run: PathBuf,
+    /// The run that is expected, likewise
+    #[arg(long, value_name = "EXPECTED")]
+    against: PathBuf,
+    /// How far a signal may be from what is expected
+    #[arg(long, value_name = "SIGNAL=VALUE")]
+    tolerance: Vec<Tolerance>,
+    /// From where the times of both count
+    #[arg(long, value_enum, default_value_t)]
+    align: AlignArg,
+    /// Write a JUnit report, one test case for each signal; a file that exists is replaced
+    #[arg(long, value_name = "FILE", value_parser = outputs::report())]
+    junit: Option<PathBuf>,
+    /// Print one JSON object (docs/json.md) instead of the report
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum AlignArg {
+    /// The first sample of each run
+    #[default]
+    Start,
+    /// The first sample at which a position is further from where it was than its tolerance
+    Motion,
+}
+
+impl From<AlignArg> for Align {
+    fn from(align: AlignArg) -> Self {
+        match align {
+            AlignArg::Start => Self::Start,
+            AlignArg::Motion => Self::Motion,
+        }
+    }
+}
 
 pub(super) fn validate(args: &ValidateArgs) -> Exit {
     let started = Instant::now();

@@ -1,6 +1,7 @@
 //! A running machine: its interfaces, its threads, and how it is stopped.
 
-use super::super::{Exit, FlightArgs, RunArgs, store};
+use super::super::{Exit, store};
+use super::{FlightArgs, RunArgs};
 use crate::cell::{Cell, left_out_of, mode_by_sdo_of};
 use crate::document::Problems;
 use crate::recording::bag::{Bag, BagOptions, Subject};

@@ -1,6 +1,6 @@
 //! Arguments of `lineshaft table`.
 
-use crate::cli::pixels;
+use crate::cli::plot::pixels;
 use crate::recording::plot::{HEIGHTS, WIDTHS};
 use clap::{Args, Subcommand, ValueEnum, value_parser};
 use lineshaft_core::table::{Form, Interpolation};

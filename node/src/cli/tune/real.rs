@@ -7,9 +7,10 @@
 //! Writes   setpoints of the drives
 //! Refuses  backends that do not start
 
+use super::TuneArgs;
 use crate::cell::Cell;
+use crate::cli::Exit;
 use crate::cli::run::{Hardware, InitialData, Prepared, Recording, Running, stop_machine};
-use crate::cli::{Exit, TuneArgs};
 use crate::interrupt::{SAME_SIGNAL, Signals};
 use crate::run::bridge::Handle;
 use crate::tune::{Ended, Setting, Trial};

@@ -1,22 +1,24 @@
 //! Writes a command as text.
 
+mod coupling;
+mod motion;
+mod numbers;
+mod values;
+
+pub(super) use self::numbers::{length, rate};
+pub(super) use self::values::{Entries, Scalar};
+
+use self::coupling::{Synchronize, gear_out, phase, synchronize};
+use self::motion::{HomeAxis, MoveAxis, ProbeAxis, home_axis, latching, move_axis, probe_axis, touch_probe};
+use self::values::{Numbers, cell, output, parameter, set_values};
 use super::{saia, trajectory, wf};
 use crate::program;
-use lineshaft_core::command::{
-    Action, BufferMode, Command, CommandFunction, DisengageAt, Engage, GearOut, HomeAxis as Homing, HomingMethod,
-    Level, MasterPosition, Move, MoveMode, OutAn, Phase, PhaseSide, Probe, ProbeEdge, Setpoint, Setpoints,
-    Synchronize as Coupling, TouchProbe,
-};
-use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
+use lineshaft_core::command::{Action, Command, CommandFunction, Level, MasterPosition, OutAn, Setpoint, Setpoints};
+use lineshaft_core::config::MachineConfig;
 use lineshaft_core::function::Order;
-use lineshaft_core::modulo::Direction;
-use lineshaft_core::object::{AxisSet, Leader, Object, VIRTUAL_MASTER};
-use lineshaft_core::parameter::{Change, Layer, MACHINE, Measure, Value};
+use lineshaft_core::object::{AxisSet, Object};
+use lineshaft_core::parameter::Layer;
 use lineshaft_core::position::Length;
-use lineshaft_core::sync::gear::Ratio;
-use lineshaft_core::sync::{Disengage, SyncMode};
-use lineshaft_core::table::{Form, Table};
-use lineshaft_core::unit::{Amount, Unit, fraction_to_digits};
 use lineshaft_core::vocabulary::Request;
 use serde::{Serialize, Serializer};
 use serde_json::ser::Formatter;
@@ -199,118 +201,6 @@ struct Axes<'a> {
     axes: Vec<&'a str>,
 }
 
-#[derive(Serialize)]
-struct MoveAxis<'a> {
-    id: String,
-    axis: &'a str,
-    mode: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    position: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    velocity: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    acceleration: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    deceleration: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    jerk: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    direction: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    buffer_mode: Option<&'static str>,
-}
-
-#[derive(Serialize)]
-struct ProbeAxis<'a> {
-    #[serde(flatten)]
-    search: MoveAxis<'a>,
-    event: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    edge: Option<&'static str>,
-    distance: String,
-}
-
-#[derive(Serialize)]
-struct HomeAxis<'a> {
-    id: String,
-    axis: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scheme: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    method: Option<i8>,
-}
-
-#[derive(Serialize)]
-struct Synchronize<'a> {
-    id: String,
-    axis: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    master: Option<String>,
-    mode: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    engage: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    event: Option<&'a str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    master_increments: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    slave_increments: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    start_distance_increments: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    disengage: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    numerator: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    denominator: Option<i64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    offset: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    velocity: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    acceleration: Option<String>,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    cam: Option<Cam<'a>>,
-}
-
-#[derive(Serialize)]
-struct Cam<'a> {
-    table: &'a str,
-    cam_start: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    master_scale: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    slave_scale: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    master_offset: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    slave_offset: Option<String>,
-}
-
-/// Names and values in the order of the command.
-pub(super) struct Entries(pub(super) Vec<(String, Scalar)>);
-
-impl Entries {
-    pub(super) fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-}
-
-impl Serialize for Entries {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
-    }
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-pub(super) enum Scalar {
-    Nothing,
-    Text(String),
-    Whole(i128),
-    Real(f64),
-}
-
 fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
     let axes = |set: &AxisSet| Axes { axes: axes(*set, config) };
     let id = command.sequence.to_string();
@@ -402,18 +292,6 @@ fn verb_of<'a>(command: &'a Command, config: &'a MachineConfig) -> Verb<'a> {
     }
 }
 
-/// Numbers of a table as in its cell.
-struct Numbers<'a>(&'a Table);
-
-impl Serialize for Numbers<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.0.form() {
-            Form::Xy => serializer.collect_seq(self.0.x().iter().zip(self.0.y()).map(|(x, y)| [x, y])),
-            Form::Y | Form::Words => serializer.collect_seq(self.0.y()),
-        }
-    }
-}
-
 fn command_function<'a>(request: &CommandFunction, config: &'a MachineConfig) -> Verb<'a> {
     let order = Order::ALL.iter().find(|(order, ..)| *order == request.order);
     Verb::CommandFunction {
@@ -421,17 +299,6 @@ fn command_function<'a>(request: &CommandFunction, config: &'a MachineConfig) ->
         command: order.map_or(NAMELESS, |(_, name, _)| name),
         parameters: set_values(request.slot, &request.values, config),
     }
-}
-
-/// Returns the values of a set, with the names of their fields.
-fn set_values(slot: u16, values: &[(u16, i64)], config: &MachineConfig) -> Entries {
-    let kind = config.slots.get(usize::from(slot)).map(|slot| slot.kind);
-    let name = |place: u16| match kind.and_then(|kind| kind.description().field_of(place.into())) {
-        Some((_, field, _)) if field.count == 1 => field.name.to_owned(),
-        Some((_, field, nth)) => format!("{}[{nth}]", field.name),
-        None => NAMELESS.to_owned(),
-    };
-    Entries(values.iter().map(|&(place, value)| (name(place), Scalar::Whole(value.into()))).collect())
 }
 
 fn set_position(axis: Cow<'_, str>, position: Length) -> Verb<'_> {
@@ -446,270 +313,6 @@ fn axes(set: AxisSet, config: &MachineConfig) -> Vec<&str> {
     // An empty list would be read as all axes.
     let nothing = if config.axes.is_empty() { vec![] } else { vec![NAMELESS] };
     if set.is_empty() { nothing } else { set.iter().map(|index| axis(index, config)).collect() }
-}
-
-fn move_axis<'a>(id: String, request: &Move, config: &'a MachineConfig) -> MoveAxis<'a> {
-    let runs = request.mode == MoveMode::Velocity;
-    MoveAxis {
-        id,
-        axis: axis(request.axis, config),
-        mode: match request.mode {
-            MoveMode::Absolute => "absolute",
-            MoveMode::Relative => "relative",
-            MoveMode::Additive => "additive",
-            MoveMode::Velocity => "velocity",
-            MoveMode::Superimposed => "superimposed",
-        },
-        position: Some(length(request.target)).filter(|_| !runs || request.target != Length::default()),
-        // The velocity or position of a goal is always written, even if it is the default.
-        velocity: if runs { Some(rate(request.velocity, 1)) } else { given(request.velocity, 1) },
-        acceleration: given(request.acceleration, 2),
-        deceleration: given(request.deceleration, 2),
-        jerk: given(request.jerk, 3),
-        direction: match request.direction {
-            Direction::Shortest => None,
-            Direction::Positive => Some("positive"),
-            Direction::Negative => Some("negative"),
-            Direction::Current => Some("current"),
-        },
-        buffer_mode: match request.buffer_mode {
-            BufferMode::Aborting => None,
-            BufferMode::Buffered => Some("buffered"),
-            BufferMode::BlendingLow => Some("blending_low"),
-            BufferMode::BlendingPrevious => Some("blending_previous"),
-            BufferMode::BlendingNext => Some("blending_next"),
-            BufferMode::BlendingHigh => Some("blending_high"),
-        },
-    }
-}
-
-/// Returns the name of the object that latches.
-fn latching(source: Object, config: &MachineConfig) -> &str {
-    let io = |index: u16| config.io.get(usize::from(index)).map(|io| &io.name);
-    let encoder = |index: u16| config.encoders.get(usize::from(index)).map(|encoder| &encoder.name);
-    match source {
-        Object::Io(index) => io(index).map_or(NAMELESS, String::as_str),
-        Object::Encoder(index) => encoder(index).map_or(NAMELESS, String::as_str),
-        Object::Axis(index) => axis(index, config),
-        Object::Machine | Object::Memory(_) | Object::Function(_) | Object::Table(_) | Object::Program(_) => NAMELESS,
-    }
-}
-
-fn probe_axis<'a>(id: String, request: &Probe, config: &'a MachineConfig) -> ProbeAxis<'a> {
-    ProbeAxis {
-        search: move_axis(id, &request.search(), config),
-        event: latching(request.source, config),
-        edge: edge(request.edge),
-        distance: length(request.distance),
-    }
-}
-
-fn edge(edge: ProbeEdge) -> Option<&'static str> {
-    match edge {
-        ProbeEdge::Rising => None,
-        ProbeEdge::Falling => Some("falling"),
-        ProbeEdge::Both => Some("both"),
-        ProbeEdge::Index => Some("index"),
-    }
-}
-
-fn touch_probe<'a>(request: &TouchProbe, config: &'a MachineConfig) -> Verb<'a> {
-    let [first_position, last_position] = [0, 1].map(|end| request.window.map(|window| length(window[end])));
-    Verb::TouchProbe {
-        axis: axis(request.axis, config),
-        event: latching(request.source, config),
-        edge: edge(request.edge),
-        continuous: request.continuous.then_some(true),
-        first_position,
-        last_position,
-    }
-}
-
-fn home_axis<'a>(id: String, request: &Homing, config: &'a MachineConfig) -> HomeAxis<'a> {
-    let (scheme, method) = match request.method {
-        HomingMethod::Configured => (None, None),
-        HomingMethod::Cia402(method) => (Some("cia402"), Some(method)),
-        HomingMethod::Macs(method) => (Some("macs"), Some(method)),
-    };
-    HomeAxis { id, axis: axis(request.axis, config), scheme, method }
-}
-
-fn synchronize<'a>(id: String, request: &Coupling, config: &'a MachineConfig) -> Synchronize<'a> {
-    let whole = |number: i64| Some(number).filter(|&number| number != 0);
-    let none = [None; 3];
-    let (engage, places, event) = match request.engage {
-        Engage::Immediately => (None, none, None),
-        Engage::AtPosition { position, .. } => (Some("at_position"), [whole(position), None, None], None),
-        Engage::InPosition { position, slave, distance, .. } => {
-            (Some("at_position"), [position, slave, distance].map(whole), None)
-        }
-        Engage::OnEvent(source) => (Some("on_event"), none, Some(latching(source, config))),
-        Engage::AtEnd => (Some("at_end"), none, None),
-    };
-    let [master_increments, slave_increments, start_distance_increments] = places;
-    Synchronize {
-        id,
-        axis: axis(request.axis, config),
-        master: request.leader.map(|leader| match leader {
-            // No command contains it by name; the axis refers to it.
-            Leader::Simulated(_) => NAMELESS.to_owned(),
-            Leader::Virtual => VIRTUAL_MASTER.to_owned(),
-            Leader::AxisCommand(index) => axis(index, config).to_owned(),
-            Leader::Sink(index) => format!("{}.sink", config.name(Object::Function(index))),
-            Leader::AxisActual(index) => format!("{}.actual", axis(index, config)),
-            Leader::Sum(index) => {
-                let master = config.masters.get(usize::from(index));
-                master.map_or(NAMELESS, |master| &master.name).to_owned()
-            }
-            Leader::Encoder(index) => {
-                let encoder = config.encoders.get(usize::from(index));
-                encoder.map_or(NAMELESS, |encoder| &encoder.name).to_owned()
-            }
-        }),
-        mode: match request.mode {
-            SyncMode::MasterMarker => "cam_master_marker",
-            SyncMode::SlaveMarker => "cam_slave_marker",
-            _ if request.cam.is_some() => "cam",
-            SyncMode::Velocity => "velocity",
-            SyncMode::Position => "position",
-            SyncMode::Marker => "marker",
-        },
-        engage,
-        event,
-        master_increments,
-        slave_increments,
-        start_distance_increments,
-        disengage: match request.disengage {
-            Disengage::Stop => None,
-            Disengage::KeepVelocity => Some("keep_velocity"),
-        },
-        numerator: whole(request.numerator),
-        denominator: whole(request.denominator),
-        offset: shift(request.offset),
-        velocity: given(request.velocity, 1),
-        acceleration: given(request.acceleration, 2),
-        cam: request.cam.as_ref().map(|cam| Cam {
-            table: config.name(Object::Table(cam.table)),
-            cam_start: cam.start.name(),
-            master_scale: factor(cam.master_scale),
-            slave_scale: factor(cam.slave_scale),
-            master_offset: shift(cam.master_offset),
-            slave_offset: shift(cam.slave_offset),
-        }),
-    }
-}
-
-fn phase<'a>(id: String, request: &Phase, config: &'a MachineConfig) -> Verb<'a> {
-    let text = |text: Option<String>| text.map(Scalar::Text);
-    let (side, [shift, velocity, acceleration]) = match &request.side {
-        PhaseSide::Slave(of) => {
-            ("slave", [text(shift(of.shift)), text(given(of.velocity, 1)), text(given(of.acceleration, 2))])
-        }
-        // The scale of the increments depends on the leader.
-        PhaseSide::Master { given, .. } => ("master", given.map(amount)),
-    };
-    Verb::Phase { id, axis: axis(request.axis, config), side, shift, velocity, acceleration }
-}
-
-fn gear_out(request: GearOut, config: &MachineConfig) -> Verb<'_> {
-    let (at, increments) = match request.at {
-        DisengageAt::Now => ("now", 0),
-        DisengageAt::Leader(place) => ("master_position", place),
-        DisengageAt::Axis(place) => ("position", place),
-    };
-    let disengage = match request.disengage {
-        Some(Disengage::Stop) => None,
-        Some(Disengage::KeepVelocity) => Some("keep_velocity"),
-        None => Some("as_goal"),
-    };
-    Verb::GearOut {
-        axis: axis(request.axis, config),
-        at,
-        increments: (increments != 0).then_some(increments),
-        disengage,
-    }
-}
-
-/// Returns the amount as given; `None` for the number 0 without unit.
-fn amount(amount: Amount) -> Option<Scalar> {
-    match amount {
-        Amount::Number(number) => (number != 0.0).then_some(Scalar::Real(number)),
-        Amount::Quantity(quantity) => {
-            Some(Scalar::Text(format!("{} {}", fraction_to_digits(&quantity.value()), quantity.unit())))
-        }
-    }
-}
-
-fn shift(value: Length) -> Option<String> {
-    Some(value).filter(|value| *value != Length::default()).map(length)
-}
-
-fn factor(ratio: Ratio) -> Option<String> {
-    (ratio != Ratio::ONE).then(|| format!("{}/{}", ratio.numerator(), ratio.denominator()))
-}
-
-fn parameter(change: &Change, config: &MachineConfig) -> (String, Scalar) {
-    let row = change.row();
-    let object = if change.axis == MACHINE { "machine" } else { axis(change.axis, config) };
-    let name = format!("{object}.{}", row.map_or(NAMELESS, |row| row.key));
-    let order = match row.map(|row| row.measure) {
-        Some(Measure::Acceleration) => 2,
-        Some(Measure::Jerk) => 3,
-        _ => 1,
-    };
-    let value = match (change.value, row.map(|row| row.measure)) {
-        (Value::Unset, _) => Scalar::Nothing,
-        (Value::Real(value), Some(Measure::Number)) => Scalar::Real(value),
-        (Value::Real(value), _) => Scalar::Text(rate(value, order)),
-        (Value::Int(value), Some(Measure::Position | Measure::Distance)) => Scalar::Text(format!("{value} inc")),
-        (Value::Int(value), Some(Measure::Time)) => Scalar::Text(format!("{value} ns")),
-        (Value::Int(value), Some(Measure::Choice(names))) => {
-            let name = usize::try_from(value).ok().and_then(|place| names.get(place));
-            name.map_or(Scalar::Whole(value.into()), |name| Scalar::Text((*name).to_owned()))
-        }
-        (Value::Int(value), _) => Scalar::Whole(value.into()),
-    };
-    (name, value)
-}
-
-fn cell(index: u16, value: f64, config: &MachineConfig) -> (String, Scalar) {
-    let Some(memory) = config.memory.get(usize::from(index)) else { return (NAMELESS.to_owned(), Scalar::Real(value)) };
-    // The cast saturates; values that it changes are outside of the range of an integer memory cell.
-    let whole = value as i128;
-    let is_whole = memory.kind != MemoryKind::F64 && (whole as f64).to_bits() == value.to_bits();
-    (memory.name.clone(), if is_whole { Scalar::Whole(whole) } else { Scalar::Real(value) })
-}
-
-fn output(index: u16, value: f64, config: &MachineConfig) -> (String, Scalar) {
-    let Some(io) = config.io.get(usize::from(index)) else { return (NAMELESS.to_owned(), Scalar::Real(value)) };
-    let is_bit = io.kind != IoKind::AnalogOutput && (value.to_bits() == 0 || value == 1.0);
-    (io.name.clone(), if is_bit { Scalar::Whole(value as i128) } else { Scalar::Real(value) })
-}
-
-/// Returns a rate; `None` if it is the default.
-fn given(value: f64, order: u8) -> Option<String> {
-    (value.to_bits() != 0).then(|| rate(value, order))
-}
-
-/// Formats a rate, in inc/s^order, as the shortest decimal that is read back as the same f64.
-pub(super) fn rate(value: f64, order: u8) -> String {
-    let unit = Unit::INCREMENT.with_order(order);
-    let is_handy = value == 0.0 || (1e-5..1e16).contains(&value.abs());
-    if is_handy { format!("{value} {unit}") } else { format!("{value:e} {unit}") }
-}
-
-/// Formats a position, in inc, rounded to the tenth decimal.
-pub(super) fn length(value: Length) -> String {
-    const FRACTION_BITS: u32 = 32;
-    const DECIMALS: u128 = 10_u128.pow(10);
-    let raw = value.exact().raw();
-    let magnitude = raw.unsigned_abs();
-    let (whole, fraction) = (magnitude >> FRACTION_BITS, magnitude & ((1 << FRACTION_BITS) - 1));
-    // The largest fraction, 1 - 2^-32, gives 9999999998 after the point: no carry.
-    let decimals = (fraction * DECIMALS + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
-    let sign = if raw < 0 { "-" } else { "" };
-    let text = format!("{sign}{whole}.{decimals:010}");
-    format!("{} inc", text.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// Compact JSON with all characters escaped that YAML does not allow in plain form.
