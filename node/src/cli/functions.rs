@@ -85,7 +85,7 @@ fn complain(sentence: &str) -> Exit {
 }
 
 /// Parses the time between two calls, in ns.
-fn call(text: &str) -> Result<u64, String> {
+pub(super) fn call(text: &str) -> Result<u64, String> {
     let time = Quantity::parse(text, &[Dimension::Time]).map_err(|error| error.message_with_hint())?;
     let call = time.nanoseconds().map_err(|error| error.message_with_hint())?;
     if !CALLS.contains(&call) {
