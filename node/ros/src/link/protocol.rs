@@ -14,11 +14,11 @@ use super::qos::Qos;
 pub(crate) type Endpoint = u32;
 
 /// Identifier of an endpoint in the network, as in `rmw`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub(crate) struct Gid(pub(crate) [u8; 16]);
 
 /// Identifier of a participant: all endpoints of one side, or of one context of a ROS program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub(crate) struct ParticipantId(pub(crate) [u8; 12]);
 
 impl ParticipantId {
@@ -158,7 +158,7 @@ pub(crate) enum Report {
 }
 
 /// Identity of a sample: its writer and its sequence number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) struct SampleId {
     pub(crate) writer: Gid,
     pub(crate) number: i64,
@@ -173,7 +173,7 @@ pub(crate) struct Header {
 }
 
 /// A received sample.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sample {
     pub(crate) id: SampleId,
     /// Participant that has sent it.

@@ -256,7 +256,7 @@ impl Member {
             Order::Join(_) => {}
             Order::Open(endpoint, spec) => {
                 if let Err(error) = self.open(endpoint, &spec) {
-                    self.shared.report(Report::Failed(error));
+                    self.shared.report(Report::Failed(error.to_string()));
                 }
             }
             Order::Close(endpoint) => self.close(endpoint),
@@ -295,12 +295,10 @@ impl Member {
         }
     }
 
-    fn open(&mut self, endpoint: Endpoint, spec: &Spec) -> Result<(), String> {
+    fn open(&mut self, endpoint: Endpoint, spec: &Spec) -> Result<(), DdsError> {
         let (read, written) = topics(spec);
-        let input = read.map(|topic| self.open_input(endpoint, spec, &topic)).transpose();
-        let input = input.map_err(|error| error.to_string())?;
-        let output = written.map(|topic| self.open_output(endpoint, spec, topic)).transpose();
-        let output = output.map_err(|error| error.to_string())?;
+        let input = read.map(|topic| self.open_input(endpoint, spec, &topic)).transpose()?;
+        let output = written.map(|topic| self.open_output(endpoint, spec, topic)).transpose()?;
         self.endpoints.insert(endpoint, Open { input, output });
         Ok(())
     }

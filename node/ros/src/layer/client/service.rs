@@ -120,21 +120,9 @@ fn answered(sample: &Sample, sent: i64) -> Option<i64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::protocol::{Caller, Gid, ParticipantId, SampleId};
 
     fn reply(answers: Option<i64>) -> Sample {
-        Sample {
-            id: SampleId { writer: Gid([3; 16]), number: 1 },
-            sender: ParticipantId([3; 12]),
-            caller: Caller::default(),
-            header: None,
-            answers,
-            is_stale: false,
-            written: None,
-            came_ns: 0,
-            is_big_endian: false,
-            bytes: Vec::new().into(),
-        }
+        Sample { answers, ..Sample::default() }
     }
 
     #[test]

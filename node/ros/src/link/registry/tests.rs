@@ -1,7 +1,6 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::link::protocol::{Gid, ParticipantId};
 
 fn open(registry: &Arc<Registry>, kind: EndpointKind, name: &str, qos: Qos) -> (Writer, Reader) {
     registry.open(kind, name.to_owned(), WireType::default(), qos)
@@ -40,21 +39,6 @@ fn all(orders: &Orders) -> Vec<Order> {
     all
 }
 
-fn sample() -> Sample {
-    Sample {
-        id: SampleId { writer: Gid([1; 16]), number: 1 },
-        sender: ParticipantId([1; 12]),
-        caller: Caller::default(),
-        header: None,
-        answers: None,
-        is_stale: false,
-        written: None,
-        came_ns: 0,
-        is_big_endian: false,
-        bytes: Bytes::new(),
-    }
-}
-
 #[tokio::test]
 async fn new_side_receives_complete_state() {
     let registry = Arc::new(Registry::default());
@@ -73,7 +57,7 @@ async fn new_side_receives_complete_state() {
     assert_eq!(answered.await, Ok(()));
     registry.handle_report(1, Report::Matched(0, 2));
     for _ in 0..5 {
-        registry.handle_report(1, Report::Taken(2, Ok(sample())));
+        registry.handle_report(1, Report::Taken(2, Ok(Sample::default())));
     }
     requests.next().await.unwrap();
     assert_eq!((all(&first).len(), stream.matched()), (11, 2), "one order for each step");
@@ -102,7 +86,7 @@ fn endpoint_is_closed_when_both_parts_are_dropped() {
     let orders = registry.begin(join());
     let (service, requests) = server(&registry);
     drop(requests);
-    registry.handle_report(1, Report::Taken(0, Ok(sample())));
+    registry.handle_report(1, Report::Taken(0, Ok(Sample::default())));
     drop(service.reply(caller(), vec![4].into()));
     drop(service);
     let told = all(&orders);
@@ -118,7 +102,7 @@ async fn samples_are_forwarded_at_rate_of_reader() {
     let mut reader = subscription(&registry, "/a", Qos::STREAM);
     all(&orders);
     for taken in 1..=CREDIT {
-        registry.handle_report(1, Report::Taken(0, Ok(sample())));
+        registry.handle_report(1, Report::Taken(0, Ok(Sample::default())));
         reader.next().await.unwrap();
         let wanted = if taken % 8 == 0 { vec![Order::More(0, 8)] } else { Vec::new() };
         assert_eq!(all(&orders), wanted, "{taken}");
@@ -141,10 +125,8 @@ fn queue_of_blocked_side_is_bounded() {
 }
 
 fn sample_of(number: i64, is_stale: bool) -> Result<Sample, String> {
-    let mut sample = sample();
-    sample.id.number = number;
-    sample.is_stale = is_stale;
-    Ok(sample)
+    let id = SampleId { number, ..SampleId::default() };
+    Ok(Sample { id, is_stale, ..Sample::default() })
 }
 
 #[tokio::test]

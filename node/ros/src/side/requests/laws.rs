@@ -77,18 +77,7 @@ fn request(form: u8, bytes: &[u8]) -> Taken {
 /// Returns the request as the program receives it.
 pub(super) fn received(request: &Taken) -> Sample {
     let (caller, header) = client(request);
-    Sample {
-        id: request.id,
-        sender: request.id.writer.prefix(),
-        caller,
-        header,
-        answers: None,
-        is_stale: false,
-        written: None,
-        came_ns: 0,
-        is_big_endian: request.is_big_endian,
-        bytes: request.bytes.clone(),
-    }
+    Sample { caller, header, is_big_endian: request.is_big_endian, bytes: request.bytes.clone(), ..Sample::default() }
 }
 
 /// A request is refused with a short message, or decoded completely, in the form of its client. One from Cyclone DDS fits no other form.
