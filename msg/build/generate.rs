@@ -147,11 +147,7 @@ fn structure(
     }
     out += &format!("impl crate::Message for {name}{suffix} {{\nconst NAME: &'static str = \"{ros_name}\";\n");
     out += &hash_constant(hashes, "HASH", &ros_name);
-    out += &format!(
-        "const DDS_NAME: &'static str = \"{package}::{kind}::dds_::{name}{separator}{suffix}_\";\n\
-         const SCHEMA: &'static str = {:?};\n}}\n",
-        schema(interfaces, section)
-    );
+    out += &format!("const SCHEMA: &'static str = {:?};\n}}\n", schema(interfaces, section));
     out
 }
 
@@ -167,7 +163,6 @@ fn service(hashes: &Hashes, interface: &Interface) -> String {
     out += &hash_constant(hashes, "HASH", &ros_name);
     for part in ["Request", "Response"] {
         let constant = part.to_uppercase();
-        out += &format!("const {constant}_DDS_NAME: &'static str = \"{package}::srv::dds_::{name}_{part}_\";\n");
         out += &hash_constant(hashes, &format!("{constant}_HASH"), &format!("{ros_name}_{part}"));
     }
     out + "}\n"
@@ -188,15 +183,11 @@ fn action(hashes: &Hashes, interface: &Interface) -> String {
         out += &format!("const {constant}_NAME: &'static str = \"{package}/action/{name}_{service}\";\n");
         out += &hash_constant(hashes, &format!("{constant}_HASH"), &format!("{ros_name}_{service}"));
         for part in ["Request", "Response"] {
-            let (dds, upper) = (format!("{package}::action::dds_::{name}_{service}_{part}_"), part.to_uppercase());
-            out += &format!("const {constant}_{upper}_DDS_NAME: &'static str = \"{dds}\";\n");
+            let upper = part.to_uppercase();
             let hashed = format!("{ros_name}_{service}_{part}");
             out += &hash_constant(hashes, &format!("{constant}_{upper}_HASH"), &hashed);
         }
     }
-    out += &format!(
-        "const FEEDBACK_MESSAGE_DDS_NAME: &'static str = \"{package}::action::dds_::{name}_FeedbackMessage_\";\n"
-    );
     out += &hash_constant(hashes, "FEEDBACK_MESSAGE_HASH", &format!("{ros_name}_FeedbackMessage"));
     out + "}\n"
 }

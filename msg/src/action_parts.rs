@@ -60,9 +60,7 @@ impl<A: Action> Service for SendGoal<A> {
     type Response = SendGoalResponse;
     const NAME: &'static str = A::SEND_GOAL_NAME;
     const HASH: &'static str = A::SEND_GOAL_HASH;
-    const REQUEST_DDS_NAME: &'static str = A::SEND_GOAL_REQUEST_DDS_NAME;
     const REQUEST_HASH: &'static str = A::SEND_GOAL_REQUEST_HASH;
-    const RESPONSE_DDS_NAME: &'static str = A::SEND_GOAL_RESPONSE_DDS_NAME;
     const RESPONSE_HASH: &'static str = A::SEND_GOAL_RESPONSE_HASH;
 }
 
@@ -75,8 +73,6 @@ impl<A: Action> Service for GetResult<A> {
     type Response = GetResultResponse<A::Result>;
     const NAME: &'static str = A::GET_RESULT_NAME;
     const HASH: &'static str = A::GET_RESULT_HASH;
-    const REQUEST_DDS_NAME: &'static str = A::GET_RESULT_REQUEST_DDS_NAME;
     const REQUEST_HASH: &'static str = A::GET_RESULT_REQUEST_HASH;
-    const RESPONSE_DDS_NAME: &'static str = A::GET_RESULT_RESPONSE_DDS_NAME;
     const RESPONSE_HASH: &'static str = A::GET_RESULT_RESPONSE_HASH;
 }

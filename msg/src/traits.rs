@@ -9,8 +9,6 @@ use serde::de::DeserializeOwned;
 pub trait Message: Clone + Debug + Default + PartialEq + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Name in ROS 2, such as `lineshaft_msgs/msg/AxisState` or `lineshaft_msgs/srv/SetPosition_Request`.
     const NAME: &'static str;
-    /// Name in DDS, such as `lineshaft_msgs::msg::dds_::AxisState_`.
-    const DDS_NAME: &'static str;
     /// Type hash (RIHS01, REP 2016): `RIHS01_` and 64 hex digits.
     const HASH: &'static str;
     /// Text for bags in the schema encoding `ros2msg`: the lines of the struct, then those of each message that it
@@ -28,12 +26,8 @@ pub trait Service: 'static {
     const NAME: &'static str;
     /// Type hash of the service as a whole, which includes its events. DDS endpoints have the hashes of its parts.
     const HASH: &'static str;
-    /// Name of the request in DDS, such as `lineshaft_msgs::srv::dds_::SetPosition_Request_`.
-    const REQUEST_DDS_NAME: &'static str;
     /// Type hash of the request.
     const REQUEST_HASH: &'static str;
-    /// Name of the response in DDS, such as `lineshaft_msgs::srv::dds_::SetPosition_Response_`.
-    const RESPONSE_DDS_NAME: &'static str;
     /// Type hash of the response.
     const RESPONSE_HASH: &'static str;
 }
@@ -59,28 +53,18 @@ pub trait Action: 'static {
     const SEND_GOAL_NAME: &'static str;
     /// Type hash of that service.
     const SEND_GOAL_HASH: &'static str;
-    /// DDS name of [`SendGoalRequest`](crate::SendGoalRequest).
-    const SEND_GOAL_REQUEST_DDS_NAME: &'static str;
     /// Type hash of [`SendGoalRequest`](crate::SendGoalRequest).
     const SEND_GOAL_REQUEST_HASH: &'static str;
-    /// DDS name of [`SendGoalResponse`](crate::SendGoalResponse).
-    const SEND_GOAL_RESPONSE_DDS_NAME: &'static str;
     /// Type hash of [`SendGoalResponse`](crate::SendGoalResponse).
     const SEND_GOAL_RESPONSE_HASH: &'static str;
     /// Name of the service that returns results, `.._GetResult`.
     const GET_RESULT_NAME: &'static str;
     /// Type hash of that service.
     const GET_RESULT_HASH: &'static str;
-    /// DDS name of [`GetResultRequest`](crate::GetResultRequest).
-    const GET_RESULT_REQUEST_DDS_NAME: &'static str;
     /// Type hash of [`GetResultRequest`](crate::GetResultRequest).
     const GET_RESULT_REQUEST_HASH: &'static str;
-    /// DDS name of [`GetResultResponse`](crate::GetResultResponse).
-    const GET_RESULT_RESPONSE_DDS_NAME: &'static str;
     /// Type hash of [`GetResultResponse`](crate::GetResultResponse).
     const GET_RESULT_RESPONSE_HASH: &'static str;
-    /// DDS name of [`FeedbackMessage`](crate::FeedbackMessage).
-    const FEEDBACK_MESSAGE_DDS_NAME: &'static str;
     /// Type hash of [`FeedbackMessage`](crate::FeedbackMessage).
     const FEEDBACK_MESSAGE_HASH: &'static str;
 }

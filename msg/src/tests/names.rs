@@ -11,20 +11,16 @@ use crate::{Action, GetResult, Message, SendGoal, Service};
 #[test]
 fn messages_have_their_names() {
     assert_eq!(AxisState::NAME, "lineshaft_msgs/msg/AxisState");
-    assert_eq!(AxisState::DDS_NAME, "lineshaft_msgs::msg::dds_::AxisState_");
-    assert_eq!(JointState::DDS_NAME, "sensor_msgs::msg::dds_::JointState_");
+    assert_eq!(JointState::NAME, "sensor_msgs/msg/JointState");
     assert_eq!(SetPositionRequest::NAME, "lineshaft_msgs/srv/SetPosition_Request");
-    assert_eq!(SetPositionRequest::DDS_NAME, SetPosition::REQUEST_DDS_NAME);
-    assert_eq!(MoveAxisGoal::DDS_NAME, "lineshaft_msgs::action::dds_::MoveAxis_Goal_");
+    assert_eq!(MoveAxisGoal::NAME, "lineshaft_msgs/action/MoveAxis_Goal");
     assert_eq!(MoveAxisFeedback::NAME, "lineshaft_msgs/action/MoveAxis_Feedback");
 }
 
 #[test]
 fn services_have_their_names() {
     assert_eq!(SetPosition::NAME, "lineshaft_msgs/srv/SetPosition");
-    assert_eq!(SetPosition::REQUEST_DDS_NAME, "lineshaft_msgs::srv::dds_::SetPosition_Request_");
-    assert_eq!(SetPosition::RESPONSE_DDS_NAME, "lineshaft_msgs::srv::dds_::SetPosition_Response_");
-    assert_eq!(CancelGoal::REQUEST_DDS_NAME, "action_msgs::srv::dds_::CancelGoal_Request_");
+    assert_eq!(CancelGoal::NAME, "action_msgs/srv/CancelGoal");
 }
 
 #[test]
@@ -32,16 +28,6 @@ fn actions_have_the_names_of_their_parts() {
     assert_eq!(MoveAxis::NAME, "lineshaft_msgs/action/MoveAxis");
     assert_eq!(SendGoal::<MoveAxis>::NAME, "lineshaft_msgs/action/MoveAxis_SendGoal");
     assert_eq!(GetResult::<MoveAxis>::NAME, "lineshaft_msgs/action/MoveAxis_GetResult");
-    let parts = [
-        (SendGoal::<MoveAxis>::REQUEST_DDS_NAME, "SendGoal_Request"),
-        (SendGoal::<MoveAxis>::RESPONSE_DDS_NAME, "SendGoal_Response"),
-        (GetResult::<MoveAxis>::REQUEST_DDS_NAME, "GetResult_Request"),
-        (GetResult::<MoveAxis>::RESPONSE_DDS_NAME, "GetResult_Response"),
-        (MoveAxis::FEEDBACK_MESSAGE_DDS_NAME, "FeedbackMessage"),
-    ];
-    for (name, part) in parts {
-        assert_eq!(name, format!("lineshaft_msgs::action::dds_::MoveAxis_{part}_"));
-    }
 }
 
 /// Returns the declarations of a schema, without comments and blank lines.

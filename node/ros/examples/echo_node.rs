@@ -113,21 +113,16 @@ impl Action for MoveTo {
     const HASH: &'static str = "RIHS01_80da44f073c58534414c684b6d886b39299628afaf5c5fd6268e0a67e4ed5b67";
     const SEND_GOAL_NAME: &'static str = "spike_msgs/action/MoveTo_SendGoal";
     const SEND_GOAL_HASH: &'static str = "RIHS01_093af0d2433829262fa570c85a55143fd00fd385732962da8f0d538a6b8fc2c3";
-    const SEND_GOAL_REQUEST_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_SendGoal_Request_";
     const SEND_GOAL_REQUEST_HASH: &'static str =
         "RIHS01_6318b4f9c17aea3f3eaa6976ac7fb4d2eb014fe695dd95877858ee9a25f56c26";
-    const SEND_GOAL_RESPONSE_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_SendGoal_Response_";
     const SEND_GOAL_RESPONSE_HASH: &'static str =
         "RIHS01_45e4a034568e4f152943f10d05600b6f254658cffc055095ee49d4bedc1d9c11";
     const GET_RESULT_NAME: &'static str = "spike_msgs/action/MoveTo_GetResult";
     const GET_RESULT_HASH: &'static str = "RIHS01_61a1ddedb90c0d9fdcc491360f213ef007a32d18316f7308101f55d6aa273104";
-    const GET_RESULT_REQUEST_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_GetResult_Request_";
     const GET_RESULT_REQUEST_HASH: &'static str =
         "RIHS01_8e88ee5864eff847a4acf9abca11327190ae400effcf5c5bb95dfc4c1d61538f";
-    const GET_RESULT_RESPONSE_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_GetResult_Response_";
     const GET_RESULT_RESPONSE_HASH: &'static str =
         "RIHS01_0cf0b0ccbe8f2b6bc187041ea62abb0393a80acfb444ff3fc940627d44861e77";
-    const FEEDBACK_MESSAGE_DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_FeedbackMessage_";
     const FEEDBACK_MESSAGE_HASH: &'static str =
         "RIHS01_9e28d8cd4a159fe8d7224390804343e7243a84fcc3e162dcfc2d2439ccd53ce8";
 }
@@ -154,21 +149,18 @@ struct MoveToFeedback {
 
 impl Message for MoveToGoal {
     const NAME: &'static str = "spike_msgs/action/MoveTo_Goal";
-    const DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_Goal_";
     const HASH: &'static str = "RIHS01_083af3c3ba4c05ddcc02f66875ce44eef94a52bb87de0d0f55acdcfab6455b2f";
     const SCHEMA: &'static str = "float64[] positions\nfloat64 duration\n";
 }
 
 impl Message for MoveToResult {
     const NAME: &'static str = "spike_msgs/action/MoveTo_Result";
-    const DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_Result_";
     const HASH: &'static str = "RIHS01_e3f7e2916fff63933091bf15302865ac3d620a3b0a95f77e6f8928ec49853c88";
     const SCHEMA: &'static str = "int32 error_code\nstring error_string\n";
 }
 
 impl Message for MoveToFeedback {
     const NAME: &'static str = "spike_msgs/action/MoveTo_Feedback";
-    const DDS_NAME: &'static str = "spike_msgs::action::dds_::MoveTo_Feedback_";
     const HASH: &'static str = "RIHS01_25995951e5e934908ebb2b1186dc3a4d4f6efeac4bc037dfaa31ed55dee935cb";
     const SCHEMA: &'static str = "float64 progress\nfloat64[] positions\n";
 }

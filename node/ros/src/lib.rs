@@ -1,7 +1,7 @@
 //! ROS 2 for Lineshaft.
 //!
-//! [`layer`] is a small ROS 2 client library: node, publishers, services, actions, logs. It serves clients with rmw_fastrtps and
-//! rmw_cyclonedds, and is independent of axes. The DDS library is in [`side`], which runs as a separate process.
+//! [`layer`] is a small ROS 2 client library: node, publishers, services, actions, logs. It is independent of axes. The DDS library is in
+//! [`side`], which runs as a separate process, and serves clients with rmw_fastrtps and rmw_cyclonedds.
 #![forbid(unsafe_code)]
 
 #[cfg(any(test, feature = "fuzz"))]

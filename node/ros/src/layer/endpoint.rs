@@ -9,8 +9,9 @@ use tokio::sync::watch;
 
 use super::arguments::Names;
 use super::clock::Clock;
+use super::name::FullName;
 use super::tap::Tap;
-use crate::link::protocol::{WireType, monotonic_ns};
+use crate::link::protocol::{EndpointKind, WireType, monotonic_ns};
 use crate::link::qos::Qos;
 use crate::link::{LinkError, Opener, Reader, Writer};
 
@@ -33,48 +34,36 @@ pub(super) struct Context {
     pub(super) opened: Opened,
 }
 
-/// Endpoints that a node has opened: whether it is a writer, topic and type in DDS, QoS.
+/// Endpoints that a node has opened: kind, name, type, QoS.
 #[cfg(test)]
-pub(crate) type Opened = Arc<std::sync::Mutex<Vec<(bool, String, String, Qos)>>>;
+pub(crate) type Opened = Arc<std::sync::Mutex<Vec<(EndpointKind, String, String, Qos)>>>;
 
 impl Context {
-    pub(super) fn writer(&self, topic: &str, wire: WireType, qos: Qos) -> Writer {
+    /// Opens an endpoint. Returns the part that sends and the part that receives; it is closed when both are dropped.
+    pub(super) fn open(&self, kind: EndpointKind, name: &FullName, wire: WireType, qos: Qos) -> (Writer, Reader) {
+        let name = name.to_string();
         #[cfg(test)]
-        self.note(true, topic, wire, qos);
-        self.opener.writer(topic, wire, qos)
-    }
-
-    pub(super) fn reader(&self, topic: &str, wire: WireType, qos: Qos) -> Reader {
-        #[cfg(test)]
-        self.note(false, topic, wire, qos);
-        self.opener.reader(topic, wire, qos)
-    }
-
-    #[cfg(test)]
-    fn note(&self, writes: bool, topic: &str, wire: WireType, qos: Qos) {
-        self.opened.lock().unwrap().push((writes, topic.to_owned(), wire.name.to_owned(), qos));
+        self.opened.lock().unwrap().push((kind, name.clone(), wire.name.clone(), qos));
+        self.opener.open(kind, name, wire, qos)
     }
 }
 
 impl WireType {
     /// Returns the type of a message.
     pub(super) fn message<M: Message>() -> Self {
-        Self { name: M::DDS_NAME, hash: M::HASH }
+        Self { name: M::NAME.to_owned(), hash: M::HASH.to_owned(), ..Self::default() }
     }
 
-    /// Returns the type of the requests of a service.
-    pub(super) fn request<S: Service>() -> Self {
-        Self { name: S::REQUEST_DDS_NAME, hash: S::REQUEST_HASH }
-    }
-
-    /// Returns the type of the responses of a service.
-    pub(super) fn response<S: Service>() -> Self {
-        Self { name: S::RESPONSE_DDS_NAME, hash: S::RESPONSE_HASH }
+    /// Returns the type of a service.
+    pub(super) fn service<S: Service>() -> Self {
+        let (hash, response_hash) = (S::REQUEST_HASH.to_owned(), S::RESPONSE_HASH.to_owned());
+        Self { name: S::NAME.to_owned(), hash, response_hash }
     }
 
     /// Returns the type of the feedback messages of an action.
     pub(super) fn feedback<A: Action>() -> Self {
-        Self { name: A::FEEDBACK_MESSAGE_DDS_NAME, hash: A::FEEDBACK_MESSAGE_HASH }
+        let hash = A::FEEDBACK_MESSAGE_HASH.to_owned();
+        Self { name: format!("{}_FeedbackMessage", A::NAME), hash, ..Self::default() }
     }
 }
 

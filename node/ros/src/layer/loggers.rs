@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use lineshaft_msgs::foreign::rcl_interfaces::msg::LoggerLevel;
 
-use super::log::{Severity, log_filter};
+use super::log::Severity;
+use crate::side::log_filter;
 
 /// Prefix of all targets of the program's log.
 const PROGRAM: &str = "lineshaft";

@@ -1,6 +1,6 @@
-//! ROS 2 client layer: the functions of rcl, based on a DDS library and the wire formats of ROS 2 Jazzy.
+//! ROS 2 client layer: the functions of rcl, with the message formats of ROS 2 Jazzy.
 //!
-//! The DDS library runs at the other end of `link`. This module depends neither on it nor on axes.
+//! The middleware runs at the other end of `link`. This module depends neither on it nor on axes.
 
 mod action;
 mod arguments;
@@ -30,7 +30,7 @@ pub use self::clock::{Clock, HostClock, now};
 pub use self::endpoint::CreateError;
 pub use self::environment::{Environment, EnvironmentError, Interface, Networks};
 pub use self::file::open_file;
-pub use self::log::{Severity, log_filter};
+pub use self::log::Severity;
 pub use self::loggers::{Level, Loggers};
 pub use self::name::{FullName, NameError, NodeName};
 pub use self::node::{Node, NodeHandle, NodeOptions, OnLoss, SideOptions};
@@ -42,9 +42,7 @@ pub use self::tap::{Tap, TappedMessage, TappedTopic};
 pub use self::time_source::TimeSource;
 pub use crate::link::qos::Qos;
 pub use crate::link::{LinkError, Loss, Side};
-
-#[cfg(any(test, feature = "fuzz"))]
-pub use self::service::any_request;
+pub use crate::side::log_filter;
 
 #[cfg(test)]
 mod tests;

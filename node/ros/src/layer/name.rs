@@ -1,4 +1,4 @@
-//! ROS names: nodes, namespaces, topics and services, and their DDS topics.
+//! ROS names: nodes, namespaces, topics and services.
 
 use std::fmt;
 
@@ -118,21 +118,6 @@ impl fmt::Display for NodeName {
 pub struct FullName(String);
 
 impl FullName {
-    /// Returns the DDS topic of a topic.
-    pub(super) fn topic(&self) -> String {
-        format!("rt{self}")
-    }
-
-    /// Returns the DDS topic of the requests of a service.
-    pub(super) fn request(&self) -> String {
-        format!("rq{self}Request")
-    }
-
-    /// Returns the DDS topic of the replies of a service.
-    pub(super) fn reply(&self) -> String {
-        format!("rr{self}Reply")
-    }
-
     /// Returns the name of a topic or service of an action.
     pub(super) fn action_part(&self, part: &str) -> Self {
         Self(format!("{self}/_action/{part}"))
@@ -166,11 +151,9 @@ mod tests {
     }
 
     #[test]
-    fn names_on_the_wire() {
+    fn names_of_action_parts_and_loggers() {
         let name = NodeName::new("/a", "n").unwrap().expand("~/b").unwrap();
-        assert_eq!(name.topic(), "rt/a/n/b");
-        assert_eq!((name.request(), name.reply()), ("rq/a/n/bRequest".to_owned(), "rr/a/n/bReply".to_owned()));
-        assert_eq!(name.action_part("send_goal").request(), "rq/a/n/b/_action/send_goalRequest");
+        assert_eq!(name.action_part("send_goal").to_string(), "/a/n/b/_action/send_goal");
         assert_eq!(NodeName::new("/a/b", "n").unwrap().logger(), "a.b.n");
     }
 

@@ -1,4 +1,4 @@
-//! ROS node: the participant of this process in the DDS domain.
+//! ROS node: the participant of this process in the ROS domain.
 
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ use super::service::ServiceServer;
 use super::subscription::Subscription;
 use super::tap::{Tap, TappedPublisher};
 use super::time_source::TimeSource;
-use crate::link::protocol::WireType;
+use crate::link::protocol::{EndpointKind, WireType};
 use crate::link::qos::Qos;
 use crate::link::{Link, LinkError, Loss, MemoryLimit, Settings, Side};
 
@@ -275,8 +275,9 @@ impl NodeHandle {
             return Ok(rosout.clone());
         }
         let context = &self.context;
-        let topic = context.names.topic("/rosout")?.topic();
-        let writer = self.given.has_rosout.then(|| context.writer(&topic, WireType::message::<Log>(), Qos::ROSOUT));
+        let topic = context.names.topic("/rosout")?;
+        let open = || context.open(EndpointKind::Publisher, &topic, WireType::message::<Log>(), Qos::ROSOUT).0;
+        let writer = self.given.has_rosout.then(open);
         let copies = self.tapped::<Log>("/rosout", Qos::ROSOUT);
         let (clock, loggers) = (self.clock().clone(), self.loggers().clone());
         let rosout = Rosout::new(writer.map(|writer| (writer, copies)), self.name().logger(), clock, loggers);

@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use super::endpoint::Context;
 use super::name::FullName;
 use super::tap::TappedPublisher;
-use crate::link::protocol::WireType;
+use crate::link::protocol::{EndpointKind, WireType};
 use crate::link::qos::Qos;
 use crate::link::{WriteError, Writer};
 
@@ -69,7 +69,7 @@ pub(super) struct UntypedPublisher {
 
 impl UntypedPublisher {
     pub(super) fn new(context: &Context, topic: FullName, wire: WireType, qos: Qos) -> Self {
-        let writer = context.writer(&topic.topic(), wire, qos);
+        let (writer, _) = context.open(EndpointKind::Publisher, &topic, wire, qos);
         Self { writer, topic, closed: context.closed.clone(), copies: None }
     }
 

@@ -3,14 +3,14 @@
 use std::marker::PhantomData;
 use std::time::Duration;
 
-use lineshaft_msgs::{Message, cdr};
+use lineshaft_msgs::Message;
 use tokio::sync::watch;
 
 use super::endpoint::{Context, age};
 use super::name::FullName;
 use crate::line_limit::MessageRateLimit;
 use crate::link::Reader;
-use crate::link::protocol::{Sample, WireType};
+use crate::link::protocol::{EndpointKind, Sample, WireType};
 use crate::link::qos::Qos;
 
 /// Subscription of one topic; dropping it removes the topic from the node.
@@ -28,8 +28,9 @@ pub struct Subscription<M> {
 
 impl<M: Message> Subscription<M> {
     pub(super) fn new(context: &Context, topic: FullName, qos: Qos) -> Self {
+        let (_, samples) = context.open(EndpointKind::Subscription, &topic, WireType::message::<M>(), qos);
         Self {
-            samples: context.reader(&topic.topic(), WireType::message::<M>(), qos),
+            samples,
             topic,
             latched: qos.latched,
             timeout: context.request_timeout,
@@ -54,14 +55,14 @@ impl<M: Message> Subscription<M> {
             let (from, refusal) = match taken {
                 // An existing writer resends all its samples, which were meant for other readers.
                 Ok(sample) if sample.is_stale && !self.latched => {
-                    (sample.id.writer, "it is older than this node or its sender's return".to_owned())
+                    (sample.sender, "it is older than this node or its sender's return".to_owned())
                 }
-                Ok(Sample { id, came_ns, .. }) if !self.latched && age(came_ns) > self.timeout => {
-                    (id.writer, format!("it has waited for {:.1} s", age(came_ns).as_secs_f64()))
+                Ok(Sample { sender, came_ns, .. }) if !self.latched && age(came_ns) > self.timeout => {
+                    (sender, format!("it has waited for {:.1} s", age(came_ns).as_secs_f64()))
                 }
-                Ok(sample) => match cdr::decode(&sample.bytes, sample.endian()) {
+                Ok(sample) => match sample.decode() {
                     Ok(message) => return Some(message),
-                    Err(error) => (sample.id.writer, error.to_string()),
+                    Err(refusal) => (sample.sender, refusal),
                 },
                 Err(reason) => {
                     self.refusals
@@ -69,7 +70,6 @@ impl<M: Message> Subscription<M> {
                     continue;
                 }
             };
-            let from = from.prefix();
             self.refusals.log((), |more| {
                 tracing::warn!("{}: a message of participant {from} was refused: {refusal}{more}", self.topic);
             });

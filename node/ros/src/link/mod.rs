@@ -4,10 +4,9 @@
 //! `protocol` defines the messages. `supervisor` starts a side, and another one when the first one fails or uses too much memory. `running`
 //! is a running side. `registry` stores the state with which each new side is initialized.
 //!
-//! This module never imports the DDS library or `side/dds`, and does not depend on the meaning of a topic.
+//! This module speaks of topics, services and callers as ROS does, and does not depend on the middleware or on the meaning of a topic.
 
 pub(crate) mod frame;
-pub(crate) mod guid;
 mod participants;
 pub(crate) mod protocol;
 pub(crate) mod qos;

@@ -9,8 +9,7 @@ use std::io::{self, Read, Write};
 use std::net::Ipv4Addr;
 use std::path::{Path, PathBuf};
 
-use super::guid::Prefix;
-use super::protocol::Departed;
+use super::protocol::{Departed, ParticipantId};
 
 /// Maximum number of files that are read. If the folder has more, another program has filled it.
 const MOST: usize = 64;
@@ -28,7 +27,7 @@ impl Entry {
     /// Writes and locks the file of a participant that is running now.
     pub(super) fn write(folder: &Path, who: &Departed) -> io::Result<Self> {
         fs::create_dir_all(folder)?;
-        let path = folder.join(who.prefix.to_string());
+        let path = folder.join(who.participant.to_string());
         let mut file = OpenOptions::new().write(true).create(true).truncate(true).open(&path)?;
         file.lock()?;
         file.write_all(text(who).as_bytes())?;
@@ -67,26 +66,26 @@ fn text(who: &Departed) -> String {
         .networks
         .as_ref()
         .map_or("all".to_owned(), |addresses| addresses.iter().map(ToString::to_string).collect::<Vec<_>>().join(" "));
-    format!("{} {} {networks}\n", who.prefix, who.domain)
+    format!("{} {} {networks}\n", who.participant, who.domain)
 }
 
 fn parse(text: &str) -> Option<Departed> {
     let mut words = text.strip_suffix('\n')?.split(' ');
-    let (prefix, domain) = (Prefix::parse(words.next()?)?, words.next()?.parse().ok()?);
+    let (participant, domain) = (ParticipantId::parse(words.next()?)?, words.next()?.parse().ok()?);
     let rest: Vec<&str> = words.collect();
     let networks: Option<Vec<Ipv4Addr>> = match rest.as_slice() {
         ["all"] => None,
         addresses => Some(addresses.iter().map(|address| address.parse().ok()).collect::<Option<_>>()?),
     };
-    Some(Departed { prefix, domain, networks })
+    Some(Departed { participant, domain, networks })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn departed(prefix: u8, networks: Option<Vec<Ipv4Addr>>) -> Departed {
-        Departed { prefix: Prefix([prefix; 12]), domain: 7, networks }
+    fn departed(id: u8, networks: Option<Vec<Ipv4Addr>>) -> Departed {
+        Departed { participant: ParticipantId([id; 12]), domain: 7, networks }
     }
 
     #[test]
@@ -112,9 +111,9 @@ mod tests {
         let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
         write("a", "");
         write("b", "0102 7 all\n");
-        write("c", &format!("{} 70000 all\n", Prefix([1; 12])));
-        write("d", &format!("{} 7 all", Prefix([1; 12])));
-        write("e", &format!("{} 7 10.0.0.x\n", Prefix([1; 12])));
+        write("c", &format!("{} 70000 all\n", ParticipantId([1; 12])));
+        write("d", &format!("{} 7 all", ParticipantId([1; 12])));
+        write("e", &format!("{} 7 10.0.0.x\n", ParticipantId([1; 12])));
         fs::create_dir(folder.path().join("f")).unwrap();
         assert_eq!(dead(folder.path()), []);
     }

@@ -1,4 +1,4 @@
-//! Readers, writers, latched values and open replies of the node. The registry outlives each ROS side, and initializes the next one.
+//! Endpoints, latched values and open replies of the node. The registry outlives each ROS side, and initializes the next one.
 //!
 //! Law      during a handover both sides receive the same samples, and each sample is forwarded once. The side in charge publishes and
 //!          replies; both sides get the latched values
@@ -14,16 +14,17 @@ use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
 use tokio::sync::{oneshot, watch};
 
 use super::protocol::{
-    Endpoint, Join, Kind, Order, Place, Reply, ReplyFailure, Report, Sample, SampleId, Spec, WireType,
+    Caller, Endpoint, EndpointKind, Join, Order, Reply, ReplyFailure, Report, Sample, SampleId, Spec, WireType,
 };
+use super::qos::Qos;
 
-/// Maximum number of samples of a reader that wait in this process. Others wait in the DDS library, which drops the oldest ones that
-/// exceed the reader's depth.
+/// Maximum number of samples of an endpoint that wait in this process. Others wait in the middleware, which drops the oldest ones that
+/// exceed the depth.
 const CREDIT: u32 = 32;
 /// Maximum number of bytes that wait for a side that does not keep up. Samples that exceed it are dropped.
 const QUEUED: usize = 64 << 20;
-/// Maximum time to wait for the reader of a reply. The second value applies after a restart of the side, which has to discover the
-/// reader first.
+/// Maximum time until the client of a reply can be reached. The second value applies after a restart of the side, which has to discover the
+/// client first.
 const PATIENCE: Duration = Duration::from_secs(1);
 const PATIENCE_ANEW: Duration = Duration::from_secs(10);
 
@@ -55,7 +56,7 @@ struct State {
     previous: Option<SideLink>,
     /// During a handover: samples that were forwarded.
     forwarded: Option<HashSet<(Endpoint, SampleId)>>,
-    /// Number of sides so far. A new side has to discover the readers of replies to requests that an earlier side has received.
+    /// Number of sides so far. A new side has to discover the clients whose requests an earlier side has received.
     sides: u32,
     is_closed: bool,
 }
@@ -79,8 +80,8 @@ impl SideLink {
 
 struct NextSide {
     side: SideLink,
-    /// Number of matched readers of each writer.
-    readers: BTreeMap<Endpoint, u32>,
+    /// Number of matched receivers of each endpoint.
+    receivers: BTreeMap<Endpoint, u32>,
 }
 
 /// Orders of one side, for the thread that sends them.
@@ -101,7 +102,7 @@ impl Orders {
     }
 }
 
-/// A reply that was not sent yet: its writer, and the channel for its result.
+/// A reply that was not sent yet: its server, and the channel for its result.
 struct PendingReply {
     /// Number of the side that has the order; 0: none.
     side: u32,
@@ -112,20 +113,13 @@ struct PendingReply {
 
 struct EndpointState {
     spec: Spec,
-    more: EndpointDetails,
-}
-
-enum EndpointDetails {
-    Writer {
-        readers: watch::Sender<u32>,
-        /// Latched values, the newest last.
-        kept: VecDeque<Bytes>,
-    },
-    Reader {
-        samples: UnboundedSender<Result<Sample, String>>,
-        /// Number of samples in this process that were not read yet.
-        waiting: Arc<AtomicU32>,
-    },
+    /// Number of matched receivers of what it sends.
+    receivers: watch::Sender<u32>,
+    /// Latched values that it has sent, the newest last.
+    kept: VecDeque<Bytes>,
+    samples: UnboundedSender<Result<Sample, String>>,
+    /// Number of samples in this process that were not read yet.
+    waiting: Arc<AtomicU32>,
 }
 
 impl Registry {
@@ -134,30 +128,25 @@ impl Registry {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(super) fn open_writer(self: &Arc<Self>, topic: &str, wire: WireType, qos: super::qos::Qos) -> Writer {
-        let (readers, matched) = watch::channel(0);
-        let more = EndpointDetails::Writer { readers, kept: VecDeque::new() };
-        let endpoint = self.open(Kind::Writer, topic, wire, qos, more);
-        Writer { endpoint, registry: Arc::clone(self), matched }
-    }
-
-    pub(super) fn open_reader(self: &Arc<Self>, topic: &str, wire: WireType, qos: super::qos::Qos) -> Reader {
-        let (samples, taken) = unbounded_channel();
-        let waiting = Arc::new(AtomicU32::new(0));
-        let more = EndpointDetails::Reader { samples, waiting: Arc::clone(&waiting) };
-        let endpoint = self.open(Kind::Reader(CREDIT), topic, wire, qos, more);
-        Reader { endpoint, registry: Arc::clone(self), samples: taken, waiting, owed: 0 }
-    }
-
-    fn open(&self, kind: Kind, topic: &str, wire: WireType, qos: super::qos::Qos, more: EndpointDetails) -> Endpoint {
-        let (type_name, type_hash) = (wire.name.to_owned(), wire.hash.to_owned());
-        let spec = Spec { kind, topic: topic.to_owned(), type_name, type_hash, qos };
+    /// Opens an endpoint. Returns the part that sends and the part that receives; it is closed when both are dropped.
+    pub(super) fn open(
+        self: &Arc<Self>,
+        kind: EndpointKind,
+        name: String,
+        wire: WireType,
+        qos: Qos,
+    ) -> (Writer, Reader) {
+        let ((receivers, matched), (samples, taken)) = (watch::channel(0), unbounded_channel());
+        let waiting = Arc::<AtomicU32>::default();
+        let spec = Spec { kind, name, wire, qos, credit: CREDIT };
         let mut state = self.state();
         let endpoint = state.endpoints_made;
         state.endpoints_made += 1;
         state.send_to_all(&Order::Open(endpoint, spec.clone()));
-        state.endpoints.insert(endpoint, EndpointState { spec, more });
-        endpoint
+        let known = EndpointState { spec, receivers, kept: VecDeque::new(), samples, waiting: Arc::clone(&waiting) };
+        state.endpoints.insert(endpoint, known);
+        let open = Arc::new(OpenEndpoint { endpoint, registry: Arc::clone(self) });
+        (Writer { open: Arc::clone(&open), matched }, Reader { open, samples: taken, waiting, owed: 0 })
     }
 
     fn close(&self, endpoint: Endpoint) {
@@ -172,9 +161,7 @@ impl Registry {
             return Err(WriteError::Closed);
         }
         let is_latched = match state.endpoints.get_mut(&endpoint) {
-            Some(EndpointState { spec, more: EndpointDetails::Writer { kept, .. } })
-                if spec.qos.latched && spec.qos.lifespan.is_none() =>
-            {
+            Some(EndpointState { spec, kept, .. }) if spec.qos.latched && spec.qos.lifespan.is_none() => {
                 if kept.len() >= usize::from(spec.qos.depth) {
                     kept.pop_front();
                 }
@@ -194,13 +181,7 @@ impl Registry {
         Ok(())
     }
 
-    fn reply(
-        &self,
-        endpoint: Endpoint,
-        place: Place,
-        answers: Option<SampleId>,
-        bytes: Bytes,
-    ) -> oneshot::Receiver<Result<(), ReplyFailure>> {
+    fn reply(&self, endpoint: Endpoint, caller: Caller, bytes: Bytes) -> oneshot::Receiver<Result<(), ReplyFailure>> {
         let (answer, answered) = oneshot::channel();
         let mut state = self.state();
         if state.is_closed || state.queued() > QUEUED {
@@ -211,7 +192,7 @@ impl Registry {
         let token = state.replies_made;
         state.replies_made += 1;
         let patience = if state.sides > 1 { PATIENCE_ANEW } else { PATIENCE };
-        let reply = Reply { token, place, answers, patience_ms: milliseconds(patience), bytes };
+        let reply = Reply { token, caller, patience_ms: milliseconds(patience), bytes };
         state.send(Order::Reply(endpoint, reply.clone()));
         let side = state.side.as_ref().map_or(0, |side| side.number);
         state.replies.insert(token, PendingReply { side, endpoint, reply, answer });
@@ -231,31 +212,25 @@ impl Registry {
     pub(super) fn begin_next(&self, join: Join) -> Orders {
         let mut state = self.state();
         let (side, orders) = state.new_side(join);
-        state.next = Some(NextSide { side, readers: BTreeMap::new() });
+        state.next = Some(NextSide { side, receivers: BTreeMap::new() });
         state.forwarded = Some(HashSet::new());
         orders
     }
 
-    /// Whether the next side has matched as many readers as the side in charge.
+    /// Whether the next side has matched as many receivers as the side in charge.
     pub(super) fn is_next_matched(&self) -> bool {
         let state = self.state();
         let Some(next) = &state.next else { return false };
-        state.endpoints.iter().all(|(endpoint, known)| match &known.more {
-            EndpointDetails::Writer { readers, .. } => {
-                next.readers.get(endpoint).copied().unwrap_or(0) >= *readers.borrow()
-            }
-            EndpointDetails::Reader { .. } => true,
-        })
+        let matched = |endpoint: &Endpoint| next.receivers.get(endpoint).copied().unwrap_or(0);
+        state.endpoints.iter().all(|(endpoint, known)| matched(endpoint) >= *known.receivers.borrow())
     }
 
     /// Puts the next side in charge. Samples that the previous side receives until its end are still forwarded.
     pub(super) fn hand_over(&self) {
         let mut state = self.state();
-        let Some(NextSide { side, readers: matched }) = state.next.take() else { return };
+        let Some(NextSide { side, receivers }) = state.next.take() else { return };
         for (endpoint, known) in &state.endpoints {
-            if let EndpointDetails::Writer { readers, .. } = &known.more {
-                readers.send_replace(matched.get(endpoint).copied().unwrap_or(0));
-            }
+            known.receivers.send_replace(receivers.get(endpoint).copied().unwrap_or(0));
         }
         state.previous = state.side.replace(side);
     }
@@ -285,9 +260,7 @@ impl Registry {
         let mut state = self.state();
         (state.side, state.next, state.previous, state.forwarded) = (None, None, None, None);
         for known in state.endpoints.values() {
-            if let EndpointDetails::Writer { readers, .. } = &known.more {
-                readers.send_replace(0);
-            }
+            known.receivers.send_replace(0);
         }
     }
 
@@ -299,7 +272,7 @@ impl Registry {
         state.replies.clear();
     }
 
-    /// Lets the sides send `count` more samples of a reader.
+    /// Lets the sides send `count` more samples of an endpoint.
     fn more(&self, endpoint: Endpoint, count: u32) {
         self.state().send_to_all(&Order::More(endpoint, count));
     }
@@ -371,14 +344,9 @@ impl State {
         let side = SideLink { number: self.sides, orders, queued: Arc::clone(&queued) };
         side.send(Order::Join(join));
         for (endpoint, known) in &self.endpoints {
-            let mut spec = known.spec.clone();
-            if let EndpointDetails::Reader { waiting, .. } = &known.more {
-                spec.kind = Kind::Reader(CREDIT.saturating_sub(waiting.load(Ordering::Relaxed)));
-            }
-            side.send(Order::Open(*endpoint, spec));
-            if let EndpointDetails::Writer { kept, .. } = &known.more {
-                kept.iter().for_each(|bytes| side.send(Order::Write(*endpoint, bytes.clone())));
-            }
+            let credit = CREDIT.saturating_sub(known.waiting.load(Ordering::Relaxed));
+            side.send(Order::Open(*endpoint, Spec { credit, ..known.spec.clone() }));
+            known.kept.iter().for_each(|bytes| side.send(Order::Write(*endpoint, bytes.clone())));
         }
         (side, Orders { number: self.sides, queue, queued })
     }
@@ -397,12 +365,11 @@ impl State {
         if let Some(next) = &mut self.next
             && next.side.number == number
         {
-            next.readers.insert(endpoint, count);
+            next.receivers.insert(endpoint, count);
         } else if self.is_in_charge(number)
-            && let Some(EndpointState { more: EndpointDetails::Writer { readers, .. }, .. }) =
-                self.endpoints.get(&endpoint)
+            && let Some(known) = self.endpoints.get(&endpoint)
         {
-            readers.send_replace(count);
+            known.receivers.send_replace(count);
         }
     }
 
@@ -422,12 +389,10 @@ impl State {
                 _ => {}
             }
         }
-        if let Some(EndpointState { more: EndpointDetails::Reader { samples, waiting }, .. }) =
-            self.endpoints.get(&endpoint)
-        {
-            waiting.fetch_add(1, Ordering::Relaxed);
-            // Fails if the reader is being dropped.
-            let _ = samples.send(sample);
+        if let Some(known) = self.endpoints.get(&endpoint) {
+            known.waiting.fetch_add(1, Ordering::Relaxed);
+            // Fails if the reader was dropped.
+            let _ = known.samples.send(sample);
         }
     }
 }
@@ -449,47 +414,46 @@ fn milliseconds(time: Duration) -> u32 {
     u32::try_from(time.as_millis()).unwrap_or(u32::MAX)
 }
 
-/// Writes samples of one topic. Dropping it removes the writer from the node.
-pub(crate) struct Writer {
+/// Closes its endpoint when it is dropped.
+struct OpenEndpoint {
     endpoint: Endpoint,
     registry: Arc<Registry>,
-    matched: watch::Receiver<u32>,
 }
 
-impl Writer {
-    /// Writes to all matched readers; never waits.
-    pub(crate) fn write(&self, bytes: impl Into<Bytes>) -> Result<(), WriteError> {
-        self.registry.write(self.endpoint, bytes.into())
-    }
-
-    /// Writes to the one reader that waits for the reply, as soon as it is matched. It waits at most 1 s for the match, or 10 s after
-    /// a restart of the ROS side. The order is sent at once, even if the returned future is not awaited.
-    pub(crate) fn reply(
-        &self,
-        place: Place,
-        answers: Option<SampleId>,
-        bytes: Bytes,
-    ) -> impl Future<Output = Result<(), ReplyFailure>> + use<> {
-        let answered = self.registry.reply(self.endpoint, place, answers, bytes);
-        async { answered.await.unwrap_or(Err(ReplyFailure::NoReader)) }
-    }
-
-    /// Number of readers that are matched now.
-    pub(crate) fn matched(&self) -> usize {
-        *self.matched.borrow() as usize
-    }
-}
-
-impl Drop for Writer {
+impl Drop for OpenEndpoint {
     fn drop(&mut self) {
         self.registry.close(self.endpoint);
     }
 }
 
-/// Reads samples of one topic. Dropping it removes the reader from the node.
+/// Sends the messages, requests or replies of an endpoint.
+pub(crate) struct Writer {
+    open: Arc<OpenEndpoint>,
+    matched: watch::Receiver<u32>,
+}
+
+impl Writer {
+    /// Sends a message to all subscriptions, or a request to all servers; never waits.
+    pub(crate) fn write(&self, bytes: impl Into<Bytes>) -> Result<(), WriteError> {
+        self.open.registry.write(self.open.endpoint, bytes.into())
+    }
+
+    /// Sends a reply to the client that waits for it, as soon as the client can be reached. It waits at most 1 s for that, or 10 s after
+    /// a restart of the ROS side. The order is sent at once, even if the returned future is not awaited.
+    pub(crate) fn reply(&self, caller: Caller, bytes: Bytes) -> impl Future<Output = Result<(), ReplyFailure>> + use<> {
+        let answered = self.open.registry.reply(self.open.endpoint, caller, bytes);
+        async { answered.await.unwrap_or(Err(ReplyFailure::NoReader)) }
+    }
+
+    /// Number of receivers that are matched now.
+    pub(crate) fn matched(&self) -> usize {
+        *self.matched.borrow() as usize
+    }
+}
+
+/// Receives the messages, requests or replies of an endpoint.
 pub(crate) struct Reader {
-    endpoint: Endpoint,
-    registry: Arc<Registry>,
+    open: Arc<OpenEndpoint>,
     samples: UnboundedReceiver<Result<Sample, String>>,
     waiting: Arc<AtomicU32>,
     /// Number of samples that were read, but not reported to the side yet.
@@ -503,15 +467,9 @@ impl Reader {
         self.waiting.fetch_sub(1, Ordering::Relaxed);
         self.owed += 1;
         if self.owed >= CREDIT / 4 {
-            self.registry.more(self.endpoint, std::mem::take(&mut self.owed));
+            self.open.registry.more(self.open.endpoint, std::mem::take(&mut self.owed));
         }
         sample
-    }
-}
-
-impl Drop for Reader {
-    fn drop(&mut self) {
-        self.registry.close(self.endpoint);
     }
 }
 

@@ -9,9 +9,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use super::frame;
-use super::guid::Prefix;
 use super::participants::Entry;
-use super::protocol::{Departed, Line, Order, Report};
+use super::protocol::{Departed, Line, Order, ParticipantId, Report};
 use super::registry::{Orders, Registry};
 use super::start::{Side, Started};
 use crate::line_limit::MessageRateLimit;
@@ -67,7 +66,7 @@ enum ReaderMessage {
 pub(super) enum SideEvent {
     Nothing,
     /// The side has joined the domain.
-    Joined(Prefix),
+    Joined(ParticipantId),
     /// The side has failed, with the reason.
     Failed(String),
 }
@@ -113,7 +112,9 @@ impl Running {
         let mut wait = wait;
         loop {
             match self.heard.recv_timeout(std::mem::take(&mut wait)) {
-                Ok(ReaderMessage::Reported(Report::Joined(prefix))) => return SideEvent::Joined(prefix),
+                Ok(ReaderMessage::Reported(Report::Joined(participant))) => {
+                    return SideEvent::Joined(participant);
+                }
                 Ok(ReaderMessage::Reported(Report::Failed(reason))) => return SideEvent::Failed(reason),
                 Ok(ReaderMessage::Reported(report)) => self.on_report(report),
                 Ok(ReaderMessage::Silent(error)) => return SideEvent::Failed(silence(&error)),

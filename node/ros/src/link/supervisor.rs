@@ -16,9 +16,8 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use super::guid::Prefix;
 use super::participants::{self, Entry};
-use super::protocol::{Departed, Join, Order, WireType};
+use super::protocol::{Departed, EndpointKind, Join, Order, ParticipantId, WireType};
 use super::qos::Qos;
 use super::registry::{Orders, Reader, Registry, Writer};
 use super::running::{Running, SideEvent, SideLines, WATCH};
@@ -139,17 +138,14 @@ impl Drop for Link {
     }
 }
 
-/// Opens readers and writers, and does not keep the link alive.
+/// Opens endpoints, and does not keep the link alive.
 #[derive(Clone)]
 pub(crate) struct Opener(Arc<Registry>);
 
 impl Opener {
-    pub(crate) fn writer(&self, topic: &str, wire: WireType, qos: Qos) -> Writer {
-        self.0.open_writer(topic, wire, qos)
-    }
-
-    pub(crate) fn reader(&self, topic: &str, wire: WireType, qos: Qos) -> Reader {
-        self.0.open_reader(topic, wire, qos)
+    /// Opens an endpoint. Returns the part that sends and the part that receives; it is closed when both are dropped.
+    pub(crate) fn open(&self, kind: EndpointKind, name: String, wire: WireType, qos: Qos) -> (Writer, Reader) {
+        self.0.open(kind, name, wire, qos)
     }
 }
 
@@ -226,7 +222,7 @@ impl Supervisor {
             }
             match side.watch(WATCH, &self.registry) {
                 SideEvent::Nothing => {}
-                SideEvent::Joined(prefix) => self.joined(prefix, &mut side, &left),
+                SideEvent::Joined(participant) => self.joined(participant, &mut side, &left),
                 // The link may have been closed meanwhile.
                 SideEvent::Failed(_) if self.is_closed.load(Ordering::Acquire) => break None,
                 SideEvent::Failed(reason) => break Some(reason),
@@ -264,7 +260,7 @@ impl Supervisor {
         &self,
         begin: impl FnOnce(&Registry, Join) -> Orders,
         dead: Vec<Departed>,
-        predecessor: Option<Prefix>,
+        predecessor: Option<ParticipantId>,
     ) -> io::Result<Running> {
         let Settings { side, domain, networks, namespace, name, loss_timeout, .. } = &self.settings;
         let (networks, namespace, name) = (networks.clone(), namespace.clone(), name.clone());
@@ -283,8 +279,8 @@ impl Supervisor {
     fn begin_next(&mut self, side: &Running) -> Option<Running> {
         self.wait_for_previous();
         (self.next_set_back, self.tried) = (SetBack::new(), Some(Instant::now()));
-        let prefix = side.joined.as_ref().map(|who| who.prefix);
-        match self.start(Registry::begin_next, self.dead.clone(), prefix) {
+        let predecessor = side.joined.as_ref().map(|who| who.participant);
+        match self.start(Registry::begin_next, self.dead.clone(), predecessor) {
             Ok(next) => Some(next),
             Err(error) => {
                 self.registry.end_handover();
@@ -306,9 +302,9 @@ impl Supervisor {
     fn watch_next(&mut self, side: &mut Running, mut next: Running) -> Option<Running> {
         match next.watch(Duration::ZERO, &self.registry) {
             SideEvent::Nothing => {}
-            SideEvent::Joined(prefix) => {
-                side.order(&self.registry, Order::Successor(prefix));
-                self.joined(prefix, &mut next, &[]);
+            SideEvent::Joined(participant) => {
+                side.order(&self.registry, Order::Successor(participant));
+                self.joined(participant, &mut next, &[]);
             }
             SideEvent::Failed(reason) => {
                 self.registry.end_handover();
@@ -350,8 +346,8 @@ impl Supervisor {
     }
 
     /// Handles the report that a side has joined the domain.
-    fn joined(&mut self, prefix: Prefix, side: &mut Running, left: &[(Departed, PathBuf)]) {
-        let who = Departed { prefix, domain: self.settings.domain, networks: self.settings.networks.clone() };
+    fn joined(&mut self, participant: ParticipantId, side: &mut Running, left: &[(Departed, PathBuf)]) {
+        let who = Departed { participant, domain: self.settings.domain, networks: self.settings.networks.clone() };
         if let Some(folder) = &self.settings.participants {
             match Entry::write(folder, &who) {
                 Ok(entry) => side.entry = Some(entry),
@@ -380,7 +376,10 @@ mod tests {
 
     use super::*;
 
-    const TYPE: WireType = WireType { name: "std_msgs::msg::dds_::UInt32_", hash: "RIHS01_1" };
+    fn open(link: &Link, kind: EndpointKind, name: &str, qos: Qos) -> (Writer, Reader) {
+        let wire = WireType { name: "std_msgs/msg/UInt32".to_owned(), ..WireType::default() };
+        link.opener().open(kind, name.to_owned(), wire, qos)
+    }
 
     fn settings(side: Side) -> (Settings, Arc<Mutex<Vec<Loss>>>) {
         let losses = Arc::<Mutex<Vec<Loss>>>::default();
@@ -422,7 +421,7 @@ mod tests {
         let (mut settings, losses) = settings(Side::Thread);
         settings.domain = 201 + u16::try_from(std::process::id() % 30).unwrap();
         let link = Link::start(settings).unwrap();
-        let writer = link.opener().writer("rt/supervised", TYPE, Qos::STREAM);
+        let (writer, _) = open(&link, EndpointKind::Publisher, "/supervised", Qos::STREAM);
         writer.write(vec![0; 4]).unwrap();
         drop(link);
         assert!(writer.write(vec![0; 4]).is_err());
@@ -441,8 +440,12 @@ mod tests {
         };
         let ((grows, losses), (other, _)) = (start(0), start(u64::MAX));
         let qos = Qos { depth: 1000, ..Qos::SERVICE };
-        let (to, heard) = (other.opener().writer("rt/to", TYPE, qos), grows.opener().reader("rt/to", TYPE, qos));
-        let (from, seen) = (grows.opener().writer("rt/from", TYPE, qos), other.opener().reader("rt/from", TYPE, qos));
+        let topic = |name: &str, from: &Link, to: &Link| {
+            let (writer, _) = open(from, EndpointKind::Publisher, name, qos);
+            let (_, reader) = open(to, EndpointKind::Subscription, name, qos);
+            (writer, reader)
+        };
+        let ((to, heard), (from, seen)) = (topic("/to", &other, &grows), topic("/from", &grows, &other));
         while to.matched() == 0 || from.matched() == 0 {
             tokio::time::sleep(Duration::from_millis(5)).await;
         }

@@ -10,9 +10,9 @@ use std::time::Duration;
 
 use tokio::time::sleep;
 
+use super::guid::Guid;
 use super::member::Shared;
 use super::rtps::{AckNack, Message, entity};
-use crate::link::guid::Guid;
 
 /// Period of the acknowledgements for best-effort readers.
 const PERIOD: Duration = Duration::from_secs(1);

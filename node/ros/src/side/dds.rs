@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use bytes::Bytes;
 use futures::{Stream, StreamExt};
+use lineshaft_msgs::cdr::Endian;
 use rustdds::no_key::{
     self, DataWriter, Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter, SimpleDataReader,
 };
@@ -21,15 +22,16 @@ use rustdds::{
     StatusEvented, Timestamp, Topic, TopicKind, WriteOptionsBuilder, policy,
 };
 
+use super::guid::{Guid, Prefix};
 use super::ports;
+use super::requests::Related;
 use super::sedp::Endpoint;
 use super::spdp::own_port;
-use crate::link::guid::{Guid, Prefix};
-use crate::link::protocol::{Related, ReplyFailure, SampleId};
+use crate::link::protocol::{ReplyFailure, SampleId};
 use crate::link::qos::Qos;
 
 /// Log targets of the library that log the same messages repeatedly without a fault, and the level to keep for each.
-pub(crate) const NOISE: &[(&str, &str)] = &[
+pub(super) const NOISE: &[(&str, &str)] = &[
     // On loopback without multicast: 30 messages per second about the participant itself.
     ("rustdds::rtps::writer", "error"),
     ("rustdds::network", "error"),
@@ -71,6 +73,12 @@ pub(super) struct Taken {
     pub(super) written: Option<u64>,
     pub(super) is_big_endian: bool,
     pub(super) bytes: Bytes,
+}
+
+impl Taken {
+    pub(super) fn endian(&self) -> Endian {
+        if self.is_big_endian { Endian::Big } else { Endian::Little }
+    }
 }
 
 /// Discovery event.

@@ -33,7 +33,7 @@ pub(super) fn dispose_all(dead: &[Departed]) {
 
 /// Disposes a participant.
 pub(super) fn dispose(who: &Departed) {
-    (LATE..LATE + TIMES).for_each(|sequence| tell_all(who, &spdp::disposal(who.prefix, None, sequence)));
+    (LATE..LATE + TIMES).for_each(|sequence| tell_all(who, &spdp::disposal(who.participant, None, sequence)));
 }
 
 /// Disposes a participant that a successor replaces, and that still reads. Its library continues to announce it to new clients, so the
@@ -44,7 +44,7 @@ pub(super) fn dispose_repeatedly(who: &Departed) {
     for round in 1..=REPETITIONS {
         std::thread::sleep(REPETITION_PAUSE);
         let first = LATE + round * TIMES;
-        (first..first + TIMES).for_each(|sequence| tell_all(who, &spdp::disposal(who.prefix, None, sequence)));
+        (first..first + TIMES).for_each(|sequence| tell_all(who, &spdp::disposal(who.participant, None, sequence)));
     }
     // For requests that were sent just before. In this time, no new client can find the participant, match its readers and call.
     std::thread::sleep(LAST_READING);

@@ -4,20 +4,20 @@ use std::collections::{BTreeSet, HashSet};
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-use lineshaft_msgs::cdr::Endian;
+use bytes::Bytes;
+use lineshaft_msgs::cdr::DecodeError;
 use lineshaft_msgs::foreign::rmw_dds_common::msg::{NodeEntitiesInfo, ParticipantEntitiesInfo};
-use lineshaft_msgs::{Bounded, Message, cdr};
+use lineshaft_msgs::{Bounded, cdr};
 use tokio::runtime::Handle;
 
-use super::dds::{DdsError, Reader};
+use super::dds::{DdsError, Reader, Taken};
+use super::dds_names::{DdsTopic, nodes};
+use super::guid::Guid;
 use super::latched::{DirectedWriter, Latched};
 use super::member::Shared;
-use crate::link::guid::Guid;
 use crate::link::protocol::Join;
 use crate::link::qos::Qos;
 
-/// The only ROS topic without a prefix.
-const TOPIC: &str = "ros_discovery_info";
 /// Maximum number of participants with a node of the same name that are reported.
 const NAMESAKES: usize = 100;
 /// Time until the program reports a successor, which has the same node.
@@ -42,8 +42,9 @@ struct Entities {
 impl Graph {
     /// Announces the node, which has no endpoints yet.
     pub(super) fn new(runtime: &Handle, shared: &Arc<Shared>, join: &Join) -> Result<Self, DdsError> {
-        let writer = shared.participant.writer(TOPIC, ParticipantEntitiesInfo::DDS_NAME, Qos::STATUS)?;
-        shared.hashes.add(writer.guid(), ParticipantEntitiesInfo::HASH);
+        let DdsTopic { name, type_name, hash } = nodes();
+        let writer = shared.participant.writer(&name, &type_name, Qos::STATUS)?;
+        shared.hashes.add(writer.guid(), &hash);
         let target = DirectedWriter { writer, shared: Arc::clone(shared) };
         let announcement = Latched::start(runtime, target, &shared.matches, Qos::STATUS, GATHER);
         let entities = Entities {
@@ -60,8 +61,9 @@ impl Graph {
     /// Returns a reader of the nodes of other participants.
     pub(super) fn others(shared: &Shared) -> Result<Reader, DdsError> {
         let qos = Qos { depth: 100, ..Qos::STATUS };
-        let reader = shared.participant.reader(TOPIC, ParticipantEntitiesInfo::DDS_NAME, qos)?;
-        shared.hashes.add(reader.guid(), ParticipantEntitiesInfo::HASH);
+        let DdsTopic { name, type_name, hash } = nodes();
+        let reader = shared.participant.reader(&name, &type_name, qos)?;
+        shared.hashes.add(reader.guid(), &hash);
         Ok(reader)
     }
 
@@ -82,9 +84,8 @@ pub(super) async fn watch_for_namesakes(mut infos: Reader, shared: Weak<Shared>,
     loop {
         let Ok(taken) = infos.next().await else { continue };
         let participant = taken.id.writer.prefix();
-        let endian = if taken.is_big_endian { Endian::Big } else { Endian::Little };
         // An invalid message is a fault of its sender, and is ignored.
-        let Ok(info) = cdr::decode::<ParticipantEntitiesInfo>(&taken.bytes, endian) else { continue };
+        let Ok(info) = info(&taken) else { continue };
         let is_own = || shared.upgrade().is_none_or(|shared| shared.is_own(participant));
         if is_own() || told.contains(&participant) || told.len() >= NAMESAKES || !is_among(&info, &namespace, &name) {
             continue;
@@ -99,6 +100,17 @@ pub(super) async fn watch_for_namesakes(mut infos: Reader, shared: Weak<Shared>,
             );
         }
     }
+}
+
+fn info(taken: &Taken) -> Result<ParticipantEntitiesInfo, DecodeError> {
+    cdr::decode(&taken.bytes, taken.endian())
+}
+
+/// Returns the full names of the nodes of a participant, as a list in little-endian CDR.
+pub(super) fn names(taken: &Taken) -> Result<Bytes, DecodeError> {
+    let nodes = info(taken)?.node_entities_info_seq;
+    let name = |node: &NodeEntitiesInfo| format!("{}/{}", node.node_namespace.trim_end_matches('/'), *node.node_name);
+    Ok(cdr::encode(&nodes.iter().map(name).collect::<Vec<_>>()).into())
 }
 
 fn is_among(info: &ParticipantEntitiesInfo, namespace: &str, name: &str) -> bool {
@@ -121,5 +133,29 @@ impl Entities {
             writer_gid_seq: self.writers.iter().map(|guid| (*guid).into()).collect(),
         };
         ParticipantEntitiesInfo { gid: self.participant.into(), node_entities_info_seq: vec![node] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::link::protocol::SampleId;
+    use lineshaft_msgs::cdr::Endian;
+
+    #[test]
+    fn full_name_is_namespace_and_name() {
+        let node = |namespace: &str, name: &str| NodeEntitiesInfo {
+            node_namespace: Bounded::new(namespace.to_owned()).unwrap(),
+            node_name: Bounded::new(name.to_owned()).unwrap(),
+            ..NodeEntitiesInfo::default()
+        };
+        let info = ParticipantEntitiesInfo {
+            node_entities_info_seq: vec![node("/", "lineshaft"), node("/cell/a", "n")],
+            ..ParticipantEntitiesInfo::default()
+        };
+        let (id, bytes) = (SampleId { writer: Guid([1; 16]), number: 1 }, cdr::encode(&info).into());
+        let taken = Taken { id, related: None, written: None, is_big_endian: false, bytes };
+        let names: Vec<String> = cdr::decode(&names(&taken).unwrap(), Endian::Little).unwrap();
+        assert_eq!(names, ["/lineshaft", "/cell/a/n"]);
     }
 }

@@ -26,12 +26,12 @@ use tokio::runtime::Handle;
 use tokio::task::{JoinHandle, yield_now};
 use tokio::time::sleep;
 
+use super::guid::{Guid, Prefix};
 use super::member::Shared;
 use super::returning::LIBRARY;
 use super::rtps::{ACKNACK, DATA, FINAL, GAP, HEARTBEAT, Message, SENTINEL, number, parameter};
 use super::socket::OwnSocket;
 use super::spdp::{Announcement, SimulatedParticipant, parameters, u16_at};
-use crate::link::guid::{Guid, Prefix};
 
 /// Built-in endpoints of a participant that reads the announcements of participants, writers and readers.
 const READER: u32 = 0x2b;

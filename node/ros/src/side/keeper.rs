@@ -16,7 +16,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use tokio::time::Instant;
 
-use crate::link::guid::Guid;
+use super::guid::Guid;
 use crate::link::protocol::ReplyFailure;
 
 /// Times after the match at which a GAP is repeated. The reader may match the writer later than the writer matches the reader, and

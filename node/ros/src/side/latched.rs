@@ -15,11 +15,11 @@ use tokio::time::{Instant, sleep_until};
 
 use super::acknowledge::acknowledge;
 use super::dds::{Address, Writer};
+use super::guid::Guid;
 use super::keeper::{Keeper, Target};
 use super::matches::Matches;
 use super::member::Shared;
 use super::rtps::{Message, entity};
-use crate::link::guid::Guid;
 use crate::link::protocol::ReplyFailure;
 use crate::link::qos::Qos;
 

@@ -1,10 +1,18 @@
-//! Severity of the log messages of the DDS library.
+//! Severity of the log messages of the DDS library, and the filter for them.
 //!
 //! The library logs ordinary events as errors, for example a client that leaves while it is being discovered, as every call of `ros2` does.
 //! [`RULES`] lists such messages of version 0.15.1 by their target and first words. A message without a rule keeps its severity, and no
 //! rule raises one. `RUST_LOG=rustdds=debug` shows all of them.
 
+use super::dds::NOISE;
 use crate::link::protocol::Line;
+
+/// Returns directives for a log filter (`EnvFilter` of `tracing-subscriber`): `level` for all, but only warnings of the DDS library,
+/// without those that it repeats although nothing is wrong.
+pub fn log_filter(level: &str) -> String {
+    let noise = NOISE.iter().map(|(target, level)| format!(",{target}={level}"));
+    format!("{level},rustdds=warn{}", noise.collect::<String>())
+}
 
 /// Severity of messages with a certain beginning.
 struct Rule {
@@ -79,6 +87,15 @@ pub(super) fn severity(target: &str, text: &str, severity: u8) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_filter_is_understood_and_keeps_the_level() {
+        let filter: tracing_subscriber::EnvFilter = log_filter("debug").parse().unwrap();
+        let text = filter.to_string();
+        for directive in ["debug", "rustdds=warn", "rustdds::rtps::writer=error", "rustdds::network=error"] {
+            assert!(text.split(',').any(|part| part == directive), "{directive} in {text}");
+        }
+    }
 
     /// Messages as rustdds 0.15.1 writes them; the first three appear at calls of `ros2`. Each reports an ordinary event.
     const HARMLESS: [(&str, &str, u8); 16] = [

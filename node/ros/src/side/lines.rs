@@ -10,8 +10,7 @@ use tracing_subscriber::layer::{Context, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
 use tracing_subscriber::{EnvFilter, Layer};
 
-use super::library_lines;
-use crate::layer::log_filter;
+use super::library_lines::{self, log_filter};
 use crate::line_limit::MessageRateLimit;
 use crate::link::protocol::{Line, Report};
 

@@ -4,8 +4,8 @@
 //! identity, and the same fragments with the identity are sent before. Fast DDS reads the identity of a sample from the first
 //! fragment that it receives, and accepts the other fragments from any source. The library resends lost fragments.
 
+use super::guid::Guid;
 use super::rtps::{Message, SENTINEL, entity, number, parameter};
-use crate::link::guid::Guid;
 use crate::link::protocol::SampleId;
 
 /// Fragment size of the library in bytes; both must use the same size.

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
 
 use super::dds::Discovery;
-use crate::link::guid::Guid;
+use super::guid::Guid;
 
 /// Pairs of one of our writers and a remote reader.
 type Pairs = HashSet<(Guid, Guid)>;

@@ -14,8 +14,10 @@ use tokio::sync::Semaphore;
 use tokio::task::JoinHandle;
 
 use super::age::{Known, is_stale};
-use super::dds::{Discovery, Participant, Reader, Taken, Writer, now_ticks};
-use super::graph::{Graph, watch_for_namesakes};
+use super::dds::{DdsError, Discovery, Participant, Reader, Taken, Writer, now_ticks};
+use super::dds_names::{DdsTopic, topics};
+use super::graph::{self, Graph, watch_for_namesakes};
+use super::guid::{Guid, Prefix};
 use super::hashes::{self, Hashes};
 use super::latched::{self, Latched};
 use super::matches::Matches;
@@ -24,9 +26,11 @@ use super::probe::Probe;
 use super::replies::Replies;
 use super::returning::Returning;
 use super::socket::OwnSocket;
-use super::{acknowledge, dispose, sedp};
-use crate::link::guid::{Guid, Prefix};
-use crate::link::protocol::{Departed, Endpoint, Join, Kind, Order, ReplyFailure, Report, Sample, Spec, monotonic_ns};
+use super::{acknowledge, dispose, requests, sedp};
+use crate::link::protocol::{
+    Departed, Endpoint, EndpointKind, Join, Order, ReplyFailure, Report, Sample, Spec, WAITING, monotonic_ns,
+};
+use crate::link::qos::Qos;
 
 /// Values of a latched topic that keeps one value are written at most this often, each to every reader. The status of many short goals
 /// would fill the memory of the library, which frees samples every 6 s.
@@ -83,7 +87,16 @@ impl Shared {
         self.heard.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn sample(&self, taken: Taken, since: Instant) -> Sample {
+    /// Returns the sample that an endpoint of this kind has received, or the reason why it cannot be read.
+    fn sample(&self, mut taken: Taken, kind: EndpointKind, since: Instant) -> Result<Sample, String> {
+        let (caller, header) = match kind {
+            EndpointKind::Server => requests::client(&taken),
+            _ => Default::default(),
+        };
+        if kind == EndpointKind::Nodes {
+            taken.bytes = graph::names(&taken).map_err(|error| error.to_string())?;
+            taken.is_big_endian = false;
+        }
         let Taken { id, related, written, is_big_endian, bytes } = taken;
         let heard = self.heard().get(&id.writer).copied();
         // The match of this writer will be reported shortly.
@@ -95,7 +108,18 @@ impl Shared {
             matched: heard.since.elapsed(),
             is_local: heard.is_local,
         };
-        Sample { id, related, is_stale: is_stale(known), written, came_ns: monotonic_ns(), is_big_endian, bytes }
+        Ok(Sample {
+            id,
+            sender: id.writer.prefix(),
+            caller,
+            header,
+            answers: related.and_then(|related| related.number),
+            is_stale: is_stale(known),
+            written,
+            came_ns: monotonic_ns(),
+            is_big_endian,
+            bytes,
+        })
     }
 
     /// Whether it is a participant of this program.
@@ -133,22 +157,34 @@ pub(super) struct Member {
     is_replaced: bool,
 }
 
-enum Open {
-    Writer {
-        writer: Arc<Writer>,
-        replies: Arc<Replies>,
-    },
-    Latched {
-        guid: Guid,
-        latched: Latched,
-    },
+/// What an endpoint of the program reads and writes.
+struct Open {
+    input: Option<Input>,
+    output: Option<Output>,
+}
+
+struct Input {
+    guid: Guid,
     /// Services are created and dropped with their node; subscriptions are created and dropped at any time.
-    Reader {
-        guid: Guid,
-        is_subscription: bool,
-        credit: Arc<Semaphore>,
-        task: JoinHandle<()>,
-    },
+    is_subscription: bool,
+    credit: Arc<Semaphore>,
+    task: JoinHandle<()>,
+}
+
+enum Output {
+    Samples(Box<Writer>),
+    Replies(Arc<Replies>),
+    Latched { guid: Guid, latched: Latched },
+}
+
+impl Output {
+    fn guid(&self) -> Guid {
+        match self {
+            Self::Samples(writer) => writer.guid(),
+            Self::Replies(replies) => replies.guid(),
+            Self::Latched { guid, .. } => *guid,
+        }
+    }
 }
 
 impl Member {
@@ -199,7 +235,7 @@ impl Member {
         tasks.push(Hashes::start(&shared, &runtime).map_err(|error| format!("no socket: {error}"))?);
         shared.report(Report::Joined(prefix));
         drop(inside);
-        let departed = Departed { prefix, domain: join.domain, networks: join.networks.clone() };
+        let departed = Departed { participant: prefix, domain: join.domain, networks: join.networks.clone() };
         Ok(Self { endpoints: HashMap::new(), graph, probe, tasks, shared, runtime, departed, is_replaced: false })
     }
 
@@ -220,13 +256,13 @@ impl Member {
             Order::Join(_) => {}
             Order::Open(endpoint, spec) => {
                 if let Err(error) = self.open(endpoint, &spec) {
-                    self.shared.report(Report::Failed(error));
+                    self.shared.report(Report::Failed(error.to_string()));
                 }
             }
             Order::Close(endpoint) => self.close(endpoint),
             Order::Write(endpoint, bytes) => self.write(endpoint, bytes),
             Order::Reply(endpoint, reply) => match self.endpoints.get(&endpoint) {
-                Some(Open::Writer { replies, .. }) => {
+                Some(Open { output: Some(Output::Replies(replies)), .. }) => {
                     let (replies, shared) = (Arc::clone(replies), Arc::clone(&self.shared));
                     self.runtime.spawn(async move {
                         let token = reply.token;
@@ -238,8 +274,8 @@ impl Member {
                 _ => self.shared.report(Report::Replied(reply.token, Err(ReplyFailure::NoReader))),
             },
             Order::More(endpoint, count) => {
-                if let Some(Open::Reader { credit, .. }) = self.endpoints.get(&endpoint) {
-                    credit.add_permits(count as usize);
+                if let Some(Open { input: Some(input), .. }) = self.endpoints.get(&endpoint) {
+                    input.credit.add_permits(count as usize);
                 }
             }
             Order::Successor(participant) => {
@@ -259,75 +295,80 @@ impl Member {
         }
     }
 
-    fn open(&mut self, endpoint: Endpoint, spec: &Spec) -> Result<(), String> {
-        let Spec { kind, topic, type_name, type_hash, qos } = spec;
-        let participant = &self.shared.participant;
-        let fail = |error: super::dds::DdsError| error.to_string();
-        let (guid, open) = match kind {
-            Kind::Writer => {
-                let writer = participant.writer(topic, type_name, *qos).map_err(fail)?;
-                let guid = writer.guid();
-                let mut writers = self.shared.writers.lock().unwrap_or_else(PoisonError::into_inner);
-                writers.insert(guid, (endpoint, 0));
-                drop(writers);
-                if qos.latched {
-                    let (target, matches) =
-                        (latched::DirectedWriter { writer, shared: Arc::clone(&self.shared) }, &self.shared.matches);
-                    let gather = if qos.depth == 1 { GATHER } else { Duration::ZERO };
-                    let latched = Latched::start(&self.runtime, target, matches, *qos, gather);
-                    (guid, Open::Latched { guid, latched })
-                } else {
-                    let writer = Arc::new(writer);
-                    let replies = Arc::new(Replies::new(Arc::clone(&writer), topic.clone()));
-                    (guid, Open::Writer { writer, replies })
-                }
-            }
-            Kind::Reader(credit) => {
-                let reader = participant.reader(topic, type_name, *qos).map_err(fail)?;
-                let guid = reader.guid();
-                let credit = Arc::new(Semaphore::new(*credit as usize));
-                let task = self.runtime.spawn(read(reader, endpoint, Arc::clone(&credit), Arc::clone(&self.shared)));
-                (guid, Open::Reader { guid, is_subscription: topic.starts_with("rt/"), credit, task })
-            }
-        };
-        self.shared.hashes.add(guid, type_hash);
-        self.graph.add(guid);
-        self.endpoints.insert(endpoint, open);
+    fn open(&mut self, endpoint: Endpoint, spec: &Spec) -> Result<(), DdsError> {
+        let (read, written) = topics(spec);
+        let input = read.map(|topic| self.open_input(endpoint, spec, &topic)).transpose()?;
+        let output = written.map(|topic| self.open_output(endpoint, spec, topic)).transpose()?;
+        self.endpoints.insert(endpoint, Open { input, output });
         Ok(())
     }
 
-    fn close(&mut self, endpoint: Endpoint) {
-        let Some(open) = self.endpoints.remove(&endpoint) else { return };
-        let guid = match &open {
-            Open::Writer { writer, .. } => writer.guid(),
-            Open::Latched { guid, .. } => *guid,
-            Open::Reader { guid, is_subscription, task, .. } => {
-                let end = self.shared.participant.end_of_reader();
-                if *is_subscription {
-                    dispose::tell_all(&self.departed, &sedp::reader_gone(*guid, end));
-                }
-                // The reader is dropped with its task. The library disposes it after our disposal.
-                task.abort();
-                *guid
-            }
+    fn open_input(&mut self, endpoint: Endpoint, spec: &Spec, topic: &DdsTopic) -> Result<Input, DdsError> {
+        let Spec { kind, qos, credit, .. } = *spec;
+        let depth = if kind == EndpointKind::Server { WAITING } else { qos.depth };
+        let reader = self.shared.participant.reader(&topic.name, &topic.type_name, Qos { depth, ..qos })?;
+        let guid = reader.guid();
+        let credit = Arc::new(Semaphore::new(credit as usize));
+        let task = self.runtime.spawn(read(reader, endpoint, kind, Arc::clone(&credit), Arc::clone(&self.shared)));
+        self.announce(guid, &topic.hash);
+        Ok(Input { guid, is_subscription: kind == EndpointKind::Subscription, credit, task })
+    }
+
+    fn open_output(&mut self, endpoint: Endpoint, spec: &Spec, topic: DdsTopic) -> Result<Output, DdsError> {
+        let (qos, shared) = (spec.qos, &self.shared);
+        let writer = shared.participant.writer(&topic.name, &topic.type_name, qos)?;
+        let guid = writer.guid();
+        shared.writers.lock().unwrap_or_else(PoisonError::into_inner).insert(guid, (endpoint, 0));
+        let output = if spec.kind == EndpointKind::Server {
+            Output::Replies(Arc::new(Replies::new(writer, topic.name)))
+        } else if qos.latched {
+            let target = latched::DirectedWriter { writer, shared: Arc::clone(shared) };
+            let gather = if qos.depth == 1 { GATHER } else { Duration::ZERO };
+            let latched = Latched::start(&self.runtime, target, &shared.matches, qos, gather);
+            Output::Latched { guid, latched }
+        } else {
+            Output::Samples(Box::new(writer))
         };
-        self.shared.hashes.remove(guid);
-        self.graph.remove(guid);
-        self.shared.writers.lock().unwrap_or_else(PoisonError::into_inner).remove(&guid);
-        self.shared.matches.forget(guid);
+        self.announce(guid, &topic.hash);
+        Ok(output)
+    }
+
+    /// Announces a reader or writer, with the hash of its type.
+    fn announce(&mut self, guid: Guid, hash: &str) {
+        self.shared.hashes.add(guid, hash);
+        self.graph.add(guid);
+    }
+
+    fn close(&mut self, endpoint: Endpoint) {
+        let Some(Open { input, output }) = self.endpoints.remove(&endpoint) else { return };
+        if let Some(Input { guid, is_subscription, task, .. }) = &input {
+            let end = self.shared.participant.end_of_reader();
+            if *is_subscription {
+                dispose::tell_all(&self.departed, &sedp::reader_gone(*guid, end));
+            }
+            // The reader is dropped with its task. The library disposes it after our disposal.
+            task.abort();
+        }
+        let guids = input.iter().map(|input| input.guid).chain(output.iter().map(Output::guid));
+        for guid in guids {
+            self.shared.hashes.remove(guid);
+            self.graph.remove(guid);
+            self.shared.writers.lock().unwrap_or_else(PoisonError::into_inner).remove(&guid);
+            self.shared.matches.forget(guid);
+        }
     }
 
     fn write(&self, endpoint: Endpoint, bytes: Bytes) {
-        match self.endpoints.get(&endpoint) {
-            Some(Open::Writer { writer, .. }) => match writer.write(bytes) {
+        match self.endpoints.get(&endpoint).and_then(|open| open.output.as_ref()) {
+            Some(Output::Samples(writer)) => match writer.write(bytes) {
                 Ok(_) => {}
                 Err(ReplyFailure::Broken(reason)) => tracing::error!("a message was not published: {reason}"),
                 Err(ReplyFailure::Full | ReplyFailure::NoReader) => {
                     tracing::warn!("a reader does not keep up, a message was dropped");
                 }
             },
-            Some(Open::Latched { latched, .. }) => latched.set(bytes),
-            Some(Open::Reader { .. }) | None => {}
+            Some(Output::Latched { latched, .. }) => latched.set(bytes),
+            Some(Output::Replies(_)) | None => {}
         }
     }
 }
@@ -335,23 +376,20 @@ impl Member {
 impl Drop for Member {
     fn drop(&mut self) {
         self.tasks.iter().for_each(JoinHandle::abort);
-        for open in self.endpoints.values() {
-            if let Open::Reader { task, .. } = open {
-                task.abort();
-            }
-        }
+        let inputs = self.endpoints.values().filter_map(|open| open.input.as_ref());
+        inputs.for_each(|input| input.task.abort());
     }
 }
 
 /// Forwards samples, as far as the credit allows.
-async fn read(mut reader: Reader, endpoint: Endpoint, credit: Arc<Semaphore>, shared: Arc<Shared>) {
+async fn read(mut reader: Reader, endpoint: Endpoint, kind: EndpointKind, credit: Arc<Semaphore>, shared: Arc<Shared>) {
     let since = Instant::now();
     loop {
         // Never closed.
         let Ok(permit) = credit.acquire().await else { return };
         let taken = reader.next().await;
         permit.forget();
-        shared.report(Report::Taken(endpoint, taken.map(|taken| shared.sample(taken, since))));
+        shared.report(Report::Taken(endpoint, taken.and_then(|taken| shared.sample(taken, kind, since))));
     }
 }
 

@@ -3,14 +3,17 @@
 //! It executes the orders of the program (`link/protocol`) and is independent of message types and axes. A fault of the library ends with
 //! this process, whose memory is limited; the program then starts another one.
 //!
+//! It alone knows the middleware, DDS: `dds_names` maps names and types of ROS to it, and `requests` recognizes the RMW of a client.
 //! `dds` is the only file that imports the library. docs/dds-library.md lists what the library (0.15.1) cannot do, and the files that work
 //! around it.
 
 mod acknowledge;
 mod age;
 mod dds;
+mod dds_names;
 mod dispose;
 mod graph;
+mod guid;
 mod hashes;
 mod keeper;
 mod latched;
@@ -25,6 +28,7 @@ mod preemptive;
 mod presence;
 mod probe;
 mod replies;
+mod requests;
 mod returning;
 mod rtps;
 mod sedp;
@@ -43,7 +47,9 @@ use crate::link::frame;
 use crate::link::protocol::{Order, Report};
 use member::Member;
 
-pub(crate) use dds::NOISE;
+pub use library_lines::log_filter;
+#[cfg(any(test, feature = "fuzz"))]
+pub use requests::any_request;
 
 /// Memory limit of the process in bytes. Requests that the DDS library keeps need memory: 256 for each topic.
 const MEMORY: u64 = 2 << 30;
@@ -148,3 +154,6 @@ fn leave(member: Member) {
     // Once more, because datagrams get lost.
     dispose::dispose(&departed);
 }
+
+#[cfg(test)]
+mod tests;

@@ -20,9 +20,9 @@ use tokio::net::UdpSocket;
 use tokio::sync::oneshot;
 use tokio::time::{sleep, timeout};
 
+use super::guid::Guid;
 use super::member::Shared;
 use super::rtps::{AckNack, Acknowledged, Message, entity, read_acknack};
-use crate::link::guid::Guid;
 
 /// Maximum time until the first HEARTBEAT of a latched writer.
 const FIRST_HEARTBEAT: Duration = Duration::from_millis(50);

@@ -10,8 +10,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::net::SocketAddrV4;
 use std::time::{Duration, Instant};
 
+use super::guid::Prefix;
 use super::spdp::Announcement;
-use crate::link::guid::Prefix;
 
 /// Maximum number of participants that are stored: more than a host and its network have.
 const MOST: usize = 256;

@@ -13,9 +13,9 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
 use super::dds::{Barrier, DdsError, Participant};
+use super::guid::Prefix;
 use super::member::Shared;
 use super::spdp::{self, BARE, SimulatedParticipant};
-use crate::link::guid::Prefix;
 use crate::offset::{SET_BACK_NS, SetBack};
 
 /// Time between two announcements. At each of them the library announces itself to all participants.

@@ -3,18 +3,19 @@
 use std::collections::HashMap;
 use std::net::SocketAddrV4;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use bytes::Bytes;
 use tokio::time::{Instant, sleep, sleep_until, timeout_at};
 
 use super::dds::{Address, LONGEST_IDENTIFIED, Writer, now_ticks, padded};
+use super::guid::Guid;
 use super::long_reply::LongReply;
 use super::member::Shared;
+use super::requests::{DdsClient, Place};
 use super::rtps::{Message, entity};
-use crate::link::guid::Guid;
-use crate::link::protocol::{Place, Reply, ReplyFailure, SampleId};
+use crate::link::protocol::{Reply, ReplyFailure, SampleId};
 
 /// Maximum time for which a reply waits for space in the writer.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -34,7 +35,7 @@ const FEW: usize = 8;
 
 /// Writes the replies of one service.
 pub(super) struct Replies {
-    writer: Arc<Writer>,
+    writer: Writer,
     topic: String,
     /// Reader of each client, by the client's writer, if a search has found exactly one reader.
     known: Mutex<HashMap<Guid, Guid>>,
@@ -92,17 +93,25 @@ impl Numbers {
 }
 
 impl Replies {
-    pub(super) fn new(writer: Arc<Writer>, topic: String) -> Self {
+    pub(super) fn new(writer: Writer, topic: String) -> Self {
         Self { writer, topic, known: Mutex::default(), numbers: tokio::sync::Mutex::default() }
+    }
+
+    /// Returns the GUID of the writer.
+    pub(super) fn guid(&self) -> Guid {
+        self.writer.guid()
     }
 
     /// Writes a reply as soon as its reader is matched. A reply that is written before the match is lost.
     pub(super) async fn send(&self, shared: &Shared, reply: Reply) -> Result<(), ReplyFailure> {
+        // The program returns only callers of this or an earlier side.
+        let Some(client) = DdsClient::read(&reply.caller) else { return Err(ReplyFailure::NoReader) };
+        let bytes = client.reply(reply.bytes);
         let deadline = Instant::now() + Duration::from_millis(reply.patience_ms.into());
         let mut changes = shared.matches.changes();
         let readers = loop {
             changes.mark_unchanged();
-            let found = self.readers(shared, reply.place);
+            let found = self.readers(shared, client.place);
             if found.complete {
                 break found.matched;
             }
@@ -115,7 +124,7 @@ impl Replies {
             return Err(ReplyFailure::NoReader);
         }
         for reader in readers {
-            self.write(shared, reader, reply.answers, &reply.bytes).await?;
+            self.write(shared, reader, client.answers, &bytes).await?;
         }
         Ok(())
     }

@@ -26,13 +26,13 @@ use tokio::task::JoinHandle;
 use tokio::time::sleep;
 
 use super::dds::Discovery;
+use super::guid::Prefix;
 use super::member::Shared;
 use super::presence::{Heard, Presence};
 use super::sedp::Endpoint;
 use super::socket::OwnSocket;
 use super::spdp::{self, ANNOUNCER, Announcement, BARE, LATE, SimulatedParticipant};
 use super::{hashes, listeners};
-use crate::link::guid::Prefix;
 
 /// Period of the rounds in which lost participants are asked.
 const ROUND: Duration = Duration::from_secs(2);

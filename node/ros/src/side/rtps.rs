@@ -2,7 +2,7 @@
 
 use std::net::SocketAddrV4;
 
-use crate::link::guid::{Guid, Prefix};
+use super::guid::{Guid, Prefix};
 
 /// Entity ID: the last 4 bytes of a GUID, which identify the endpoint.
 pub(super) type Entity = [u8; 4];

@@ -3,9 +3,9 @@
 
 use std::net::SocketAddrV4;
 
+use super::guid::{Guid, Prefix};
 use super::rtps::{Entity, Message, SENTINEL, locator, parameter};
 use super::spdp::{PARTICIPANT, gone};
-use crate::link::guid::{Guid, Prefix};
 
 /// Maximum length of an announcement in bytes: a datagram has 64 kB.
 const LONGEST: usize = 60_000;

@@ -3,8 +3,8 @@
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 
+use super::guid::Prefix;
 use super::rtps::{Entity, Message, SENTINEL, locator, number, parameter};
-use crate::link::guid::Prefix;
 
 const SPDP_WRITER: Entity = [0, 1, 0, 0xc2];
 const SPDP_READER: Entity = [0, 1, 0, 0xc7];

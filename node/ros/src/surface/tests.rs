@@ -5,6 +5,7 @@ use super::parameters::fake;
 use super::table::{Kind, PARAMETERS, ROWS, Row};
 use super::{GripperSettings, Group, JointNames, Surface, TrajectorySettings, states};
 use crate::layer::{Environment, Networks, Node, NodeName, NodeOptions, Qos, RosArguments};
+use crate::link::protocol::EndpointKind;
 use lineshaft_core::command::{Action, Setpoints};
 use lineshaft_core::config::{MachineConfig, SlotConfig};
 use lineshaft_core::function::Kind as FunctionKind;
@@ -114,46 +115,39 @@ impl Host for Still {
     }
 }
 
-/// Whether it is a writer; topic and type in DDS; QoS if the table defines it.
-type Endpoint = (bool, String, String, Option<Qos>);
+/// Kind, full name, type and QoS.
+type Endpoint = (EndpointKind, String, String, Qos);
 
-/// Returns the DDS endpoints of a row for node /cell/shaft (wire format of ROS 2 Jazzy).
+/// Returns the endpoints of a row for node /cell/shaft.
 fn endpoints(row: &Row) -> Vec<Endpoint> {
-    let [package, kind, interface] =
-        row.interface.split('/').collect::<Vec<_>>().try_into().expect("PACKAGE/KIND/NAME");
-    let dds = |suffix: &str| format!("{package}::{kind}::dds_::{interface}{suffix}_");
     let name = match row.name.strip_prefix("~/") {
         Some(rest) => format!("/cell/shaft/{rest}"),
         None if row.name.starts_with('/') => row.name.to_owned(),
         None => format!("/cell/{}", row.name),
     };
-    let service = |name: &str, dds: &str, qos: Option<Qos>| {
-        let dds = dds.strip_suffix('_').expect("as every name in DDS");
-        [
-            (false, format!("rq{name}Request"), format!("{dds}_Request_"), None),
-            (true, format!("rr{name}Reply"), format!("{dds}_Response_"), qos),
-        ]
-    };
+    let one = |kind| vec![(kind, name.clone(), row.interface.to_owned(), row.qos)];
     match row.kind {
-        Kind::Publisher => vec![(true, format!("rt{name}"), dds(""), Some(row.qos))],
-        Kind::Subscription => vec![(false, format!("rt{name}"), dds(""), Some(row.qos))],
-        Kind::Service => service(&name, &dds(""), Some(row.qos)).to_vec(),
+        Kind::Publisher => one(EndpointKind::Publisher),
+        Kind::Subscription => one(EndpointKind::Subscription),
+        Kind::Service => one(EndpointKind::Server),
         Kind::Action => {
-            let part = |part: &str| format!("{name}/_action/{part}");
-            let mut all = Vec::new();
-            all.extend(service(&part("send_goal"), &dds("_SendGoal"), Some(row.qos)));
-            all.extend(service(&part("get_result"), &dds("_GetResult"), Some(row.qos)));
-            all.extend(service(&part("cancel_goal"), "action_msgs::srv::dds_::CancelGoal_", Some(row.qos)));
-            all.push((true, format!("rt{}", part("feedback")), dds("_FeedbackMessage"), Some(Qos::STREAM)));
-            let status = "action_msgs::msg::dds_::GoalStatusArray_".to_owned();
-            all.push((true, format!("rt{}", part("status")), status, Some(Qos::STATUS)));
-            all
+            let part = |kind, part: &str, interface: &str, qos| {
+                (kind, format!("{name}/_action/{part}"), interface.to_owned(), qos)
+            };
+            let derived = |suffix: &str| format!("{}_{suffix}", row.interface);
+            vec![
+                part(EndpointKind::Server, "send_goal", &derived("SendGoal"), row.qos),
+                part(EndpointKind::Server, "get_result", &derived("GetResult"), row.qos),
+                part(EndpointKind::Server, "cancel_goal", "action_msgs/srv/CancelGoal", row.qos),
+                part(EndpointKind::Publisher, "feedback", &derived("FeedbackMessage"), Qos::STREAM),
+                part(EndpointKind::Publisher, "status", "action_msgs/msg/GoalStatusArray", Qos::STATUS),
+            ]
         }
     }
 }
 
-/// Returns a surface of node /cell/shaft, and the endpoints that it has created: whether it is a writer, topic and type in DDS, QoS.
-fn surface(controller_manager: Option<&'static str>, groups: &[Group]) -> (Surface, Vec<(bool, String, String, Qos)>) {
+/// Returns a surface of node /cell/shaft, and the endpoints that it has created.
+fn surface(controller_manager: Option<&'static str>, groups: &[Group]) -> (Surface, Vec<Endpoint>) {
     // As in the tests of the layer: domains that tests with other peers do not use.
     let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
     let environment = Environment { domain, networks: Networks::Loopback };
@@ -178,19 +172,17 @@ async fn surface_creates_exactly_endpoints_of_table() {
     // Gripper actions exist only for groups.
     let rows = ROWS.iter().filter(|row| !row.name.ends_with("gripper_cmd"));
     let wanted: Vec<Endpoint> = rows.flat_map(endpoints).collect();
-    for (writes, topic, dds, qos) in &wanted {
-        let found: Vec<_> = opened.iter().filter(|known| known.0 == *writes && known.1 == *topic).collect();
-        assert!(!found.is_empty(), "the table promises {topic}, which is not opened");
+    for (kind, name, interface, qos) in &wanted {
+        let found: Vec<_> = opened.iter().filter(|known| known.0 == *kind && known.1 == *name).collect();
+        assert!(!found.is_empty(), "the table promises {name}, which is not opened");
         for (_, _, known, known_qos) in found {
-            assert_eq!(known, dds, "the type of {topic}");
-            assert_eq!(*known_qos, qos.unwrap_or(*known_qos), "the QoS of {topic}");
+            assert_eq!(known, interface, "the type of {name}");
+            assert_eq!(known_qos, qos, "the QoS of {name}");
         }
     }
-    // The graph topic of the node itself is not an interface for users.
-    let known: BTreeSet<_> = wanted.iter().map(|(writes, topic, ..)| (*writes, topic.as_str())).collect();
-    let others = opened.iter().map(|(writes, topic, ..)| (*writes, topic.as_str())).filter(|one| !known.contains(one));
-    let others: Vec<_> = others.filter(|(_, topic)| *topic != "ros_discovery_info").collect();
-    assert_eq!(others, [], "opened, but not in the table");
+    let known: BTreeSet<_> = wanted.iter().map(|(kind, name, ..)| (*kind, name.as_str())).collect();
+    let others = opened.iter().map(|(kind, name, ..)| (*kind, name.as_str())).filter(|one| !known.contains(one));
+    assert_eq!(others.collect::<Vec<_>>(), [], "opened, but not in the table");
 
     let mut declared = surface.hub.own.names();
     declared.retain(|name| !name.starts_with("qos_overrides."));
@@ -207,9 +199,9 @@ async fn surface_creates_exactly_endpoints_of_table() {
 
 #[tokio::test]
 async fn controller_manager_has_the_name_that_the_cell_gives_or_does_not_exist() {
-    let of_manager = |opened: &[(bool, String, String, Qos)]| {
-        let types = opened.iter().filter(|(_, _, dds, _)| dds.starts_with("controller_manager_msgs::"));
-        types.map(|(_, topic, ..)| topic.clone()).collect::<BTreeSet<_>>()
+    let of_manager = |opened: &[Endpoint]| {
+        let of_type = opened.iter().filter(|(_, _, interface, _)| interface.starts_with("controller_manager_msgs/"));
+        of_type.map(|(_, name, ..)| name.clone()).collect::<BTreeSet<_>>()
     };
     let (without, opened) = surface(None, &[]);
     assert_eq!(of_manager(&opened), BTreeSet::new());
@@ -218,11 +210,9 @@ async fn controller_manager_has_the_name_that_the_cell_gives_or_does_not_exist()
     let services =
         ["list_controllers", "list_controller_types", "list_hardware_components", "list_hardware_interfaces"];
     let refused = ["load_controller", "unload_controller", "reload_controller_libraries"];
-    let topics = services.into_iter().chain(refused).chain(["switch_controller"]).flat_map(|service| {
-        let name = format!("/cell/shaft/controller_manager/{service}");
-        [format!("rq{name}Request"), format!("rr{name}Reply")]
-    });
-    assert_eq!(of_manager(&opened), topics.collect());
+    let services = services.into_iter().chain(refused).chain(["switch_controller"]);
+    let names = services.map(|service| format!("/cell/shaft/controller_manager/{service}"));
+    assert_eq!(of_manager(&opened), names.collect());
 }
 
 #[tokio::test]
@@ -235,9 +225,9 @@ async fn a_gripper_has_two_actions_below_the_name_of_its_group() {
     };
     let groups = [group("hand", Some(GripperSettings::default())), group("arm", None)];
     let (_surface, opened) = surface(None, &groups);
-    let of_grippers = opened.iter().map(|(_, topic, ..)| topic.as_str()).filter(|topic| topic.contains("gripper"));
-    let goals: BTreeSet<_> = of_grippers.filter(|topic| topic.ends_with("send_goalRequest")).collect();
+    let of_grippers = opened.iter().map(|(_, name, ..)| name.as_str()).filter(|name| name.contains("gripper"));
+    let goals: BTreeSet<_> = of_grippers.filter(|name| name.ends_with("send_goal")).collect();
     let named = ["gripper_cmd", "parallel_gripper_cmd"];
-    let expected = named.map(|name| format!("rq/cell/shaft/hand/{name}/_action/send_goalRequest"));
+    let expected = named.map(|name| format!("/cell/shaft/hand/{name}/_action/send_goal"));
     assert_eq!(goals, expected.iter().map(String::as_str).collect());
 }

@@ -1,4 +1,4 @@
-//! Goals of one action: their states, waiting result requests, and the selection of goals by a cancel request. Independent of DDS.
+//! Goals of one action: their states, waiting result requests, and the selection of goals by a cancel request. Independent of the link.
 //!
 //! Law      accepted -> executing -> succeeded | aborted; accepted or executing -> canceling -> canceled | succeeded | aborted. Every
 //!          client gets the result of an ended goal until its timeout. A goal that is canceled before it is accepted starts as canceling. A

@@ -20,7 +20,7 @@ use crate::layer::publisher::{PublishError, UntypedPublisher};
 use crate::layer::service::{Reply, Request, ServiceServer};
 use crate::line_limit::MessageRateLimit;
 use crate::link::Writer;
-use crate::link::protocol::WireType;
+use crate::link::protocol::{EndpointKind, WireType};
 use crate::link::qos::Qos;
 
 /// Maximum number of events that wait for the application; above that, goals and cancel requests are rejected.
@@ -83,8 +83,9 @@ impl<A: Action> ActionServer<A> {
         };
         let feedback = context.names.remapped_topic(name.action_part("feedback"));
         let feedback = UntypedPublisher::new(context, feedback, WireType::feedback::<A>(), Qos::STREAM);
-        let status = context.names.remapped_topic(name.action_part("status")).topic();
-        let status = context.writer(&status, WireType::message::<GoalStatusArray>(), Qos::STATUS);
+        let status = context.names.remapped_topic(name.action_part("status"));
+        let wire = WireType::message::<GoalStatusArray>();
+        let (status, _) = context.open(EndpointKind::Publisher, &status, wire, Qos::STATUS);
         let goals = Mutex::new(Goals::new(options.result_timeout, options.kept_goals));
         let shared = Arc::new(Shared { goals, status, feedback, name, clock: context.clock.clone() });
         let (sender, events) = mpsc::channel(WAITING);

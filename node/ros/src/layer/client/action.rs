@@ -6,7 +6,7 @@ use lineshaft_msgs::foreign::action_msgs::srv::{CancelGoal, CancelGoalRequest, C
 use lineshaft_msgs::foreign::unique_identifier_msgs::msg::UUID;
 use lineshaft_msgs::{
     Action, FeedbackMessage, GetResult, GetResultRequest, GetResultResponse, SendGoal, SendGoalRequest,
-    SendGoalResponse, cdr,
+    SendGoalResponse,
 };
 
 use super::service::{ClientError, RequestNumber, ServiceClient};
@@ -14,7 +14,7 @@ use crate::layer::action::GoalId;
 use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
 use crate::link::Reader;
-use crate::link::protocol::WireType;
+use crate::link::protocol::{EndpointKind, WireType};
 use crate::link::qos::Qos;
 
 /// Client of one action.
@@ -29,11 +29,13 @@ pub struct ActionClient<A: Action> {
 impl<A: Action> ActionClient<A> {
     pub(in crate::layer) fn new(context: &Context, name: FullName) -> Self {
         let part = |part: &str| name.action_part(part);
+        let wire = WireType::feedback::<A>();
+        let (_, feedback) = context.open(EndpointKind::Subscription, &part("feedback"), wire, Qos::STREAM);
         Self {
             goals: ServiceClient::new(context, part("send_goal"), Qos::SERVICE),
             results: ServiceClient::new(context, part("get_result"), Qos::SERVICE),
             cancels: ServiceClient::new(context, part("cancel_goal"), Qos::SERVICE),
-            feedback: context.reader(&part("feedback").topic(), WireType::feedback::<A>(), Qos::STREAM),
+            feedback,
             name,
         }
     }
@@ -89,8 +91,7 @@ impl<A: Action> ActionClient<A> {
                 taken = self.feedback.next() => taken,
             };
             let Ok(sample) = taken else { continue };
-            let message = cdr::decode::<FeedbackMessage<A::Feedback>>(&sample.bytes, sample.endian());
-            if let Ok(FeedbackMessage { goal_id, feedback }) = message {
+            if let Ok(FeedbackMessage { goal_id, feedback }) = sample.decode::<FeedbackMessage<A::Feedback>>() {
                 return Ok(Progress::Feedback { id: GoalId(goal_id.uuid), feedback });
             }
         }

@@ -1,9 +1,7 @@
 //! Client of a service: sends requests and receives the reply of each.
 //!
-//! Law      a request is plain CDR without a header. The server identifies it by its writer and its sequence number (OMG DDS-RPC 1.0, basic
-//!          mapping), and repeats both in the `related_sample_identity` of the reply. The library numbers the samples of a writer from 1,
-//!          so the number of a request is the number of requests so far
-//! Refuses  replies without that identity, and replies to requests of other clients; both are ignored
+//! Law      the ROS side numbers the requests from 1, so the number of a request is the number of requests so far. The reply repeats it
+//! Refuses  replies without a number, and with that of no request; both are ignored
 
 use std::collections::HashMap;
 
@@ -12,14 +10,14 @@ use tokio::sync::watch;
 
 use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
-use crate::link::protocol::{Sample, WireType};
+use crate::link::protocol::{EndpointKind, Sample, WireType};
 use crate::link::qos::Qos;
 use crate::link::{Reader, Writer};
 
 /// Error: a request was not sent, or a reply was not received.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ClientError {
-    /// The DDS library does not keep up, or has ended.
+    /// The ROS side does not keep up, or has ended.
     #[error("{service}: the request was not sent: the DDS library does not take it")]
     Unsent {
         /// Full name of the service.
@@ -61,14 +59,8 @@ pub struct ServiceClient<S: Service> {
 
 impl<S: Service> ServiceClient<S> {
     pub(in crate::layer) fn new(context: &Context, name: FullName, qos: Qos) -> Self {
-        Self {
-            replies: context.reader(&name.reply(), WireType::response::<S>(), qos),
-            requests: context.writer(&name.request(), WireType::request::<S>(), qos),
-            name,
-            sent: 0,
-            early: HashMap::new(),
-            closed: context.closed.clone(),
-        }
+        let (requests, replies) = context.open(EndpointKind::Client, &name, WireType::service::<S>(), qos);
+        Self { replies, requests, name, sent: 0, early: HashMap::new(), closed: context.closed.clone() }
     }
 
     /// Returns the full name of the service.
@@ -116,7 +108,7 @@ impl<S: Service> ServiceClient<S> {
                 taken = self.replies.next() => taken,
                 _ = self.closed.changed() => return Err(ClientError::Closed { service: self.name.clone() }),
             };
-            // A sample that the library could not read belongs to no known request.
+            // A sample that the side could not read belongs to no known request.
             if let Ok(sample) = taken {
                 self.enter(&sample);
             }
@@ -126,44 +118,29 @@ impl<S: Service> ServiceClient<S> {
     /// Stores a reply to one of this client's requests.
     fn enter(&mut self, sample: &Sample) {
         let Some(number) = answered(sample, self.sent) else { return };
-        let reply = cdr::decode(&sample.bytes, sample.endian());
-        let unreadable =
-            |error: cdr::DecodeError| ClientError::Unreadable { service: self.name.clone(), reason: error.to_string() };
-        self.early.insert(number, reply.map_err(unreadable));
+        let unreadable = |reason| ClientError::Unreadable { service: self.name.clone(), reason };
+        self.early.insert(number, sample.decode().map_err(unreadable));
     }
 }
 
 /// Returns the number of the request that a reply answers, if it is one of the first `sent`.
 fn answered(sample: &Sample, sent: i64) -> Option<i64> {
-    sample.related?.number.filter(|number| (1..=sent).contains(number))
+    sample.answers.filter(|number| (1..=sent).contains(number))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::link::guid::Guid;
-    use crate::link::protocol::{Related, SampleId};
 
-    fn reply(related: Option<Related>) -> Sample {
-        let id = SampleId { writer: Guid([3; 16]), number: 1 };
-        Sample {
-            id,
-            related,
-            is_stale: false,
-            written: None,
-            came_ns: 0,
-            is_big_endian: false,
-            bytes: Vec::new().into(),
-        }
+    fn reply(answers: Option<i64>) -> Sample {
+        Sample { answers, ..Sample::default() }
     }
 
     #[test]
-    fn reply_belongs_to_the_request_that_its_identity_names() {
-        let related = |number| Some(Related { guid: Guid([7; 16]), number });
-        assert_eq!(answered(&reply(related(Some(2))), 2), Some(2));
-        assert_eq!(answered(&reply(related(Some(3))), 2), None, "not sent yet");
-        assert_eq!(answered(&reply(related(Some(0))), 2), None);
-        assert_eq!(answered(&reply(related(None)), 2), None, "no number");
-        assert_eq!(answered(&reply(None), 2), None, "a reply without an identity is for clients of rmw_cyclonedds");
+    fn reply_belongs_to_the_request_that_it_names() {
+        assert_eq!(answered(&reply(Some(2)), 2), Some(2));
+        assert_eq!(answered(&reply(Some(3)), 2), None, "not sent yet");
+        assert_eq!(answered(&reply(Some(0)), 2), None);
+        assert_eq!(answered(&reply(None), 2), None, "a reply without a number is for clients of another kind");
     }
 }

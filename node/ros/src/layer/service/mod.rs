@@ -1,12 +1,6 @@
-//! Services, for clients with rmw_fastrtps and with rmw_cyclonedds.
+//! Servers of services.
 
-mod caller;
-#[cfg(any(test, feature = "fuzz"))]
-mod laws;
 mod replies;
-
-#[cfg(any(test, feature = "fuzz"))]
-pub use laws::any_request;
 
 use std::collections::VecDeque;
 use std::marker::PhantomData;
@@ -14,23 +8,17 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use futures::FutureExt;
-use lineshaft_msgs::Service;
+use lineshaft_msgs::{Service, cdr};
 use serde::Serialize;
 use tokio::sync::watch;
 
-use self::caller::Caller;
 use self::replies::Replies;
 use super::endpoint::{Context, late};
 use super::name::FullName;
 use crate::line_limit::MessageRateLimit;
 use crate::link::Reader;
-use crate::link::guid::Prefix;
-use crate::link::protocol::{Sample, WireType};
+use crate::link::protocol::{Caller, EndpointKind, ParticipantId, Sample, WAITING, WireType};
 use crate::link::qos::Qos;
-
-/// Maximum number of requests that wait for the server, in the library and again in its queue. More than the 10 of ROS, because clients of
-/// all kinds share them. Not more than a burst needs, because the library keeps as many samples that were already read, of any length.
-const WAITING: u16 = 256;
 
 /// Requests whose arrivals differ by less than this, in ns, may have been reordered.
 const REORDER_WINDOW_NS: u64 = 100_000_000;
@@ -38,36 +26,36 @@ const REORDER_WINDOW_NS: u64 = 100_000_000;
 /// Error: a reply was not sent.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ReplyError {
-    /// The client has no reader for it, or no longer has one.
+    /// The client does not receive it, or has ended.
     #[error("{service}: the client that asked is not there to read the reply")]
     NoReader {
         /// Full name of the service.
         service: FullName,
     },
-    /// Slow readers hold too many replies.
+    /// Slow clients hold too many replies.
     #[error("{service}: clients do not keep up, the reply was dropped")]
     Full {
         /// Full name of the service.
         service: FullName,
     },
-    /// The DDS library failed.
+    /// The ROS side failed.
     #[error("{service}: no reply: {reason}")]
-    Dds {
+    Failed {
         /// Full name of the service.
         service: FullName,
-        /// Message of the library.
+        /// Message of the side.
         reason: String,
     },
 }
 
-/// Server of one service; dropping it removes the service from the node.
+/// Server of one service; dropping it removes the service from the node, once its open requests are answered.
 ///
 /// Requests that do not have exactly the form of the service are refused and logged. They are answered if the service has a response with a
 /// reason and the request identifies its client, which would wait otherwise. A request from Cyclone DDS that can be read without the header
 /// of rmw_cyclonedds is refused without an answer, because its client may read no header.
 pub struct ServiceServer<S: Service> {
     requests: Reader,
-    /// Requests that were read but not yet returned. The queue of the library alone is not fair: it returns the requests of one client
+    /// Requests that were read but not yet returned. The queue of the side alone is not fair: it returns the requests of one client
     /// before those of the next, and drops the oldest, so that a busy client would block the others until their requests are lost.
     line: VecDeque<QueuedRequest<S>>,
     replies: Arc<Replies>,
@@ -109,7 +97,7 @@ struct QueuedRequest<S: Service> {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::layer) struct Origin {
     /// Participant that has sent it.
-    sender: Prefix,
+    sender: ParticipantId,
     /// Time of writing by the clock of its sender, in ticks of 2^-32 s; `None` if the sender does not give it.
     written: Option<u64>,
     /// Time of arrival by the monotonic clock of the host, in ns.
@@ -136,14 +124,14 @@ impl Origin {
     }
 
     fn of_sample(sample: &Sample) -> Self {
-        let Sample { id, written, came_ns, is_stale, .. } = *sample;
-        Self { sender: id.writer.prefix(), written, came_ns, is_stale }
+        let Sample { sender, written, came_ns, is_stale, .. } = *sample;
+        Self { sender, written, came_ns, is_stale }
     }
 
     /// Creates a request of participant `sender` for tests.
     #[cfg(test)]
     pub(in crate::layer) fn of(sender: u8, written: Option<u64>, came_ns: u64) -> Self {
-        Self { sender: Prefix([sender; 12]), written, came_ns, is_stale: false }
+        Self { sender: ParticipantId([sender; 12]), written, came_ns, is_stale: false }
     }
 
     /// Returns the reason why the request must not be executed, if there is one.
@@ -166,9 +154,7 @@ pub struct Request<S: Service> {
 
 impl<S: Service> ServiceServer<S> {
     pub(super) fn new(context: &Context, name: FullName, qos: Qos) -> Self {
-        let requests = Qos { depth: WAITING, ..qos };
-        let requests = context.reader(&name.request(), WireType::request::<S>(), requests);
-        let writer = context.writer(&name.reply(), WireType::response::<S>(), qos);
+        let (writer, requests) = context.open(EndpointKind::Server, &name, WireType::service::<S>(), qos);
         Self {
             requests,
             line: VecDeque::new(),
@@ -246,29 +232,27 @@ impl<S: Service> ServiceServer<S> {
     /// Adds a request to the queue, if it is valid.
     fn enter(&mut self, taken: Result<Sample, String>) {
         match taken {
-            Ok(sample) => match caller::read::<S::Request>(&sample) {
-                Ok((caller, message)) => {
-                    self.line.push_back(QueuedRequest { caller, message, origin: Origin::of_sample(&sample) });
+            Ok(sample) => {
+                let origin = Origin::of_sample(&sample);
+                match sample.decode() {
+                    Ok(message) => self.line.push_back(QueuedRequest { caller: sample.caller, message, origin }),
+                    Err(refusal) => self.refuse(sample, origin, &refusal),
                 }
-                Err(refusal) => self.refuse(&sample, &refusal),
-            },
+            }
             Err(reason) => {
                 self.refusals.log((), |more| tracing::warn!("{}: a request was refused: {reason}{more}", self.name()));
             }
         }
     }
 
-    fn refuse(&mut self, sample: &Sample, refusal: &caller::Refusal) {
-        let from = sample.id.writer.prefix();
+    fn refuse(&mut self, sample: Sample, origin: Origin, refusal: &str) {
+        let from = origin.sender;
         self.refusals.log((), |more| {
             tracing::warn!("{}: a request of participant {from} was refused: {refusal}{more}", self.name());
         });
         let (RequestPolicy::Stops(answer) | RequestPolicy::Commands(answer)) = self.care else { return };
-        if caller::is_plain::<S::Request>(sample) {
-            return;
-        }
-        if let Some(caller) = caller::client(sample) {
-            let reply = Reply::new(self.replies.clone(), caller, Origin::of_sample(sample));
+        if !sample.caller.0.is_empty() && !sample.may_be_plain::<S::Request>() {
+            let reply = Reply::new(self.replies.clone(), sample.caller, origin);
             reply.send_soon(answer(&S::Request::default(), format!("the request was refused: {refusal}")));
         }
     }
@@ -293,11 +277,11 @@ impl<P: Serialize> Reply<P> {
         self.origin
     }
 
-    /// Sends the reply. Waits until the client's reader is matched, at most 1 s, after a restart of the ROS side 10 s; replies to other
+    /// Sends the reply. Waits until the client can be reached, at most 1 s, after a restart of the ROS side 10 s; replies to other
     /// clients are not delayed by that.
     pub async fn send(mut self, response: P) -> Result<(), ReplyError> {
         match self.caller.take() {
-            Some(caller) => self.replies.send(&caller, caller.reply(&response)).await,
+            Some(caller) => self.replies.send(caller, self.origin.sender, cdr::encode(&response)).await,
             None => Ok(()),
         }
     }
@@ -305,10 +289,10 @@ impl<P: Serialize> Reply<P> {
     /// Sends the reply without waiting. A failure is logged.
     pub fn send_soon(mut self, response: P) {
         if let Some(caller) = self.caller.take() {
-            let (replies, bytes) = (self.replies.clone(), caller.reply(&response));
+            let (replies, to, bytes) = (self.replies.clone(), self.origin.sender, cdr::encode(&response));
             self.replies.spawn(async move {
                 // A failure is logged there.
-                let _ = replies.send(&caller, bytes).await;
+                let _ = replies.send(caller, to, bytes).await;
             });
         }
     }

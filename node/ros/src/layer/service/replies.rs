@@ -3,12 +3,11 @@
 use std::future::Future;
 
 use super::ReplyError;
-use super::caller::Caller;
 use crate::layer::endpoint::Context;
 use crate::layer::name::FullName;
 use crate::line_limit::MessageRateLimit;
 use crate::link::Writer;
-use crate::link::protocol::ReplyFailure;
+use crate::link::protocol::{Caller, ParticipantId, ReplyFailure};
 
 /// Writer of the replies of one service.
 pub(super) struct Replies {
@@ -31,10 +30,10 @@ impl Replies {
         self.context.runtime.spawn(task);
     }
 
-    /// Writes a reply. A failure is logged, because the client would wait forever without any message.
-    pub(super) async fn send(&self, caller: &Caller, bytes: Vec<u8>) -> Result<(), ReplyError> {
+    /// Sends a reply to a client of participant `to`. A failure is logged, because the client would wait forever without any message.
+    pub(super) async fn send(&self, caller: Caller, to: ParticipantId, bytes: Vec<u8>) -> Result<(), ReplyError> {
         let service = self.service.clone();
-        let error = match self.writer.reply(caller.place, caller.identity(), bytes.into()).await {
+        let error = match self.writer.reply(caller, bytes.into()).await {
             Ok(()) => return Ok(()),
             Err(ReplyFailure::NoReader) => {
                 let error = ReplyError::NoReader { service };
@@ -43,10 +42,9 @@ impl Replies {
                 return Err(error);
             }
             Err(ReplyFailure::Full) => ReplyError::Full { service },
-            Err(ReplyFailure::Broken(reason)) => ReplyError::Dds { service, reason },
+            Err(ReplyFailure::Broken(reason)) => ReplyError::Failed { service, reason },
         };
-        let from = caller.answers.writer.prefix();
-        self.failed.log((), |more| tracing::warn!("{error} (participant {from}){more}"));
+        self.failed.log((), |more| tracing::warn!("{error} (participant {to}){more}"));
         Err(error)
     }
 }

@@ -1,10 +1,26 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::link::guid::Guid;
-use crate::link::qos::Qos;
 
-const T: WireType = WireType { name: "T", hash: "RIHS01_1" };
+fn open(registry: &Arc<Registry>, kind: EndpointKind, name: &str, qos: Qos) -> (Writer, Reader) {
+    registry.open(kind, name.to_owned(), WireType::default(), qos)
+}
+
+fn publisher(registry: &Arc<Registry>, name: &str, qos: Qos) -> Writer {
+    open(registry, EndpointKind::Publisher, name, qos).0
+}
+
+fn subscription(registry: &Arc<Registry>, name: &str, qos: Qos) -> Reader {
+    open(registry, EndpointKind::Subscription, name, qos).1
+}
+
+fn server(registry: &Arc<Registry>) -> (Writer, Reader) {
+    open(registry, EndpointKind::Server, "/service", Qos::SERVICE)
+}
+
+fn caller() -> Caller {
+    Caller(Bytes::from_static(&[9]))
+}
 
 fn join() -> Join {
     Join {
@@ -23,62 +39,70 @@ fn all(orders: &Orders) -> Vec<Order> {
     all
 }
 
-fn sample() -> Sample {
-    let id = SampleId { writer: Guid([1; 16]), number: 1 };
-    Sample { id, related: None, is_stale: false, written: None, came_ns: 0, is_big_endian: false, bytes: Bytes::new() }
-}
-
 #[tokio::test]
 async fn new_side_receives_complete_state() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let stream = registry.open_writer("rt/stream", T, Qos::STREAM);
-    let latched = registry.open_writer("rt/latched", T, Qos::STATUS);
-    let service = registry.open_writer("rr/service", T, Qos::SERVICE);
-    let mut requests = registry.open_reader("rq/service", T, Qos::SERVICE);
-    let gone = registry.open_writer("rt/gone", T, Qos::STREAM);
+    let stream = publisher(&registry, "/stream", Qos::STREAM);
+    let latched = publisher(&registry, "/latched", Qos::STATUS);
+    let (service, mut requests) = server(&registry);
+    let gone = publisher(&registry, "/gone", Qos::STREAM);
     drop(gone);
     stream.write(vec![1]).unwrap();
     latched.write(vec![2]).unwrap();
     latched.write(vec![3]).unwrap();
-    let place = Place::SameParticipant(Guid([9; 16]));
-    let open = service.reply(place, None, vec![4].into());
-    let answered = service.reply(place, None, vec![5].into());
+    let open = service.reply(caller(), vec![4].into());
+    let answered = service.reply(caller(), vec![5].into());
     registry.handle_report(1, Report::Replied(1, Ok(())));
     assert_eq!(answered.await, Ok(()));
     registry.handle_report(1, Report::Matched(0, 2));
     for _ in 0..5 {
-        registry.handle_report(1, Report::Taken(3, Ok(sample())));
+        registry.handle_report(1, Report::Taken(2, Ok(Sample::default())));
     }
     requests.next().await.unwrap();
-    assert_eq!((all(&first).len(), stream.matched()), (12, 2), "one order for each step");
+    assert_eq!((all(&first).len(), stream.matched()), (11, 2), "one order for each step");
 
     registry.end();
     assert_eq!(stream.matched(), 0, "of a side that is no more");
     stream.write(vec![6]).unwrap();
     let second = registry.begin(join());
     let told = all(&second);
-    let [Order::Join(_), Order::Open(0, _), Order::Open(1, _), latest, Order::Open(2, _), Order::Open(3, spec), reply] =
-        told.as_slice()
+    let [Order::Join(_), Order::Open(0, _), Order::Open(1, _), latest, Order::Open(2, spec), reply] = told.as_slice()
     else {
         panic!("{told:?}")
     };
     assert_eq!(latest, &Order::Write(1, vec![3].into()), "the latched value; no side received the published one");
-    assert_eq!(spec.kind, Kind::Reader(CREDIT - 4), "four wait here");
+    assert_eq!((spec.kind, spec.credit), (EndpointKind::Server, CREDIT - 4), "four wait here");
     let Order::Reply(2, reply) = reply else { panic!("{reply:?}") };
     assert_eq!((reply.token, reply.bytes[0], reply.patience_ms), (0, 4, 10_000));
     registry.handle_report(2, Report::Replied(0, Err(ReplyFailure::NoReader)));
     assert_eq!(open.await, Err(ReplyFailure::NoReader));
 }
 
+/// A request of a client may be answered after its server was dropped.
+#[test]
+fn endpoint_is_closed_when_both_parts_are_dropped() {
+    let registry = Arc::new(Registry::default());
+    let orders = registry.begin(join());
+    let (service, requests) = server(&registry);
+    drop(requests);
+    registry.handle_report(1, Report::Taken(0, Ok(Sample::default())));
+    drop(service.reply(caller(), vec![4].into()));
+    drop(service);
+    let told = all(&orders);
+    let [Order::Join(_), Order::Open(0, _), Order::Reply(0, _), Order::Close(0)] = told.as_slice() else {
+        panic!("{told:?}")
+    };
+}
+
 #[tokio::test]
 async fn samples_are_forwarded_at_rate_of_reader() {
     let registry = Arc::new(Registry::default());
     let orders = registry.begin(join());
-    let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
+    let mut reader = subscription(&registry, "/a", Qos::STREAM);
     all(&orders);
     for taken in 1..=CREDIT {
-        registry.handle_report(1, Report::Taken(0, Ok(sample())));
+        registry.handle_report(1, Report::Taken(0, Ok(Sample::default())));
         reader.next().await.unwrap();
         let wanted = if taken % 8 == 0 { vec![Order::More(0, 8)] } else { Vec::new() };
         assert_eq!(all(&orders), wanted, "{taken}");
@@ -89,8 +113,7 @@ async fn samples_are_forwarded_at_rate_of_reader() {
 fn queue_of_blocked_side_is_bounded() {
     let registry = Arc::new(Registry::default());
     let orders = registry.begin(join());
-    let (stream, latched) =
-        (registry.open_writer("rt/a", T, Qos::STREAM), registry.open_writer("rt/b", T, Qos::STATUS));
+    let (stream, latched) = (publisher(&registry, "/a", Qos::STREAM), publisher(&registry, "/b", Qos::STATUS));
     let megabyte = Bytes::from(vec![0; 1 << 20]);
     let written = (0..100).take_while(|_| stream.write(megabyte.clone()).is_ok()).count();
     assert_eq!(written, 64);
@@ -102,19 +125,17 @@ fn queue_of_blocked_side_is_bounded() {
 }
 
 fn sample_of(number: i64, is_stale: bool) -> Result<Sample, String> {
-    let mut sample = sample();
-    sample.id.number = number;
-    sample.is_stale = is_stale;
-    Ok(sample)
+    let id = SampleId { number, ..SampleId::default() };
+    Ok(Sample { id, is_stale, ..Sample::default() })
 }
 
 #[tokio::test]
 async fn handover_transfers_open_state() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let stream = registry.open_writer("rt/stream", T, Qos::STREAM);
-    let latched = registry.open_writer("rt/latched", T, Qos::STATUS);
-    let service = registry.open_writer("rr/service", T, Qos::SERVICE);
+    let stream = publisher(&registry, "/stream", Qos::STREAM);
+    let latched = publisher(&registry, "/latched", Qos::STATUS);
+    let (service, _requests) = server(&registry);
     latched.write(vec![1]).unwrap();
     registry.handle_report(1, Report::Matched(0, 2));
     all(&first);
@@ -127,9 +148,9 @@ async fn handover_transfers_open_state() {
     };
     stream.write(vec![2]).unwrap();
     latched.write(vec![3]).unwrap();
-    let answered = service.reply(Place::SameParticipant(Guid([9; 16])), None, vec![4].into());
-    let unanswered = service.reply(Place::SameParticipant(Guid([9; 16])), None, vec![5].into());
-    let late = registry.open_writer("rt/late", T, Qos::STREAM);
+    let answered = service.reply(caller(), vec![4].into());
+    let unanswered = service.reply(caller(), vec![5].into());
+    let late = publisher(&registry, "/late", Qos::STREAM);
     registry.order_side(2, Order::Probe(5));
     assert_eq!(all(&first).len(), 5, "all but the probe");
     let told = all(&second);
@@ -144,7 +165,7 @@ async fn handover_transfers_open_state() {
     registry.hand_over();
     assert_eq!((stream.matched(), late.matched()), (2, 1));
     stream.write(vec![6]).unwrap();
-    let after = service.reply(Place::SameParticipant(Guid([9; 16])), None, vec![7].into());
+    let after = service.reply(caller(), vec![7].into());
     let told = all(&second);
     let [Order::Write(0, _), Order::Reply(2, reply)] = told.as_slice() else { panic!("{told:?}") };
     assert_eq!((reply.token, registry.previous_has_replies()), (2, true));
@@ -169,7 +190,7 @@ async fn handover_transfers_open_state() {
 async fn both_sides_have_credit_for_what_is_taken() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
+    let mut reader = subscription(&registry, "/a", Qos::STREAM);
     let second = registry.begin_next(join());
     all(&first);
     all(&second);
@@ -186,7 +207,7 @@ async fn both_sides_have_credit_for_what_is_taken() {
 async fn a_next_side_that_fails_changes_nothing() {
     let registry = Arc::new(Registry::default());
     let first = registry.begin(join());
-    let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
+    let mut reader = subscription(&registry, "/a", Qos::STREAM);
     let second = registry.begin_next(join());
     registry.handle_report(2, Report::Taken(0, sample_of(1, true)));
     registry.handle_report(2, Report::Taken(0, Err("broken".to_owned())));
@@ -209,7 +230,7 @@ proptest! {
     ) {
         let registry = Arc::new(Registry::default());
         let _sides = (registry.begin(join()), registry.begin_next(join()));
-        let mut reader = registry.open_reader("rt/a", T, Qos::STREAM);
+        let mut reader = subscription(&registry, "/a", Qos::STREAM);
         let mut expected = Vec::new();
         for (place, (is_second, number)) in heard.iter().enumerate() {
             if place == handover {

@@ -2,6 +2,7 @@
 
 use std::fmt::Debug;
 
+use bytes::Bytes;
 use lineshaft_msgs::action::{HomeAxisGoal, MoveAxisGoal, PhaseGoal, ProbeAxisGoal, RunFunctionGoal, SynchronizeGoal};
 use lineshaft_msgs::cdr;
 use lineshaft_msgs::foreign::action_msgs::srv::CancelGoalRequest;
@@ -17,10 +18,11 @@ use lineshaft_msgs::{GetResultRequest, SendGoalRequest};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use super::caller::{HEADER, read};
+use super::{DdsClient, HEADER, Related, client};
 use crate::fuzz::LONGEST_SENTENCE;
-use crate::link::guid::Guid;
-use crate::link::protocol::{Related, Sample, SampleId};
+use crate::link::protocol::{Sample, SampleId};
+use crate::side::dds::Taken;
+use crate::side::guid::Guid;
 
 /// Checks the properties. The first two bytes select client and service; the others are the sample.
 ///
@@ -28,34 +30,34 @@ use crate::link::protocol::{Related, Sample, SampleId};
 /// A property does not hold.
 pub fn any_request(bytes: &[u8]) {
     let [form, kind, bytes @ ..] = bytes else { return };
-    let sample = sample(*form, bytes);
+    let request = request(*form, bytes);
     match kind % 19 {
-        0 => law::<AxesCommandRequest>(&sample),
-        1 => law::<SetPositionRequest>(&sample),
-        2 => law::<VocabularyRequest>(&sample),
-        3 => law::<RecordRequest>(&sample),
-        4 => law::<ImportParametersRequest>(&sample),
-        5 => law::<ResetParametersRequest>(&sample),
-        6 => law::<SetParametersRequest>(&sample),
-        7 => law::<DescribeParametersRequest>(&sample),
-        8 => law::<ListParametersRequest>(&sample),
-        9 => law::<CancelGoalRequest>(&sample),
-        10 => law::<GetResultRequest>(&sample),
-        11 => law::<SendGoalRequest<MoveAxisGoal>>(&sample),
-        12 => law::<SendGoalRequest<ProbeAxisGoal>>(&sample),
-        13 => law::<SendGoalRequest<SynchronizeGoal>>(&sample),
-        14 => law::<SdoReadRequest>(&sample),
-        15 => law::<SdoWriteRequest>(&sample),
-        16 => law::<SendGoalRequest<PhaseGoal>>(&sample),
-        18 => law::<SendGoalRequest<RunFunctionGoal>>(&sample),
+        0 => law::<AxesCommandRequest>(&request),
+        1 => law::<SetPositionRequest>(&request),
+        2 => law::<VocabularyRequest>(&request),
+        3 => law::<RecordRequest>(&request),
+        4 => law::<ImportParametersRequest>(&request),
+        5 => law::<ResetParametersRequest>(&request),
+        6 => law::<SetParametersRequest>(&request),
+        7 => law::<DescribeParametersRequest>(&request),
+        8 => law::<ListParametersRequest>(&request),
+        9 => law::<CancelGoalRequest>(&request),
+        10 => law::<GetResultRequest>(&request),
+        11 => law::<SendGoalRequest<MoveAxisGoal>>(&request),
+        12 => law::<SendGoalRequest<ProbeAxisGoal>>(&request),
+        13 => law::<SendGoalRequest<SynchronizeGoal>>(&request),
+        14 => law::<SdoReadRequest>(&request),
+        15 => law::<SdoWriteRequest>(&request),
+        16 => law::<SendGoalRequest<PhaseGoal>>(&request),
+        18 => law::<SendGoalRequest<RunFunctionGoal>>(&request),
         _ => {
-            law::<SendGoalRequest<HomeAxisGoal>>(&sample);
-            law::<TriggerRequest>(&sample);
+            law::<SendGoalRequest<HomeAxisGoal>>(&request);
+            law::<TriggerRequest>(&request);
         }
     }
 }
 
-fn sample(form: u8, bytes: &[u8]) -> Sample {
+fn request(form: u8, bytes: &[u8]) -> Taken {
     let vendor = [[0x01, 0x10], [0x01, 0x0f], [0x01, 0x12]][usize::from(form % 3)];
     let guid = |kind| Guid([vendor[0], vendor[1], 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 0, 1, kind]);
     let related = match form >> 2 & 3 {
@@ -63,36 +65,42 @@ fn sample(form: u8, bytes: &[u8]) -> Sample {
         1 => Some(Related { guid: guid(3), number: Some(i64::from(form)) }),
         _ => None,
     };
-    Sample {
+    Taken {
         id: SampleId { writer: guid(3), number: 42 },
         related,
-        is_stale: false,
         written: None,
-        came_ns: 0,
         is_big_endian: form & 0x80 != 0,
         bytes: bytes.to_vec().into(),
     }
 }
 
+/// Returns the request as the program receives it.
+pub(super) fn received(request: &Taken) -> Sample {
+    let (caller, header) = client(request);
+    Sample { caller, header, is_big_endian: request.is_big_endian, bytes: request.bytes.clone(), ..Sample::default() }
+}
+
 /// A request is refused with a short message, or decoded completely, in the form of its client. One from Cyclone DDS fits no other form.
-fn law<Q: DeserializeOwned + Serialize + Debug>(sample: &Sample) {
-    let (caller, message) = match read::<Q>(sample) {
-        Ok(read) => read,
-        Err(refusal) => return assert!(refusal.to_string().len() < LONGEST_SENTENCE, "{refusal}"),
+fn law<Q: DeserializeOwned + Serialize + Debug>(request: &Taken) {
+    let sample = received(request);
+    let message = match sample.decode::<Q>() {
+        Ok(message) => message,
+        Err(refusal) => return assert!(refusal.len() < LONGEST_SENTENCE, "{refusal}"),
     };
-    let header = caller.reply(&0_u8).len() - 1;
+    let client = DdsClient::read(&sample.caller).expect("a request that can be read identifies its client");
+    let header = client.reply(Bytes::from_static(&[0])).len() - 1;
     assert!(header == 0 || header == HEADER);
-    let (used, given) = (header + cdr::encode(&message).len(), sample.bytes.len());
+    let (used, given) = (header + cdr::encode(&message).len(), request.bytes.len());
     assert!(used <= given && given <= used + cdr::MAX_PADDING, "{used} of {given} bytes are {message:?}");
-    if sample.related.is_none() {
-        let plain = cdr::decode::<Q>(&sample.bytes, sample.endian()).is_ok();
-        let headed = sample.bytes.get(HEADER..).is_some_and(|bytes| cdr::decode::<Q>(bytes, sample.endian()).is_ok());
-        if sample.id.writer.is_cyclone() {
+    if request.related.is_none() {
+        let fits = |bytes: &[u8]| cdr::decode::<Q>(bytes, request.endian()).is_ok();
+        let (plain, headed) = (fits(&request.bytes), request.bytes.get(HEADER..).is_some_and(fits));
+        if request.id.writer.is_cyclone() {
             assert!(headed && !plain, "{message:?} can be read in both forms");
         } else {
             assert!(plain, "{message:?} has no plain form");
         }
-        assert_eq!(sample.id.writer.is_cyclone(), header == HEADER);
+        assert_eq!(request.id.writer.is_cyclone(), header == HEADER);
     }
 }
 
@@ -152,10 +160,11 @@ mod tests {
         /// Valid requests are decoded in the form of each client, so that the property above is not trivial.
         #[test]
         fn good_requests_are_understood((_, good) in good()) {
-            let fast = sample(1, &good);
+            let fast = request(1, &good);
             prop_assert!(fast.related.is_some());
-            let known = read::<AxesCommandRequest>(&fast).is_ok() || read::<SetPositionRequest>(&fast).is_ok()
-                || read::<SendGoalRequest<MoveAxisGoal>>(&fast).is_ok() || read::<GetResultRequest>(&fast).is_ok();
+            let sample = received(&fast);
+            let known = sample.decode::<AxesCommandRequest>().is_ok() || sample.decode::<SetPositionRequest>().is_ok()
+                || sample.decode::<SendGoalRequest<MoveAxisGoal>>().is_ok() || sample.decode::<GetResultRequest>().is_ok();
             prop_assert!(known);
         }
     }

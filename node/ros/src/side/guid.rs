@@ -1,91 +1,58 @@
 //! Identifiers of DDS participants and endpoints.
-
-use std::fmt;
+//!
+//! The GUID of an endpoint has 12 bytes for its participant (the prefix), 3 for the endpoint, 1 for its kind.
 
 use lineshaft_msgs::foreign::rmw_dds_common::msg::Gid;
-use serde::{Deserialize, Serialize};
+
+pub(super) use crate::link::protocol::{Gid as Guid, ParticipantId as Prefix};
 
 /// Vendor ID of eProsima Fast DDS, as RTPS participants announce it; its GUIDs start with it.
 const FAST_DDS: [u8; 2] = [0x01, 0x0f];
 /// Vendor ID of Eclipse Cyclone DDS, as RTPS participants announce it; its GUIDs start with it.
 const CYCLONE: [u8; 2] = [0x01, 0x10];
 
-/// GUID of a DDS participant or endpoint: 12 bytes for the participant, 3 for the endpoint, 1 for its kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub(crate) struct Guid(pub(crate) [u8; 16]);
-
-/// Participant part of a [`Guid`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub(crate) struct Prefix(pub(crate) [u8; 12]);
-
 impl Guid {
     /// Returns the prefix of the participant that this GUID is, or belongs to.
-    pub(crate) fn prefix(self) -> Prefix {
+    pub(super) fn prefix(self) -> Prefix {
         let mut prefix = [0; 12];
         prefix.copy_from_slice(&self.0[..12]);
         Prefix(prefix)
     }
 
     /// Returns true if it is a reader. RTPS 2.5, table 9.1: all kinds of readers have this bit, no kind of writer has it.
-    pub(crate) fn is_reader(self) -> bool {
+    pub(super) fn is_reader(self) -> bool {
         self.0[15] & 0x04 != 0
     }
 
     /// Returns true if it is a built-in endpoint (used for discovery); RTPS 2.5, table 9.1.
-    pub(crate) fn is_builtin(self) -> bool {
+    pub(super) fn is_builtin(self) -> bool {
         self.0[15] & 0xc0 == 0xc0
     }
 
     /// Returns true if it belongs to a participant of eProsima Fast DDS.
-    pub(crate) fn is_fast_dds(self) -> bool {
+    pub(super) fn is_fast_dds(self) -> bool {
         self.0[..2] == FAST_DDS
     }
 
     /// Returns true if it belongs to a participant of Eclipse Cyclone DDS.
-    pub(crate) fn is_cyclone(self) -> bool {
+    pub(super) fn is_cyclone(self) -> bool {
         self.0[..2] == CYCLONE
     }
 }
 
 impl Prefix {
     /// Returns the endpoint of this participant with these last 4 bytes.
-    pub(crate) fn endpoint(self, entity: [u8; 4]) -> Guid {
+    pub(super) fn endpoint(self, entity: [u8; 4]) -> Guid {
         let mut guid = [0; 16];
         guid[..12].copy_from_slice(&self.0);
         guid[12..].copy_from_slice(&entity);
         Guid(guid)
-    }
-
-    /// Parses the displayed form: 24 hexadecimal digits.
-    pub(crate) fn parse(text: &str) -> Option<Self> {
-        let digits = text.as_bytes();
-        if digits.len() != 24 || !digits.iter().all(u8::is_ascii_hexdigit) {
-            return None;
-        }
-        let mut prefix = [0; 12];
-        for (place, byte) in prefix.iter_mut().enumerate() {
-            *byte = u8::from_str_radix(&text[2 * place..2 * place + 2], 16).ok()?;
-        }
-        Some(Self(prefix))
     }
 }
 
 impl From<Guid> for Gid {
     fn from(guid: Guid) -> Self {
         Self { data: guid.0 }
-    }
-}
-
-impl fmt::Display for Prefix {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}
-
-impl fmt::Display for Guid {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}.", self.prefix())?;
-        self.0[12..].iter().try_for_each(|byte| write!(f, "{byte:02x}"))
     }
 }
 
@@ -105,6 +72,6 @@ mod tests {
         );
         assert_eq!(guid(0x04).prefix().endpoint([0, 0, 18, 0x04]), guid(0x04));
         assert!(guid(0x03).is_cyclone());
-        assert_eq!(guid(0x03).to_string(), "01100203040506070809".to_owned() + "0a0b.00001203");
+        assert_eq!(guid(0x03).prefix().to_string(), "01100203040506070809".to_owned() + "0a0b");
     }
 }
