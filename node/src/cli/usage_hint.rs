@@ -213,7 +213,6 @@ mod tests {
         assert_eq!(hint_of(&["tune", "cell.yaml", "x", "--speed", "5 mm/s"]), meant);
         let positional = Some("VELOCITY is no option: `lineshaft jog AXIS VELOCITY`".to_owned());
         assert_eq!(hint_of(&["jog", "x", "--velocity", "5 mm/s"]), positional);
-        assert_eq!(hint_of(&["jog", "x", "--velocity=5 mm/s"]), positional);
     }
 
     #[test]
