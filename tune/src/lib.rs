@@ -11,12 +11,12 @@
 //! The laws of the loops are those of the core; their frequency responses are in this crate.
 //!
 //! ```
-//! use lineshaft_tune::{Dynamics, Law, Model, Move, Targets, Wish, bode, design, simulate};
+//! use lineshaft_tune::{DesignSpec, Dynamics, Law, Model, Move, Targets, bode, design, simulate};
 //!
 //! // A drive that takes velocities: 200000 inc/s at full command, 5 ms behind.
 //! let dynamics = Dynamics::Velocity { gain: 200_000.0, time_constant: 0.005, offset: 0.0 };
 //! let model = Model { cycle: 0.001, delay: 0.001, dynamics };
-//! let wish = Wish {
+//! let spec = DesignSpec {
 //!     law: Law::Pid { timer: 1 },
 //!     velocity: None,
 //!     max_velocity: 200_000.0,
@@ -24,7 +24,7 @@
 //!     inertia_ratio: 0.0,
 //!     targets: Targets::default(),
 //! };
-//! let found = design(&model, &wish)?;
+//! let found = design(&model, &spec)?;
 //! assert!(found.position.is_stable() && found.position.phase >= 60.0);
 //! assert_eq!(bode(&model, &found.loops)?.margins.phase, found.position.phase);
 //!

@@ -51,7 +51,7 @@ impl StoreWriter {
         (StoreRequests(send), Self { store, config, orders, newest: None, told: None })
     }
 
-    /// Runs until [`Orders::end`], or until all senders are gone.
+    /// Runs until [`StoreRequests::end`], or until all senders are gone.
     pub fn run(mut self) {
         let mut goes_on = true;
         while goes_on {

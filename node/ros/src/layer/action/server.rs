@@ -62,7 +62,7 @@ impl Default for ActionOptions {
 pub enum ActionEvent<A: Action> {
     /// Goal of a client.
     Goal(GoalRequest<A>),
-    /// Cancel request of a client; only with [`Cancels::Ask`].
+    /// Cancel request of a client; only with [`CancelPolicy::Ask`].
     Cancel(CancelRequest<A>),
 }
 
