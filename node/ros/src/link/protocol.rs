@@ -197,20 +197,20 @@ pub(crate) struct Sample {
 impl Sample {
     /// Returns the message, or the reason why the sample is refused.
     pub(crate) fn decode<M: DeserializeOwned>(&self) -> Result<M, String> {
-        let endian = if self.is_big_endian { Endian::Big } else { Endian::Little };
-        let decode = |bytes: &[u8]| cdr::decode::<M>(bytes, endian);
-        let Some(Header { length, doubt }) = &self.header else {
-            return decode(&self.bytes).map_err(|error| error.to_string());
-        };
-        let message = decode(self.bytes.get(*length..).ok_or(doubt)?).map_err(|error| error.to_string())?;
-        if decode(&self.bytes).is_ok() { Err(doubt.clone()) } else { Ok(message) }
+        let Some(Header { length, doubt }) = &self.header else { return self.read(&self.bytes) };
+        let message = self.read(self.bytes.get(*length..).ok_or(doubt)?)?;
+        if self.may_be_plain::<M>() { Err(doubt.clone()) } else { Ok(message) }
     }
 
     /// Returns true if a message with a header can also be read without it. Its client may use no header and would read that of a reply as
     /// the response itself.
     pub(crate) fn may_be_plain<M: DeserializeOwned>(&self) -> bool {
+        self.header.is_some() && self.read::<M>(&self.bytes).is_ok()
+    }
+
+    fn read<M: DeserializeOwned>(&self, bytes: &[u8]) -> Result<M, String> {
         let endian = if self.is_big_endian { Endian::Big } else { Endian::Little };
-        self.header.is_some() && cdr::decode::<M>(&self.bytes, endian).is_ok()
+        cdr::decode(bytes, endian).map_err(|error| error.to_string())
     }
 }
 
