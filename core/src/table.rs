@@ -1,7 +1,7 @@
 //! Tables: numbers for functions and cams, created outside the cycle and passed by pointer.
 //!
 //! Law      a table never changes: a new one replaces it as a whole
-//! Refuses  lists of different lengths, words beyond 16 bits, points beyond 32 bits, more numbers than [`MOST`]
+//! Refuses  lists of different lengths, words beyond 16 bits, points beyond 32 bits, more numbers than [`MAX_NUMBERS`]
 //! Source   contract section 10, AMK-INIT-09
 
 mod cam;

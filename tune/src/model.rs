@@ -105,7 +105,7 @@ pub(crate) fn judge(
     if (least..=most).contains(&value) { Ok(()) } else { Err(error) }
 }
 
-/// x' = A x + B u; the position is x[0], the velocity of a motor with friction x[1].
+/// x' = A x + B u; the position is `x[0]`, the velocity of a motor with friction `x[1]`.
 pub(crate) struct Continuous {
     pub(crate) a: DMatrix<f64>,
     pub(crate) b: DVector<f64>,

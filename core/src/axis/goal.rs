@@ -64,12 +64,12 @@ impl Axis {
     /// Ends everything that moves the axis or waits to move it: goal, superimposed motion, buffer, motion of a
     /// vocabulary.
     pub(super) fn end_all_motion(&mut self, cx: &mut Context<'_>, code: Code) {
-        self.abandon_with(cx, code, NO_NUMBERS);
+        self.end_all_motion_with(cx, code, NO_NUMBERS);
     }
 
-    /// As [`abandon`](Self::abandon), with the numbers for the message of the code, which the sender of the goal reads,
+    /// As [`end_all_motion`](Self::end_all_motion), with the numbers for the message of the code, which the sender of the goal reads,
     /// too.
-    pub(super) fn abandon_with(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
+    pub(super) fn end_all_motion_with(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
         self.end_goal_with(cx, code, numbers);
         self.end_overlay(cx, code, numbers);
         self.end_phase(cx, code, numbers);

@@ -58,7 +58,7 @@ impl Derived {
 pub struct InForce {
     pub(super) derived: Derived,
     values: AxisParameters,
-    /// Whether they were written since the last call of `take_new`.
+    /// Whether they were written since the last call of `take_written`.
     is_new: bool,
     /// As [`AxisParameters::needs_full_cycles`].
     needs_full_cycles: bool,
@@ -124,7 +124,7 @@ impl InForce {
         self.derived.reversing
     }
 
-    /// As [`AxisParameters::largest_limits`].
+    /// As [`AxisParameters::max_limits`].
     pub(super) fn largest_limits(&self) -> Limits {
         self.derived.largest
     }

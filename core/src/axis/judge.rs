@@ -17,7 +17,7 @@ const TURN_NS: u64 = 20_000_000;
 const REPEAT_NS: u64 = 1_000_000_000;
 /// Time without motion after which an encoder is at rest (ns).
 const STILL_NS: u64 = 5_000_000;
-/// Value of [`Judge::waits_since`] after the wait was reported.
+/// Value of [`Supervision::waits_since`] after the wait was reported.
 const LONG_WAIT_REPORTED: u64 = u64::MAX;
 
 /// State of the supervision of an axis.
@@ -37,7 +37,7 @@ pub(super) struct Supervision {
     inside_since: Option<u64>,
     /// In the target window: the actual position, and the cycle in which it was read.
     reading: Option<(u64, i64)>,
-    /// Cycle since which a goal waits for its target window; [`TOLD`] after that was reported.
+    /// Cycle since which a goal waits for its target window; [`LONG_WAIT_REPORTED`] after that was reported.
     waits_since: Option<u64>,
     /// Whether the axis is at rest at the target and has been within the window for long enough.
     pub in_position: bool,

@@ -307,7 +307,7 @@ impl Axis {
         if self.owner != Owner::Native {
             self.lost = Some((cx.cycle, self.owner));
         }
-        self.abandon_with(cx, failure.code, failure.numbers);
+        self.end_all_motion_with(cx, failure.code, failure.numbers);
     }
 
     /// Removes the power from this cycle on.

@@ -112,7 +112,7 @@ impl Axis {
 
     /// Ends all motions. An axis under power stops, and nothing moves it until it is reset, not even after power off
     /// and on; an error keeps its own lock. I_BREAK leaves an axis without power unchanged, all other stops lock it as
-    /// well. [`heed_stop`](Self::heed_stop) does the rest once all commands of the cycle are known.
+    /// well. [`apply_stop_priority`](Self::apply_stop_priority) does the rest once all commands of the cycle are known.
     pub(super) fn stop_and_lock(&mut self, cx: &mut Context<'_>, code: Code) {
         self.end_all_motion(cx, code);
         self.holding.locked = Some((cx.cycle, code));

@@ -1,7 +1,7 @@
 //! A table as a curve: straight lines between points at equal distances of the master or at given positions.
 //!
-//! Law      y: i = floor(x * (N - 1) / L), y(x) = y[i] + (y[i+1] - y[i]) * (x * (N - 1) - i * L) / L;
-//!          xy: X[i] <= x < X[i+1], y(x) = y[i] + (y[i+1] - y[i]) * (x - X[i]) / (X[i+1] - X[i]), L = X[N-1]
+//! Law      y: `i = floor(x * (N - 1) / L), y(x) = y[i] + (y[i+1] - y[i]) * (x * (N - 1) - i * L) / L`;
+//!          xy: `X[i] <= x < X[i+1], y(x) = y[i] + (y[i+1] - y[i]) * (x - X[i]) / (X[i+1] - X[i]), L = X[N-1]`
 //! Source   AMK-FIPW-01 to -03, AMK-XFIPW-04, -10 to -12, -25
 
 use crate::table::{Table, interval};

@@ -1,10 +1,10 @@
 //! Splines through the points of a table: cubic splines with continuous curvature, quintic splines with continuous
 //! fourth derivative.
 //!
-//! Law      X[i] <= x < X[i+1], u = (x - X[i]) / (X[i+1] - X[i]): y(x) = y[i] + c1 u + .. + c5 u^5. Of all curves
-//!          through the points a cubic spline has the least integral of y''^2, a quintic one of y'''^2: the equations
-//!          for the derivatives at the points are block tridiagonal, symmetric and positive definite, and are solved in
-//!          one pass forward and one backward
+//! Law      `X[i] <= x < X[i+1], u = (x - X[i]) / (X[i+1] - X[i]): y(x) = y[i] + c1 u + .. + c5 u^5`. Of all
+//!          curves through the points a cubic spline has the least integral of y''^2, a quintic one of y'''^2: the
+//!          equations for the derivatives at the points are block tridiagonal, symmetric and positive definite, and are
+//!          solved in one pass forward and one backward
 //! Reads    points; outside the cycle, except [`Spline::rise`] and [`Spline::slope`]
 //! Refuses  fewer points than its ends need, numbers that are not finite, positions that do not ascend
 

@@ -130,7 +130,7 @@ pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_n
     plan
 }
 
-/// As [`super::stopping_way`].
+/// As [`super::stopping_distance`].
 pub(super) fn stopping_distance(start: Motion, limits: &Limits) -> f64 {
     let fade = Fade::short(start, limits);
     fade.way + rates(limits).way(fade.velocity, 0.0)

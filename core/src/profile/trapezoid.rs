@@ -128,7 +128,7 @@ pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, cycle_n
     plan
 }
 
-/// As [`super::stopping_way`].
+/// As [`super::stopping_distance`].
 pub(super) fn stopping_distance(start: Motion, limits: &Limits) -> f64 {
     start.velocity * start.velocity.abs() / (2.0 * limits.deceleration)
 }

@@ -2,7 +2,7 @@
 //!
 //! Law      a scale is the decimal that was written, to 18 decimal places, or to 18 digits: a coupling never drifts
 //! Reads    the names of the cell; the scales of axis and leader
-//! Refuses  modes that do not exist yet, fields without effect in the mode, scales beyond [`MOST_SCALE`]
+//! Refuses  modes that do not exist yet, fields without effect in the mode, scales beyond [`MAX_SCALE`]
 //! Source   contract section 7, 10
 
 use super::meaning::unused_length_error;

@@ -322,7 +322,7 @@ impl Field<'_> {
         points.iter().enumerate().map(knot).collect()
     }
 
-    /// Returns the velocity of the last point. Up to [`NO_VELOCITY`] it becomes 0.
+    /// Returns the velocity of the last point. Up to [`ZERO_VELOCITY_TOLERANCE`] it becomes 0.
     fn end_velocity(&self, velocity: Option<f64>, may_move: bool) -> Result<Option<f64>, RequestError> {
         let moves = |velocity: &f64| self.axis.scale.rate_to_si(*velocity).abs() > ZERO_VELOCITY_TOLERANCE;
         match velocity.filter(moves) {
@@ -347,7 +347,7 @@ impl Field<'_> {
         Ok(self.on_limit(position))
     }
 
-    /// Returns the limit of the cell that a position exceeds by at most [`NO_DISTANCE`], or the position.
+    /// Returns the limit of the cell that a position exceeds by at most [`POSITION_LIMIT_TOLERANCE`], or the position.
     fn on_limit(&self, position: Position) -> Position {
         let p = &self.axis.parameters;
         let near = Position::from_f64(POSITION_LIMIT_TOLERANCE / self.axis.scale.rate_to_si(1.0).abs());

@@ -323,7 +323,7 @@ impl SimDrive {
         self.state = DriveState::FaultReaction;
     }
 
-    /// Takes the drive off the bus until it is [found](Self::find).
+    /// Takes the drive off the bus until it is [found](Self::reconnect).
     pub fn disconnect(&mut self) {
         self.online = false;
     }

@@ -176,7 +176,7 @@ impl Valve {
 /// Whole counts of a motion, and the fraction of a count.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct CountAccumulator {
-    /// Fraction in parts of [`Travel::COUNT`].
+    /// Fraction in parts of [`Self::COUNT`].
     remainder: i128,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! Law      the sum of its changes is the shift, to 2^-32 inc. The velocity changes by at most the acceleration per
 //!          cycle, and the shift ends at rest after whole cycles, by the law with which a follower catches up
-//!          ([`closing`])
+//!          ([`closing_velocity`])
 //! Reads    nothing: the leader may be at rest or move in either direction
 //! Refuses  nothing: velocity and acceleration were checked by the axis
 //! Source   contract section 10, PLCopen (MC_PhasingRelative)

@@ -1,7 +1,7 @@
 //! Tables as cams of `~/synchronize`: length, repetition at the end, and interpolation. The derived values are computed
 //! when the table is created, so that a cycle does not visit each point.
 //!
-//! Refuses  words, fewer than two points, positions that do not begin at 0 and rise, values beyond [`MOST_VALUE`], form
+//! Refuses  words, fewer than two points, positions that do not begin at 0 and rise, values beyond [`MAX_VALUE`], form
 //!          y without a length
 //! Source   contract section 10, PLCopen (MC_CamTableSelect)
 

@@ -5,7 +5,7 @@
 //!          table holds its end values; for an axis with a turn, the last point is connected to the first one, a turn
 //!          ahead
 //! Refuses  another form than xy, fewer than two points, positions that do not rise or are outside the turn, an error
-//!          that changes by more than one part in [`STEEPEST`] of the distance
+//!          that changes by more than one part in [`MAX_SLOPE_DIVISOR`] of the distance
 //! Source   WF-INC-04, contract section 10
 
 use super::{Form, Table, interval};

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// Positions stay below 2^62 increments.
 const LIMIT: u64 = 1 << 62;
 /// Minimum rate other than 0 (inc/s^n). No machine is that slow. Above it every f64 written as its shortest decimal has
-/// a last digit that [`parse_decimal`](super::parse_decimal) can read, so that a recorded rate reads back unchanged.
+/// a last digit that [`parse_decimal`] can read, so that a recorded rate reads back unchanged.
 const MIN_RATE: f64 = 1e-22;
 
 /// Rates from this one on are outside every range (inc/s^n).

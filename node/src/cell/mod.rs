@@ -300,7 +300,7 @@ impl Cell {
         buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
     }
 
-    /// Does the same as [`Cell::parse_beside`]; also returns the values that were read.
+    /// Does the same as [`Cell::parse_in_folder`]; also returns the values that were read.
     #[cfg(test)]
     pub(crate) fn parse_observed(path: &Path, text: &str) -> (Result<Self, Problems>, Arc<Observer>) {
         let mut document = Document::parse(&path.display().to_string(), text);

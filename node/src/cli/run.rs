@@ -70,7 +70,7 @@ struct FlightArgs {
     /// The last seconds that the flight recorder keeps and saves as a bag after a fault (s, 1 to 600; 0 off)
     #[arg(long, value_name = "SECONDS", default_value_t = 10, value_parser = value_parser!(u64).range(0..=600))]
     flight_recorder: u64,
-    /// Where its bags go; left out: ~/.ros/lineshaft/<node> (ROS_HOME counts)
+    /// Where its bags go; left out: `~/.ros/lineshaft/<node>` (ROS_HOME counts)
     #[arg(long, value_name = "FOLDER")]
     flight_folder: Option<PathBuf>,
     /// How many of its bags are kept (1 to 1000); the oldest is removed for a new one

@@ -16,7 +16,7 @@ const NONE: &str = "none";
 pub(super) struct StoreArgs {
     /// Start with the parameters saved in this file, and keep there what is saved; `none`: keep nothing. Left out: `sim`,
     /// and `tune` of a simulated axis, keep nothing; `run`, and `tune` of a real axis, use
-    /// ~/.ros/lineshaft/<node>/parameters.<cell>.yaml (ROS_HOME counts)
+    /// `~/.ros/lineshaft/<node>/parameters.<cell>.yaml` (ROS_HOME counts)
     #[arg(long, value_name = "FILE|none")]
     store: Option<PathBuf>,
 }

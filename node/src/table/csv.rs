@@ -4,7 +4,7 @@
 //!          accepted
 //! Reads    integers of 32 bits, optionally with a decimal point and zeros after it
 //! Refuses  anything else, with line and column: NaN, fractions, a header, `;`, a decimal comma, positions that do not
-//!          increase, more than [`MOST`] points
+//!          increase, more than [`MAX_NUMBERS`] points
 
 use crate::document::Place;
 use lineshaft_core::table::{Form, MAX_NUMBERS, Table};
@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::io::Read;
 use std::path::Path;
 
-/// Maximum size of a file, in bytes: two numbers of 32 bits for each of [`MOST`] points, and the same size for spaces
+/// Maximum size of a file, in bytes: two numbers of 32 bits for each of [`MAX_NUMBERS`] points, and the same size for spaces
 /// and comments.
 const MAX_BYTES: u64 = 64 << 20;
 /// Windows programs write it before a text in UTF-8.

@@ -1,7 +1,7 @@
 //! Motion of a slave along a table: its position and three derivatives over the master position.
 //!
 //! Law      a plan, and the spline through points: their own derivatives. Points: the slopes of the straight lines
-//!          between them; a[i] = 2 y[x i-1, x i, x i+1], j[i] = 6 y[x i-1 .. x i+2], divided differences; in a cyclic
+//!          between them; `a[i] = 2 y[x i-1, x i, x i+1], j[i] = 6 y[x i-1 .. x i+2]`, divided differences; in a cyclic
 //!          table the end is adjacent to the start
 //! Reads    a description, or points
 //! Refuses  points that are no valid curve of a cam

@@ -1,4 +1,4 @@
-//! Writes gains into the cell file, like [`cell_file`](crate::cell_file) sets parameters; [`by_hand`] returns the lines
+//! Writes gains into the cell file, like [`cell_file`] sets parameters; [`by_hand`] returns the lines
 //! for manual editing.
 
 use super::findings::Gain;

@@ -10,7 +10,7 @@
 //!          from the model
 //!
 //! Friction needs a known direction: only stretches in which the axis moves in one direction are used. A resonance is
-//! accepted if its residual is less than [`WORTH`] of the residual without it.
+//! accepted if its residual is less than [`MAX_RESONANCE_RATIO`] of the residual without it.
 
 mod effort;
 mod fit;

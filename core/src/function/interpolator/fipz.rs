@@ -1,7 +1,7 @@
 //! One of several tables over time, selected by inputs (FIPZ).
 //!
 //! Law      a rising E(j+1), or E1 with the number j at E2 to E4, starts table j at once, at t = 0; it lasts
-//!          cycle_time[j] and ends with its last value; time beyond its end is dropped. Edges while it runs are
+//!          `cycle_time[j]` and ends with its last value; time beyond its end is dropped. Edges while it runs are
 //!          ignored; of several edges the lowest input counts
 //! Reads    E1 to E8, the time of the calls, up to eight tables
 //! Writes   the sink, A1 = 1 at rest

@@ -206,7 +206,7 @@ pub(super) fn to_velocity(start: Motion, velocity: f64, limits: &Limits, jerks: 
     plan
 }
 
-/// As [`super::stopping_way`].
+/// As [`super::stopping_distance`].
 pub(super) fn stopping_distance(start: Motion, limits: &Limits, jerks: &Jerks) -> f64 {
     let sides = Sides::new(limits, jerks);
     let entry = sides.enter(start);

@@ -3,7 +3,7 @@
 //! Law      every object is read first and written only if its value differs. A PDO that differs is disabled, mapped and enabled again, so
 //!          that no partly written mapping is ever used on the bus. An object that can only change while another one is disabled is written
 //!          in that order
-//! Reads    the values that a DCF writes ([`Dictionary::written`](crate::eds::Dictionary::written)), except objects that act or are
+//! Reads    the values that a DCF writes ([`Dictionary::configured_values`](crate::eds::Dictionary::configured_values)), except objects that act or are
 //!          setpoints ([`acts`])
 //! Refuses  a drive that is enabled; the first object that the device refuses ends the configuration
 //! Source   CiA 301 (1400h to 1BFFh, 1006h and 1019h, 1014h), CiA 306-1

@@ -2,7 +2,7 @@
 //!
 //! Law      the request has the joints in the order of the message; fields that a point lacks stay empty
 //! Reads    the goal, the parameters of trajectories, the time
-//! Refuses  [`Wrong`]
+//! Refuses  [`GoalError`]
 //! Source   validate_trajectory_msg and get_segment_tolerances of joint_trajectory_controller (Jazzy), which accept a goal with an unknown
 //!          joint or an illegal number in its tolerances and then ignore all tolerances: here such a goal is refused
 

@@ -4,7 +4,7 @@
 //! Law      the goal itself is checked here. It is rejected with a message, or becomes one trajectory of the machine, which checks state,
 //!          limits and tolerances and reports one end. Action and topic share the axes: the newer trajectory takes effect
 //! Reads    the parameters of [`settings`] when a goal arrives
-//! Refuses  see [`convert::Wrong`]
+//! Refuses  see [`convert::GoalError`]
 //! Source   joint_trajectory_controller of ros2_controllers (Jazzy); docs/interfaces.md lists the differences
 
 mod action;
@@ -109,7 +109,7 @@ impl TrajectoryReceiver {
     }
 }
 
-/// Returns the trajectory of a goal as if it started at its stamp: [`Started::begin`] converts it to a trajectory that starts now. Takes
+/// Returns the trajectory of a goal as if it started at its stamp: [`PreparedTrajectory::begin`] converts it to a trajectory that starts now. Takes
 /// time for a long goal.
 ///
 /// # Errors
