@@ -19,7 +19,7 @@ use std::io;
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tokio::net::UdpSocket;
 use tokio::runtime::Handle;
@@ -57,6 +57,8 @@ const MOST_SAMPLES: usize = 4 * 8192;
 const REQUESTED: i64 = 32;
 /// Maximum length of a datagram of the library in bytes.
 const DATAGRAM: usize = 1 << 16;
+/// Pause between two looks at the announcements.
+const POLL_INTERVAL: Duration = Duration::from_millis(1);
 /// Pause after an error of the socket.
 const DEAF: Duration = Duration::from_millis(100);
 /// Parameters of an announcement.
@@ -77,6 +79,7 @@ pub(super) struct Hashes {
 
 /// Writer of announcements and sequence number. The writer is 3 for those of writers, 4 for those of readers.
 type Place = (u8, i64);
+const READERS: u8 = 4;
 
 /// Announcement of an endpoint.
 struct Listed {
@@ -150,6 +153,19 @@ impl Hashes {
     /// Records that an endpoint was closed. It is not announced any more.
     pub(super) fn remove(&self, endpoint: Guid) {
         self.announced().close(endpoint);
+    }
+
+    /// Waits until the library has announced all readers and their ends before this sequence number, so that the number is the next one.
+    /// Returns false if it has not within `patience`.
+    pub(super) fn are_readers_announced_before(&self, number: i64, patience: Duration) -> bool {
+        let deadline = Instant::now() + patience;
+        while self.announced().last_of_readers() != number - 1 {
+            if Instant::now() >= deadline {
+                return false;
+            }
+            std::thread::sleep(POLL_INTERVAL);
+        }
+        true
     }
 
     /// Records that a participant was lost. It is introduced again if it returns, because it has forgotten our endpoints.
@@ -246,6 +262,11 @@ impl Announced {
             self.newcomers.len() - 1
         });
         &mut self.newcomers[at]
+    }
+
+    /// Returns the sequence number of the last sample that announces a reader or its end, or 0.
+    fn last_of_readers(&self) -> i64 {
+        self.endpoints.range((READERS, i64::MIN)..).next_back().map_or(0, |((_, number), _)| *number)
     }
 
     /// Keeps the announcement in a DATA submessage.
@@ -519,6 +540,24 @@ mod tests {
         let mut forged = heartbeat(1, 9);
         forged[8..20].fill(7);
         assert!(hashes.take(&forged).is_empty(), "only of our own participant");
+    }
+
+    #[test]
+    fn number_of_an_end_is_certain_once_all_readers_before_it_are_announced() {
+        let hashes = Hashes::new(OWN).unwrap();
+        let is_certain = |number| hashes.are_readers_announced_before(number, Duration::ZERO);
+        assert!(is_certain(1) && !is_certain(2));
+        let of_readers = |sequence: i64| {
+            from_library(|message| {
+                message.data([0, 0, 4, 0xc7], [0, 0, 4, 0xc2], sequence, &announcement([0, 0, sequence as u8, 4]));
+            })
+        };
+        for sequence in [1, 2] {
+            hashes.take(&of_readers(sequence));
+            // The announcement of a writer changes nothing.
+            hashes.take(&data(sequence + 7, &announcement([0, 0, 9, 3])));
+        }
+        assert!(is_certain(3) && !is_certain(2) && !is_certain(4));
     }
 
     #[test]

@@ -35,6 +35,8 @@ use crate::link::qos::Qos;
 /// Values of a latched topic that keeps one value are written at most this often, each to every reader. The status of many short goals
 /// would fill the memory of the library, which frees samples every 6 s.
 const GATHER: Duration = Duration::from_millis(10);
+/// Maximum time to wait until the library has announced the readers so far. It needs a few milliseconds, more on a busy machine.
+const ANNOUNCING: Duration = Duration::from_millis(200);
 
 /// State that the tasks of a member share.
 pub(super) struct Shared {
@@ -341,21 +343,28 @@ impl Member {
 
     fn close(&mut self, endpoint: Endpoint) {
         let Some(Open { input, output }) = self.endpoints.remove(&endpoint) else { return };
-        if let Some(Input { guid, is_subscription, task, .. }) = &input {
-            let end = self.shared.participant.end_of_reader();
-            if *is_subscription {
-                dispose::tell_all(&self.departed, &sedp::reader_gone(*guid, end));
-            }
-            // The reader is dropped with its task. The library disposes it after our disposal.
-            task.abort();
+        let guids: Vec<_> = input.iter().map(|input| input.guid).chain(output.iter().map(Output::guid)).collect();
+        if let Some(input) = input {
+            self.close_input(input);
         }
-        let guids = input.iter().map(|input| input.guid).chain(output.iter().map(Output::guid));
         for guid in guids {
             self.shared.hashes.remove(guid);
             self.graph.remove(guid);
             self.shared.writers.lock().unwrap_or_else(PoisonError::into_inner).remove(&guid);
             self.shared.matches.forget(guid);
         }
+    }
+
+    /// Disposes a reader ourselves if its disposal has a number that is certain, and drops it.
+    fn close_input(&self, Input { guid, is_subscription, task, .. }: Input) {
+        let end = self.shared.participant.end_of_reader();
+        if is_subscription && self.shared.hashes.are_readers_announced_before(end, ANNOUNCING) {
+            dispose::tell_all(&self.departed, &sedp::reader_gone(guid, end));
+        }
+        // The reader is dropped with its task, and the library disposes it after our disposal. A reader that is opened next must not be
+        // announced before that: it would have the number of our disposal, and other participants would ignore it.
+        task.abort();
+        let _ = self.runtime.block_on(task);
     }
 
     fn write(&self, endpoint: Endpoint, bytes: Bytes) {

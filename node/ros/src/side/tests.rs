@@ -5,6 +5,7 @@ use std::net::Ipv4Addr;
 use std::time::Duration;
 
 use lineshaft_msgs::cdr::encode;
+use lineshaft_msgs::msg::AxisStates;
 use lineshaft_msgs::srv::{AxesCommand, AxesCommandRequest, AxesCommandResponse};
 use tokio::time::{sleep, timeout};
 
@@ -55,4 +56,31 @@ async fn client_that_reads_no_replies_does_not_block_others() {
     assert_eq!(timeout(LONG, client.reply(number)).await.unwrap().unwrap().message, "done");
     let error = timeout(LONG, waiting).await.unwrap().unwrap().unwrap_err();
     assert_eq!(error.to_string(), "/patience/enable: the client that asked is not there to read the reply");
+}
+
+/// A reader that is opened right after another one was closed must not be announced under the number of the disposal.
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn client_that_is_created_when_a_subscription_ends_gets_its_replies() {
+    let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
+    let environment = Environment { domain, networks: Networks::Loopback };
+    let node = |name| Node::new(NodeName::new("/", name).unwrap(), &environment).unwrap();
+    let (serving, asking) = (node("numbers"), node("numbers_client"));
+    let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
+    tokio::spawn(async move {
+        while let Some(request) = server.next().await {
+            request.reply.send_soon(AxesCommandResponse { success: true, message: String::new() });
+        }
+    });
+    for round in 0..20 {
+        drop(asking.subscription::<AxisStates>("/numbers/axis_states", Qos::STREAM).unwrap());
+        let mut client = asking.client::<AxesCommand>("/numbers/enable", Qos::SERVICE).unwrap();
+        let answered = async {
+            while client.servers() == 0 {
+                sleep(Duration::from_millis(2)).await;
+            }
+            let number = client.send(&axes("x")).unwrap();
+            client.reply(number).await.unwrap()
+        };
+        assert!(timeout(LONG, answered).await.unwrap_or_else(|_| panic!("no reply in round {round}")).success);
+    }
 }
