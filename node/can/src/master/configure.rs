@@ -11,12 +11,16 @@ mod mapping;
 
 use super::bus::Order;
 use super::port::Port;
-use crate::commission::words;
-use crate::config::{BusConfig, DeviceConfig, DriveConfig, HEARTBEATS_MISSED, Role, Write};
-use crate::drive::layout::{Field, Pdo, ReportedValue};
-use crate::drive::{objects, probe};
-use crate::sdo::{Abort, Object, SdoError};
+use crate::can_objects;
+use crate::config::{BusConfig, DeviceConfig, HEARTBEATS_MISSED, Role};
+use crate::layout::Pdo;
 use crate::{Monitoring, NmtCommand, NodeId};
+use lineshaft_cia402::config::{DriveConfig, Write, interpolation_period};
+use lineshaft_cia402::mapping::{Field, ReportedValue};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::{Abort, SdoError};
+use lineshaft_cia402::texts;
+use lineshaft_cia402::{objects, probe};
 use lineshaft_core::drive::{DriveState, control};
 use std::time::{Duration, Instant};
 
@@ -198,7 +202,7 @@ impl Session<'_> {
         let device = number_of(&self.port.read(self.device.node, objects::DEVICE_TYPE)?);
         let (profile, what) = self.device.role.profile();
         if device & 0xFFFF != profile {
-            let found = words::profile(device & 0xFFFF);
+            let found = texts::profile(device & 0xFFFF);
             return Err(Refusal::Wrong(format!(
                 "its device type (1000h) is {device:08X}h, profile {found}; profile {profile} ({what}) is expected"
             )));
@@ -280,7 +284,7 @@ impl Session<'_> {
         if offered >> (mode - 1) & 1 == 1 {
             return Ok(());
         }
-        let modes = words::modes(offered);
+        let modes = texts::modes(offered);
         Err(Refusal::Wrong(format!(
             "it does not offer mode {mode} ({name}; 6502h is {offered:08X}h: {modes}); key mode chooses another"
         )))
@@ -290,15 +294,15 @@ impl Session<'_> {
         let writes = self.writes();
         let digest = digest(&writes, self.bus, self.device);
         if let (Some(date), Some(time)) =
-            (self.number(objects::CONFIGURATION_DATE)?, self.number(objects::CONFIGURATION_TIME)?)
+            (self.number(can_objects::CONFIGURATION_DATE)?, self.number(can_objects::CONFIGURATION_TIME)?)
         {
             if (date, time) == digest {
                 return Ok(());
             }
             self.write_differing(&writes)?;
             self.write_pdos()?;
-            self.write(objects::CONFIGURATION_DATE, &digest.0.to_le_bytes())?;
-            return self.write(objects::CONFIGURATION_TIME, &digest.1.to_le_bytes());
+            self.write(can_objects::CONFIGURATION_DATE, &digest.0.to_le_bytes())?;
+            return self.write(can_objects::CONFIGURATION_TIME, &digest.1.to_le_bytes());
         }
         self.write_differing(&writes)?;
         self.write_pdos()
@@ -313,26 +317,26 @@ impl Session<'_> {
         let ms = |ns: u64| u16::try_from(ns / 1_000_000).unwrap_or(u16::MAX);
         match self.device.watching {
             Monitoring::Heartbeat { time_ns } => {
-                add(objects::PRODUCER_HEARTBEAT, &ms(time_ns / HEARTBEATS_MISSED).to_le_bytes(), false);
+                add(can_objects::PRODUCER_HEARTBEAT, &ms(time_ns / HEARTBEATS_MISSED).to_le_bytes(), false);
             }
             Monitoring::Guarding { guard_ns, life_factor } => {
-                add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true);
-                add(objects::GUARD_TIME, &ms(guard_ns).to_le_bytes(), false);
-                add(objects::LIFE_TIME_FACTOR, &[life_factor], false);
+                add(can_objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true);
+                add(can_objects::GUARD_TIME, &ms(guard_ns).to_le_bytes(), false);
+                add(can_objects::LIFE_TIME_FACTOR, &[life_factor], false);
             }
-            Monitoring::None => add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true),
+            Monitoring::None => add(can_objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true),
         }
         if let Some(master) = self.bus.master {
             let time = ms(master.heartbeat_ns.saturating_mul(HEARTBEATS_MISSED));
-            add(objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, time), true);
+            add(can_objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, time), true);
         }
-        add(objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
+        add(can_objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
         let Some(drive) = self.device.drive() else { return writes };
         // Without probes the object is not written.
         if drive.probes.iter().any(Option::is_some) {
             add(objects::TOUCH_PROBE_FUNCTION, &probe::function(drive.probes).to_le_bytes(), false);
         }
-        if let Some((value, index)) = self.bus.interpolation() {
+        if let Some((value, index)) = interpolation_period(self.bus.cycle_ns) {
             add(objects::INTERPOLATION_VALUE, &[value], true);
             add(objects::INTERPOLATION_INDEX, &[index.cast_unsigned()], true);
         }
@@ -369,19 +373,19 @@ impl Session<'_> {
     /// Writes counter overflow value and period of SYNC. The first can be changed only while the second is 0.
     fn write_sync(&mut self) -> Result<(), Refusal> {
         let overflow = self.bus.sync_overflow.unwrap_or_default();
-        let present = self.number(objects::SYNC_OVERFLOW)?;
-        let mut period = self.number(objects::CYCLE_PERIOD)?;
+        let present = self.number(can_objects::SYNC_OVERFLOW)?;
+        let mut period = self.number(can_objects::CYCLE_PERIOD)?;
         if present.unwrap_or_default() != u32::from(overflow) {
             if period.is_some_and(|period| period != 0) {
-                self.write(objects::CYCLE_PERIOD, &0_u32.to_le_bytes())?;
+                self.write(can_objects::CYCLE_PERIOD, &0_u32.to_le_bytes())?;
                 period = Some(0);
             }
-            self.write(objects::SYNC_OVERFLOW, &[overflow])?;
+            self.write(can_objects::SYNC_OVERFLOW, &[overflow])?;
         }
         let wanted = period_us(self.bus);
         // A drive without the object uses the period of 60C2h.
         if period.is_some_and(|period| period != wanted) {
-            self.write(objects::CYCLE_PERIOD, &wanted.to_le_bytes())?;
+            self.write(can_objects::CYCLE_PERIOD, &wanted.to_le_bytes())?;
         }
         Ok(())
     }
@@ -443,11 +447,11 @@ fn digest(writes: &[(Write, bool)], bus: &BusConfig, device: &DeviceConfig) -> (
 pub(crate) fn release(port: &mut Port, bus: &BusConfig, device: &DeviceConfig) {
     let node = device.node;
     if let Monitoring::Guarding { .. } = device.watching {
-        let _ = port.write(node, objects::LIFE_TIME_FACTOR, &[0]);
+        let _ = port.write(node, can_objects::LIFE_TIME_FACTOR, &[0]);
     }
     if let Some(master) = bus.master {
         // The error of a device that does not answer, or that lacks the object, is irrelevant.
-        let _ = port.write(node, objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, 0));
+        let _ = port.write(node, can_objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, 0));
     }
     port.nmt(NmtCommand::EnterPreOperational, node);
 }

@@ -6,7 +6,6 @@ mod bus;
 mod capture;
 mod configure;
 mod device;
-mod drive;
 #[cfg(test)]
 mod fixtures;
 mod notes;

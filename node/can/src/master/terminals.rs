@@ -6,9 +6,9 @@
 //! Writes   the inputs of a cycle, values of PDOs
 //! Source   CiA 401-1 (6000h, 6200h, 6401h, 6411h), CiA 402-2 (60FDh, 60FEh), CiA 406 (6004h); contract section 8
 
-use super::drive::Drive;
 use crate::config;
-use crate::drive::layout::{CommandedValue, ReportedValue};
+use lineshaft_cia402::adapter::DriveAdapter;
+use lineshaft_cia402::mapping::{CommandedValue, ReportedValue};
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{EncoderInput, Inputs, Outputs, bit};
 
@@ -76,10 +76,10 @@ impl Terminals {
     }
 
     /// Writes the inputs of this cycle; `drive`: state of the drive, if the device is one.
-    pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, drive: Option<&Drive>) {
+    pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, drive: Option<&DriveAdapter>) {
         // All PDOs of a module or encoder are sent with each SYNC.
         let is_late = |age: &Option<u32>| age.is_none_or(|age| age > MISSED_CYCLES);
-        let is_heard = drive.map_or_else(|| !self.ages.iter().any(is_late), Drive::is_heard);
+        let is_heard = drive.map_or_else(|| !self.ages.iter().any(is_late), DriveAdapter::is_heard);
         for age in self.ages.iter_mut().flatten() {
             *age = age.saturating_add(1);
         }

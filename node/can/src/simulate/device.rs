@@ -14,10 +14,12 @@ use super::server::Server;
 use super::supervision::Supervision;
 use super::table::ObjectTable;
 use super::touch_probe::TouchProbes;
-use crate::config::{DeviceConfig, Terminals, VelocityFactor};
-use crate::drive::objects;
-use crate::eds::Direction;
+use crate::can_objects;
+use crate::config::{DeviceConfig, Terminals};
 use crate::{Frame, Id, NmtState, NodeId};
+use lineshaft_cia402::config::VelocityFactor;
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::objects;
 use lineshaft_core::drive::{DriveState, Emergency, Inputs, Outputs, control};
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -110,7 +112,7 @@ impl Device {
 
     /// Returns the SYNC period (1006h); `None` if it is unknown.
     pub(super) fn sync_period(&self) -> Option<Duration> {
-        let us = self.table.get(objects::CYCLE_PERIOD);
+        let us = self.table.get(can_objects::CYCLE_PERIOD);
         (us > 0).then_some(Duration::from_micros(us.into()))
     }
 

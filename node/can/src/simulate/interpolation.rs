@@ -4,7 +4,7 @@
 //! Source   CiA 402-2 (60C2h)
 
 use super::table::ObjectTable;
-use crate::drive::objects;
+use lineshaft_cia402::objects;
 
 /// Interpolator between two setpoints.
 #[derive(Clone, Copy, Debug, Default)]

@@ -254,7 +254,7 @@ mod tests {
     use super::*;
     use crate::Monitoring;
     use crate::config::Role;
-    use crate::drive::DriveType;
+    use lineshaft_cia402::drive_type::DriveType;
 
     /// Returns a bus with one drive that `change` modifies.
     fn bus(change: impl Fn(&mut DeviceConfig)) -> BusConfig {

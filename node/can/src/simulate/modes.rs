@@ -11,9 +11,10 @@ use super::interpolation::{self, Interpolator};
 use super::objects as simulated;
 use super::profile::{HALT, Positioner, Ramp, SetpointCommand, nearest, velocity_on_ramp};
 use super::table::ObjectTable;
-use crate::config::VelocityFactor;
-use crate::drive::{DriveMode, objects};
-use crate::sdo::Object;
+use lineshaft_cia402::config::VelocityFactor;
+use lineshaft_cia402::mode::DriveMode;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
 use lineshaft_core::drive::{
     DriveInput, DriveOutput, DriveState, HomingOrder, MODE_HOMING, Mode, STATUS_TARGET_REACHED,
 };

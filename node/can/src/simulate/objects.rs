@@ -1,6 +1,6 @@
 //! Objects of a simulated drive that the master does not use, with their names from the standards.
 
-use crate::sdo::Object;
+use lineshaft_cia402::object::Object;
 
 const fn of(index: u16, sub: u8) -> Object {
     Object { index, sub }

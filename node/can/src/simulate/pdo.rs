@@ -4,10 +4,11 @@
 //! Source   CiA 301 (objects 1400h to 1BFFh)
 
 use super::table::{MOST_MAPPED, ObjectTable, mapped};
-use crate::drive::layout::MOST_PDOS;
-use crate::eds::{CobId, Direction};
-use crate::sdo::Object;
+use crate::eds::CobId;
+use crate::layout::MOST_PDOS;
 use crate::{Frame, Id};
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::object::Object;
 
 /// Highest synchronous transmission type.
 const LAST_SYNCHRONOUS: u8 = 240;

@@ -5,8 +5,9 @@
 //! Source   CiA 301
 
 use super::table::ObjectTable;
-use crate::sdo::{Abort, Object};
 use crate::{Frame, Id};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::Abort;
 
 /// Bytes of a segment.
 const SEGMENT: usize = 7;
@@ -155,9 +156,10 @@ fn padded<const N: usize>(bytes: &[u8]) -> [u8; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{DeviceConfig, Write};
-    use crate::drive::objects;
+    use crate::config::DeviceConfig;
     use crate::{Monitoring, NodeId};
+    use lineshaft_cia402::config::Write;
+    use lineshaft_cia402::objects;
 
     /// Returns the objects of a drive with an object of 10 bytes.
     fn table() -> ObjectTable {

@@ -5,11 +5,16 @@
 //! Source   CiA 301 (objects 1000h to 1BFFh, abort codes), CiA 402-2
 
 use super::objects as simulated;
-use crate::config::{DeviceConfig, DriveConfig};
-use crate::drive::layout::MOST_PDOS;
-use crate::drive::{DriveMode, objects};
-use crate::eds::{CobId, Direction};
-use crate::sdo::{Abort, Object};
+use crate::can_objects;
+use crate::config::DeviceConfig;
+use crate::eds::CobId;
+use crate::layout::MOST_PDOS;
+use lineshaft_cia402::config::DriveConfig;
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::mode::DriveMode;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::sdo::Abort;
 use lineshaft_core::drive::MODE_HOMING;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -88,15 +93,15 @@ const OBJECTS: [(Object, u8, Access, u32); 52] = [
     // Servo drive of profile 402.
     (objects::DEVICE_TYPE, 4, Access::Read, 0x0002_0192),
     (simulated::ERROR_REGISTER, 1, Access::Transmit, 0),
-    (objects::SYNC_COB_ID, 4, Access::Write, 0x80),
-    (objects::CYCLE_PERIOD, 4, Access::Write, 0),
-    (objects::GUARD_TIME, 2, Access::Write, 0),
-    (objects::LIFE_TIME_FACTOR, 1, Access::Write, 0),
+    (can_objects::SYNC_COB_ID, 4, Access::Write, 0x80),
+    (can_objects::CYCLE_PERIOD, 4, Access::Write, 0),
+    (can_objects::GUARD_TIME, 2, Access::Write, 0),
+    (can_objects::LIFE_TIME_FACTOR, 1, Access::Write, 0),
     (at(0x1016, 0), 1, Access::Read, 1),
-    (objects::CONSUMER_HEARTBEAT, 4, Access::Write, 0),
-    (objects::PRODUCER_HEARTBEAT, 2, Access::Write, 0),
+    (can_objects::CONSUMER_HEARTBEAT, 4, Access::Write, 0),
+    (can_objects::PRODUCER_HEARTBEAT, 2, Access::Write, 0),
     (at(0x1018, 0), 1, Access::Read, 4),
-    (objects::SYNC_OVERFLOW, 1, Access::Write, 0),
+    (can_objects::SYNC_OVERFLOW, 1, Access::Write, 0),
     (at(0x1029, 0), 1, Access::Read, 1),
     (simulated::ERROR_BEHAVIOUR, 1, Access::Write, 0),
     // Reaction: fault.
@@ -374,8 +379,8 @@ pub(super) fn mapped(entry: u32) -> (Object, u8) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Write;
     use crate::{Monitoring, NodeId};
+    use lineshaft_cia402::config::Write;
 
     impl ObjectTable {
         /// Returns the value of a number, and its number of bytes.

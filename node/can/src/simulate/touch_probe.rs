@@ -10,7 +10,7 @@
 
 use super::objects as simulated;
 use super::table::ObjectTable;
-use crate::drive::{objects, probe};
+use lineshaft_cia402::{objects, probe};
 use lineshaft_core::drive::DriveInput;
 
 const ENABLED: u32 = 0x01;

@@ -3,14 +3,17 @@ mod modes;
 
 use super::super::fixtures::as_drive;
 use super::*;
-use crate::config::{self, DeviceConfig, MissingDataBehaviour, Role, Terminals};
-use crate::drive::layout::Extras;
-use crate::drive::probe::Probe;
-use crate::drive::{DriveMode, Layout, objects};
+use crate::config::{self, DeviceConfig, Role, Terminals};
+use crate::layout::Layout;
 use crate::master::tally::BusLoadMeter;
 use crate::transport::Loss;
 use crate::{Id, Monitoring};
 use assert_no_alloc::{assert_no_alloc, violation_count};
+use lineshaft_cia402::config::MissingDataBehaviour;
+use lineshaft_cia402::mapping::Extras;
+use lineshaft_cia402::mode::DriveMode;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::probe::Probe;
 use lineshaft_core::drive::{
     DriveInput, DriveOutput, Edge, EncoderInput, HomingOrder, Latch, MODE_CSP, MODE_HOMING, Mode, Terminal, control,
 };

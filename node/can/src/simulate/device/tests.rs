@@ -1,8 +1,8 @@
 //! Tests of a simulated drive as a CANopen device.
 
 use super::*;
-use crate::sdo::Object;
 use crate::{Monitoring, NmtCommand};
+use lineshaft_cia402::object::Object;
 use lineshaft_core::drive::{DriveInput, DriveOutput, Mode};
 
 const MASTER: NodeId = NodeId::new(127).expect("a node");
@@ -44,7 +44,7 @@ fn ticked(device: &mut Device, now: Duration) -> Vec<Vec<u8>> {
 fn the_heartbeat_has_the_time_of_1017h_and_shows_the_state() {
     let mut device = device();
     assert_eq!(ticked(&mut device, ms(1_000)), [[0_u8; 0]; 0]);
-    write(&mut device, objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(1_000));
+    write(&mut device, can_objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(1_000));
     assert_eq!(ticked(&mut device, ms(1_099)), [[0_u8; 0]; 0]);
     assert_eq!(ticked(&mut device, ms(1_100)), [[0x7F]]);
     device.take(&NmtCommand::Start.frame(Some(node())), ms(1_150), &mut Vec::new());
@@ -83,7 +83,7 @@ fn enabled_drive_detects_loss_of_master() {
     for (status, is_lost) in [(0x0037_u16, true), (0x0040, false)] {
         let mut device = device();
         device.table.set(objects::STATUS_WORD, status.into());
-        write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_012C_u32.to_le_bytes(), ms(0));
+        write(&mut device, can_objects::CONSUMER_HEARTBEAT, &0x007F_012C_u32.to_le_bytes(), ms(0));
         device.tick(ms(500), &mut Vec::new());
         assert!(!device.take_master_loss(), "it is watched from its first heartbeat on");
         device.take(&Frame::data(MASTER.heartbeat(), &[0x05]).unwrap(), ms(1_000), &mut Vec::new());
@@ -192,8 +192,8 @@ fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
 fn master_that_guards_no_longer_is_lost_after_the_life_time() {
     let mut device = device();
     device.table.set(objects::STATUS_WORD, 0x0237);
-    write(&mut device, objects::GUARD_TIME, &100_u16.to_le_bytes(), ms(0));
-    write(&mut device, objects::LIFE_TIME_FACTOR, &[3], ms(0));
+    write(&mut device, can_objects::GUARD_TIME, &100_u16.to_le_bytes(), ms(0));
+    write(&mut device, can_objects::LIFE_TIME_FACTOR, &[3], ms(0));
     assert_eq!(ticked(&mut device, ms(5_000)), [[0_u8; 0]; 0]);
     device.take(&Frame::remote(node().heartbeat(), 1).unwrap(), ms(5_000), &mut Vec::new());
     assert_eq!(ticked(&mut device, ms(5_299)), [[0_u8; 0]; 0]);
@@ -209,7 +209,7 @@ fn device_without_its_master_changes_its_state_by_1029h() {
     for (behaviour, state) in states {
         let mut device = device();
         write(&mut device, simulated::ERROR_BEHAVIOUR, &[behaviour], ms(0));
-        write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
+        write(&mut device, can_objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
         device.take(&NmtCommand::Start.frame(None), ms(0), &mut Vec::new());
         assert!(master_beats(&mut device, ms(0)).is_empty());
         device.tick(ms(100), &mut Vec::new());
@@ -221,7 +221,7 @@ fn device_without_its_master_changes_its_state_by_1029h() {
 #[test]
 fn error_of_communication_ends_when_the_master_is_back() {
     let mut device = device();
-    write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
+    write(&mut device, can_objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
     master_beats(&mut device, ms(0));
     assert_eq!(ticked(&mut device, ms(100)), [[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]]);
     assert_eq!((device.take_master_loss(), device.table.get(simulated::ERROR_REGISTER)), (false, 0x11));
@@ -235,12 +235,12 @@ fn error_of_communication_ends_when_the_master_is_back() {
 fn reset_of_communication_keeps_the_objects_of_the_drive() {
     let mut device = device();
     write(&mut device, objects::CONTROL_WORD, &0x06_u16.to_le_bytes(), ms(0));
-    write(&mut device, objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(0));
+    write(&mut device, can_objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(0));
     device.take(&NmtCommand::Start.frame(None), ms(0), &mut Vec::new());
     let mut out = Vec::new();
     device.take(&NmtCommand::ResetCommunication.frame(None), ms(0), &mut out);
     assert_eq!(out, [Frame::data(node().heartbeat(), &[0]).unwrap()]);
-    let kept = [objects::CONTROL_WORD, objects::PRODUCER_HEARTBEAT].map(|object| device.table.get(object));
+    let kept = [objects::CONTROL_WORD, can_objects::PRODUCER_HEARTBEAT].map(|object| device.table.get(object));
     assert_eq!((kept, device.state), ([0x06, 0], NmtState::PreOperational));
     assert_eq!(ticked(&mut device, ms(500)), [[0_u8; 0]; 0]);
 }
