@@ -24,6 +24,8 @@ pub const SYNC_OVERFLOW: Object = of(0x1019, 0);
 pub const CONFIGURATION_DATE: Object = of(0x1020, 1);
 /// Verify configuration: time; here the other half of the digest (CiA 301).
 pub const CONFIGURATION_TIME: Object = of(0x1020, 2);
+/// Error behaviour: communication error (CiA 301).
+pub const ERROR_BEHAVIOUR: Object = of(0x1029, 1);
 
 /// First 8 digital inputs of a module; the next ones follow (CiA 401).
 pub const MODULE_INPUTS: Object = of(0x6000, 1);

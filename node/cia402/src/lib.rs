@@ -22,4 +22,5 @@ pub mod object;
 pub mod objects;
 pub mod probe;
 pub mod sdo;
+pub mod simulate;
 pub mod texts;

@@ -9,15 +9,10 @@
 //! Source   CiA 301, CiA 402-2
 
 mod device;
-mod interpolation;
-mod modes;
-mod objects;
 mod pdo;
-mod profile;
 mod server;
 mod supervision;
 mod table;
-mod touch_probe;
 
 use self::device::Device;
 use crate::config::{BusConfig, DeviceConfig};

@@ -6,10 +6,10 @@
 //! Reads    100Ch, 100Dh, 1016h, 1017h, the time
 //! Source   CiA 301 (error control)
 
-use super::table::ObjectTable;
 use crate::can_objects;
 use crate::{Id, NodeId};
 use lineshaft_cia402::object::Object;
+use lineshaft_cia402::simulate::ObjectTable;
 use std::time::Duration;
 
 /// Deadlines and toggle bit of error control.
