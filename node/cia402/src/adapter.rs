@@ -426,3 +426,39 @@ impl DriveAdapter {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use crate::mapping::{Extras, MappingRequirements};
+    use crate::mode::DriveMode;
+
+    /// All reported values in one image of 13 bytes, which no CAN frame has: 6041h, 6064h, 6061h, 6077h, 60FDh. Commanded are 6040h, 607Ah,
+    /// 6060h.
+    #[test]
+    fn drive_is_read_and_commanded_without_frames() {
+        let config = DriveConfig { rated_effort: Some(20.0), ..DriveConfig::plain(0) };
+        let extras = Extras { torque: true, ..Extras::default() };
+        let requirements = MappingRequirements { mode: DriveMode::Csp, extras, has_inputs: true, has_outputs: false };
+        let mapping = DriveMapping::plan(requirements, None).unwrap();
+        let mut drive = DriveAdapter::new(&config, &mapping, 1_000_000);
+        drive.listen(0, false);
+        drive.begin(0);
+        let mut image = Image::of(&mapping.reported);
+        assert!(image.update(&[0x37, 0x02, 0xFE, 0xFF, 0xFF, 0xFF, 8, 0xF4, 0x01, 1, 0, 0, 0]));
+        drive.take(image.values(), true);
+        let mut inputs = Inputs { drive: vec![DriveInput::default()], ..Inputs::default() };
+        drive.read(&mut inputs, true, BusState::Active);
+        let read = inputs.drive[0];
+        assert_eq!((read.count, read.status, read.mode, read.effort, read.inputs), (-2, 0x0237, 8, 10.0, 1));
+        assert!(read.online && read.fresh);
+        let output =
+            DriveOutput { control: control::ENABLE, mode: Mode::Position, position: 5, ..DriveOutput::default() };
+        drive.ask(&output);
+        let mut bytes = [0; 7];
+        Image::of(&mapping.commanded).pack(|word| drive.value(word, &output), &mut bytes);
+        assert_eq!(bytes, [0x0F, 0, 5, 0, 0, 0, 8]);
+        assert_eq!(drive.next_request(0), None, "no object is exchanged by SDO");
+    }
+}

@@ -2,8 +2,7 @@
 //!
 //! Law      a drive is a list of mapped objects with their values ([`mapping`], [`image`]), and requests for single objects ([`sdo`]). The
 //!          crate of a bus packs the list into its process data and runs the requests; [`adapter`] translates between the values and the
-//!          inputs and outputs of a machine cycle
-//! Refuses  nothing of a bus: this crate knows no frame, no identifier, no node number and no PDO number
+//!          inputs and outputs of a machine cycle. This crate knows no frame, no identifier and no node number
 //! Source   CiA 402-2, CiA 301, ETG.1000.6
 #![forbid(unsafe_code)]
 
@@ -23,4 +22,5 @@ pub mod objects;
 pub mod probe;
 pub mod sdo;
 pub mod simulate;
+pub mod startup;
 pub mod texts;

@@ -11,23 +11,19 @@ mod mapping;
 
 use super::bus::Order;
 use super::port::Port;
-use crate::can_objects;
 use crate::config::{BusConfig, DeviceConfig, HEARTBEATS_MISSED, Role};
 use crate::layout::Pdo;
-use crate::{Monitoring, NmtCommand, NodeId};
-use lineshaft_cia402::config::{DriveConfig, Write, interpolation_period};
+use crate::{Monitoring, NmtCommand, NodeId, can_objects};
+use lineshaft_cia402::config::Write;
 use lineshaft_cia402::mapping::{Field, ReportedValue};
 use lineshaft_cia402::object::Object;
-use lineshaft_cia402::sdo::{Abort, SdoError};
-use lineshaft_cia402::texts;
-use lineshaft_cia402::{objects, probe};
-use lineshaft_core::drive::{DriveState, control};
+use lineshaft_cia402::sdo::SdoError;
+use lineshaft_cia402::startup::{self, ObjectAccess, StartError};
+use lineshaft_cia402::{objects, texts};
 use std::time::{Duration, Instant};
 
 /// Number of pairs of requests that distinguish two devices with one node ID from one late answer.
 const TWIN_REQUESTS: u32 = 3;
-/// Time for a drive to stop.
-const STOP_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between the start of a drive and the begin of the cycles, for the reception of data that it sends on change.
 const SETTLING_TIME: Duration = Duration::from_millis(5);
 
@@ -50,6 +46,15 @@ impl From<SdoError> for Refusal {
         match error {
             SdoError::Silent(..) => Self::Absent(error),
             other => Self::Wrong(other.to_string()),
+        }
+    }
+}
+
+impl From<StartError> for Refusal {
+    fn from(error: StartError) -> Self {
+        match error {
+            StartError::Sdo(error) => error.into(),
+            StartError::Wrong(message) => Self::Wrong(message),
         }
     }
 }
@@ -86,7 +91,7 @@ pub(crate) fn configure(
     session.identify()?;
     session.check_single_node()?;
     if let Some(drive) = device.drive() {
-        session.check_factors(drive)?;
+        startup::check_factors(&mut session.access(), drive)?;
         stop_and_disable(session.port, device.node)?;
     }
     session.port.nmt(NmtCommand::EnterPreOperational, device.node);
@@ -120,41 +125,37 @@ pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Resu
 
 /// Stops and disables a drive.
 pub(crate) fn stop_and_disable(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
-    let state = |port: &mut Port| -> Result<DriveState, SdoError> {
-        let bytes = port.read(node, objects::STATUS_WORD)?;
-        Ok(DriveState::from_status(number_of(&bytes) as u16))
-    };
-    let runs = |state| matches!(state, DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction);
-    if state(port)? == DriveState::Enabled {
-        port.write(node, objects::CONTROL_WORD, &control::QUICK_STOP.to_le_bytes())?;
-    }
-    let begin = Instant::now();
-    while runs(state(port)?) && begin.elapsed() < STOP_TIMEOUT {
-        port.wait(Duration::from_millis(5));
-    }
-    // Even if the drive has not stopped, as no other measure is left.
-    port.write(node, objects::CONTROL_WORD, &control::DISABLE_VOLTAGE.to_le_bytes())?;
-    Ok(())
+    Ok(startup::stop_and_disable(&mut NodeAccess { port, node })?)
 }
 
-/// Returns a number of up to 4 bytes.
-fn number_of(bytes: &[u8]) -> u32 {
-    bytes.iter().take(4).rev().fold(0, |number, byte| number << 8 | u32::from(*byte))
+/// SDO access to a node.
+struct NodeAccess<'a> {
+    port: &'a mut Port,
+    node: NodeId,
 }
 
-/// Returns true if the error means that the device lacks the object.
-fn is_absent(error: &SdoError) -> bool {
-    matches!(error, SdoError::Refused(_, Abort(0x0602_0000 | 0x0609_0011)))
+impl ObjectAccess for NodeAccess<'_> {
+    fn read(&mut self, object: Object) -> Result<Vec<u8>, SdoError> {
+        self.port.read(self.node, object)
+    }
+
+    fn write(&mut self, object: Object, data: &[u8]) -> Result<(), SdoError> {
+        self.port.write(self.node, object, data)
+    }
+
+    fn wait(&mut self, time: Duration) {
+        self.port.wait(time);
+    }
 }
 
 impl Session<'_> {
+    fn access(&mut self) -> NodeAccess<'_> {
+        NodeAccess { port: self.port, node: self.device.node }
+    }
+
     /// Returns a number; `None` if the drive lacks the object.
     fn number(&mut self, object: Object) -> Result<Option<u32>, Refusal> {
-        match self.port.read(self.device.node, object) {
-            Ok(bytes) => Ok(Some(number_of(&bytes))),
-            Err(error) if is_absent(&error) => Ok(None),
-            Err(error) => Err(error.into()),
-        }
+        Ok(startup::number(&mut self.access(), object)?)
     }
 
     /// Checks that the device answers. A stopped device (NMT) does not answer SDO, and a first request may get lost.
@@ -199,7 +200,7 @@ impl Session<'_> {
     }
 
     fn identify(&mut self) -> Result<(), Refusal> {
-        let device = number_of(&self.port.read(self.device.node, objects::DEVICE_TYPE)?);
+        let device = startup::number_of(&self.port.read(self.device.node, objects::DEVICE_TYPE)?);
         let (profile, what) = self.device.role.profile();
         if device & 0xFFFF != profile {
             let found = texts::profile(device & 0xFFFF);
@@ -222,7 +223,8 @@ impl Session<'_> {
                 return Err(Refusal::Wrong(format!("its {what} ({object}) is {found}; {expected:08X}h is expected")));
             }
         }
-        self.device.drive().map_or(Ok(()), |drive| self.check_modes(drive))
+        let Some(drive) = self.device.drive() else { return Ok(()) };
+        Ok(startup::check_modes(&mut self.access(), drive)?)
     }
 
     /// Detects two devices with one node ID: they answer each request twice, and each second answer is unexpected.
@@ -239,55 +241,6 @@ impl Session<'_> {
         }
         let number = node.get();
         Err(Refusal::Wrong(format!("each request has two answers: another device has the node id {number} as well")))
-    }
-
-    /// Checks that the drive has the same counts per shaft revolution as the cell.
-    fn check_factors(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
-        let Some((counts, turns)) = drive.counts_per_shaft_revolution else { return Ok(()) };
-        let (found, of) = match self.fraction(objects::FEED_CONSTANT)? {
-            Some(feed) => (feed, "6092h"),
-            None => {
-                let Some((increments, turns)) = self.fraction(objects::ENCODER_RESOLUTION)? else {
-                    let why = "key feed is given, but the drive has neither 6092h nor 608Fh: it cannot be compared";
-                    return Err(Refusal::Wrong(why.to_owned()));
-                };
-                let (motor, shaft) = self.fraction(objects::GEAR_RATIO)?.unwrap_or((1, 1));
-                ((increments * motor, turns * shaft), "608Fh, 6091h")
-            }
-        };
-        let same = u128::from(found.0) * u128::from(turns) == u128::from(found.1) * u128::from(counts);
-        if same && found.1 != 0 {
-            return Ok(());
-        }
-        let shown = |(counts, turns): (u64, u64)| match counts.checked_rem(turns) {
-            Some(0) => (counts / turns).to_string(),
-            _ => format!("{counts}/{turns}"),
-        };
-        Err(Refusal::Wrong(format!(
-            "the drive counts {} inc per revolution of its shaft ({of}); by scale and feed of the cell it is {} inc",
-            shown(found),
-            shown((counts, turns))
-        )))
-    }
-
-    /// Returns numerator and denominator of a factor, 32 bits each; `None` if the drive lacks it.
-    fn fraction(&mut self, [numerator, denominator]: [Object; 2]) -> Result<Option<(u64, u64)>, Refusal> {
-        let Some(numerator) = self.number(numerator)? else { return Ok(None) };
-        let denominator = self.number(denominator)?.unwrap_or(1);
-        Ok(Some((numerator.into(), denominator.into())))
-    }
-
-    /// Checks that the drive supports its mode (6502h).
-    fn check_modes(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
-        let Some(offered) = self.number(objects::SUPPORTED_MODES)? else { return Ok(()) };
-        let (mode, name) = (drive.mode.number(), drive.mode.name());
-        if offered >> (mode - 1) & 1 == 1 {
-            return Ok(());
-        }
-        let modes = texts::modes(offered);
-        Err(Refusal::Wrong(format!(
-            "it does not offer mode {mode} ({name}; 6502h is {offered:08X}h: {modes}); key mode chooses another"
-        )))
     }
 
     fn write_all(&mut self) -> Result<(), Refusal> {
@@ -332,24 +285,10 @@ impl Session<'_> {
         }
         add(can_objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
         let Some(drive) = self.device.drive() else { return writes };
-        // Without probes the object is not written.
-        if drive.probes.iter().any(Option::is_some) {
-            add(objects::TOUCH_PROBE_FUNCTION, &probe::function(drive.probes).to_le_bytes(), false);
-        }
-        if let Some((value, index)) = interpolation_period(self.bus.cycle_ns) {
-            add(objects::INTERPOLATION_VALUE, &[value], true);
-            add(objects::INTERPOLATION_INDEX, &[index.cast_unsigned()], true);
-        }
-        let tells_mode =
-            self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == ReportedValue::Mode);
-        if !tells_mode && !self.device.layout.mode_by_sdo.reads {
-            add(objects::MODE, &drive.mode.number().to_le_bytes(), false);
-        }
-        let outputs = &self.device.terminals.digital_outputs;
-        if !outputs.is_empty() {
-            let mask = outputs.iter().fold(0, |mask, terminal| mask | 1_u32.unbounded_shl(terminal.address.into()));
-            add(objects::DIGITAL_OUTPUT_MASK, &mask.to_le_bytes(), true);
-        }
+        let layout = &self.device.layout;
+        let mut told = layout.told.iter().flat_map(|pdo| &pdo.fields);
+        let has_mode = layout.mode_by_sdo.reads || told.any(|field| field.word == ReportedValue::Mode);
+        writes.extend(startup::values(drive, self.bus.cycle_ns, has_mode, &self.device.terminals.digital_outputs));
         writes
     }
 
@@ -358,7 +297,7 @@ impl Session<'_> {
         for (Write { object, data }, is_optional) in writes {
             let present = match self.port.read(self.device.node, *object) {
                 Ok(present) => Some(present),
-                Err(error) if is_absent(&error) && *is_optional => continue,
+                Err(error) if startup::is_absent(&error) && *is_optional => continue,
                 Err(error @ SdoError::Silent(..)) => return Err(error.into()),
                 // The object is write-only.
                 Err(_) => None,
