@@ -4,9 +4,8 @@ use crate::acts::LeftOut;
 use crate::layout::Layout;
 use crate::transport::Address;
 use crate::{Monitoring, NodeId};
-use lineshaft_cia402::config::{DriveConfig, Identity, Write};
+use lineshaft_cia402::config::{DriveConfig, Identity, Terminals, Write};
 use lineshaft_cia402::mapping::Extras;
-use lineshaft_core::drive::Terminal;
 use std::fmt;
 
 /// Number of heartbeat times without a heartbeat after which its producer counts as lost.
@@ -124,37 +123,4 @@ impl Role {
             Self::Encoder => (406, "encoder"),
         }
     }
-}
-
-/// Inputs, outputs and encoders of the machine at a device.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Terminals {
-    /// Digital inputs. Addresses are bit numbers, counted from 6000h:01, or from bit 0 of 60FDh of a drive.
-    pub digital_inputs: Vec<Terminal>,
-    /// Digital outputs. Addresses are bit numbers, counted from 6200h:01, or from bit 0 of 60FEh:01 of a drive.
-    pub digital_outputs: Vec<Terminal>,
-    /// Analog inputs (6401h).
-    pub analog_inputs: Vec<AnalogTerminal>,
-    /// Analog outputs (6411h).
-    pub analog_outputs: Vec<AnalogTerminal>,
-    /// Encoders of the machine that this device implements.
-    pub encoders: Vec<Encoder>,
-}
-
-/// An analog terminal.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AnalogTerminal {
-    /// Place in the machine, and channel from 0.
-    pub terminal: Terminal,
-    /// Voltage at 7FFFh, in V.
-    pub volts_at_full_scale: f64,
-}
-
-/// An encoder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Encoder {
-    /// Place among the encoders of the machine.
-    pub place: usize,
-    /// Whether the position remains valid after a power cycle.
-    pub is_absolute: bool,
 }

@@ -6,9 +6,9 @@
 //! Refuses  objects that do not fit in the PDOs, and drives that cannot map an object that its interface, or the cell, needs
 //! Source   CiA 301 (objects 1400h to 1BFFh), CiA 401-1, CiA 406; MACS-CAN-18
 
-use crate::config::{AnalogTerminal, Terminals};
 use crate::eds::Dictionary;
 use crate::{Id, NodeId, can_objects};
+use lineshaft_cia402::config::{AnalogTerminal, Terminals};
 use lineshaft_cia402::dictionary::Direction;
 use lineshaft_cia402::drive_type::DriveType;
 use lineshaft_cia402::mapping::{
@@ -22,6 +22,8 @@ use lineshaft_core::drive::Terminal;
 
 /// Number of PDOs of each direction that have an identifier by default.
 pub const MOST_PDOS: u8 = 4;
+/// Number of analog channels of a module that fit in PDOs.
+pub const ANALOG_CHANNELS: usize = 12;
 /// Bits of a PDO.
 const ROOM: u32 = 64;
 

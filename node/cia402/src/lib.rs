@@ -23,4 +23,5 @@ pub mod probe;
 pub mod sdo;
 pub mod simulate;
 pub mod startup;
+pub mod terminals;
 pub mod texts;

@@ -13,8 +13,7 @@ use lineshaft_can::commission::{self, check_readable, decoded, encoded, label, t
 use lineshaft_can::config::{BusConfig, DeviceConfig};
 use lineshaft_can::eds::Dictionary;
 use lineshaft_can::master::{Access, LONGEST, ObjectAccessError, SdoRequestQueue};
-use lineshaft_cia402::dictionary::type_name;
-use lineshaft_cia402::dictionary::{DataType, Value};
+use lineshaft_cia402::dictionary::{DataType, Value, type_name};
 use lineshaft_cia402::object::Object;
 use lineshaft_cia402::texts::hex;
 use lineshaft_msgs::srv::{SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse};

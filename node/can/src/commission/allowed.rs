@@ -6,8 +6,7 @@
 //! Source   CiA 306-1
 
 use crate::eds::Dictionary;
-use lineshaft_cia402::dictionary::type_name;
-use lineshaft_cia402::dictionary::{DataType, Value, ValueError};
+use lineshaft_cia402::dictionary::{DataType, Value, ValueError, type_name};
 use lineshaft_cia402::object::Object;
 use std::cmp::Ordering;
 

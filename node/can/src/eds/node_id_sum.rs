@@ -4,8 +4,7 @@
 //! Refuses  any other text, and numbers above 64 bits
 //! Source   CiA 306-1, "number notation"
 
-use lineshaft_cia402::dictionary::number::number;
-use lineshaft_cia402::dictionary::quoted;
+use lineshaft_cia402::dictionary::{number::number, quoted};
 
 /// Returns the number that is added to the node ID; `None` if the text does not contain `$NODEID`.
 pub(super) fn plus_node_id(text: &str) -> Option<Result<u64, String>> {

@@ -4,8 +4,7 @@ use super::ini::{Item, Section};
 use super::node_id_sum::plus_node_id;
 use super::object::FileValue;
 use super::problem::{IgnoredKey, IgnoredKeyKind, Problems, cut};
-use lineshaft_cia402::dictionary::number::number;
-use lineshaft_cia402::dictionary::{DataType, Value};
+use lineshaft_cia402::dictionary::{DataType, Value, number::number};
 
 /// End of the message about a key that is ignored.
 const PASSED_OVER: &str = "; passed over";

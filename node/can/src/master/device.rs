@@ -5,13 +5,13 @@
 //! Writes   its part of the inputs; its command PDOs
 //! Source   CiA 301, contract section 8
 
-use super::terminals::Terminals;
 use crate::config::DeviceConfig;
 use crate::layout::Transmission;
 use crate::pdo_image::PdoImage;
 use crate::{Frame, Id, Monitor, NodeId};
 use lineshaft_cia402::adapter::DriveAdapter;
 use lineshaft_cia402::mapping::{CommandedValue, ReportedValue};
+use lineshaft_cia402::terminals::TerminalAdapter;
 use lineshaft_core::drive::{BusState, Inputs, Outputs};
 
 /// PDO that the device sends.
@@ -38,7 +38,7 @@ pub(crate) struct Device {
     pub(super) watch: Monitor,
     /// State of the drive, if the device is one.
     pub(super) drive: Option<DriveAdapter>,
-    terminals: Terminals,
+    terminals: TerminalAdapter,
 }
 
 impl Device {
@@ -59,7 +59,7 @@ impl Device {
             counts_on: false,
             watch: Monitor::new(config.node, config.watching),
             drive: config.drive().map(|drive| DriveAdapter::new(drive, &config.layout.drive_mapping(), cycle_ns)),
-            terminals: Terminals::new(&config.terminals, config.layout.told.len()),
+            terminals: TerminalAdapter::new(&config.terminals, config.layout.told.len()),
         }
     }
 

@@ -1,8 +1,8 @@
 use super::*;
-use crate::config::{AnalogTerminal, Role, Terminals};
+use crate::config::Role;
 use crate::layout::Layout;
 use crate::{Monitoring, NodeId, eds};
-use lineshaft_cia402::config::Write;
+use lineshaft_cia402::config::{AnalogTerminal, Terminals, Write};
 use lineshaft_cia402::mapping::Extras;
 use lineshaft_cia402::mode::DriveMode;
 use lineshaft_core::drive::Terminal;

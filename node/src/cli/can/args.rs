@@ -5,8 +5,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum};
 use lineshaft_can::transport::{Address, BAUD_RATES};
 use lineshaft_can::{NmtCommand, NodeId, lss};
-use lineshaft_cia402::dictionary::DataType;
-use lineshaft_cia402::dictionary::type_name;
+use lineshaft_cia402::dictionary::{DataType, type_name};
 use std::path::PathBuf;
 use std::time::Duration;
 
