@@ -1,8 +1,8 @@
 //! Reads and writes objects of independent CANopen drives over slcan, as with an adapter of a user.
 
 use crate::support::can::{Bus, CanDrives};
-use lineshaft_can::sdo::Object;
 use lineshaft_can::{NmtCommand, NmtState, NodeId};
+use lineshaft_cia402::object::Object;
 
 const NAME: Object = Object { index: 0x1008, sub: 0 };
 const ECHO: Object = Object { index: 0x2001, sub: 0 };

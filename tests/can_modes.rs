@@ -2,7 +2,7 @@
 
 use crate::support::can::{Bus, CanDrives};
 use crate::support::can_cell::{CanCell, PATIENCE, Shown, axis};
-use lineshaft_can::sdo::Object;
+use lineshaft_cia402::object::Object;
 use std::fs;
 use std::time::Instant;
 

@@ -4,7 +4,7 @@
 use crate::support::can::{Bus, CanDrives};
 use crate::support::can_cell::{CanCell, axis, recovery};
 use crate::support::machine::alone;
-use lineshaft_can::sdo::Object;
+use lineshaft_cia402::object::Object;
 use std::fs;
 use std::thread;
 use std::time::{Duration, Instant};

@@ -2,9 +2,9 @@
 
 use crate::support::can::{Bus, BusConnection, CanDrives};
 use crate::support::{namespace, setup};
-use lineshaft_can::sdo::Object;
 use lineshaft_can::transport::{Options, Transport, TransportError, open};
 use lineshaft_can::{NmtCommand, NmtState, NodeId};
+use lineshaft_cia402::object::Object;
 use lineshaft_core::drive::BusState;
 use std::thread;
 use std::time::{Duration, Instant};

@@ -16,21 +16,22 @@ import tomllib
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PICTURE = ROOT / "docs/images/crates.svg"
 
-WIDTH, HEIGHT = 800, 580
+WIDTH, HEIGHT = 800, 710
 BOX = 88
-ROWS = (76, 206, 336, 466)
+ROWS = (76, 206, 336, 466, 596)
 """Upper edges of the rows of boxes."""
 
 # Crate: row, left edge, right edge, colour, lines of text.
 PLACES = {
     "lineshaft": (0, 24, 776, "node", ["command line · cells · scenarios · cycle thread · bags"]),
     "lineshaft-tune": (1, 84, 238, "tune", ["identification,", "design of loops"]),
-    "lineshaft-can": (1, 258, 412, "can", ["CANopen master,", "CiA 402 drives"]),
+    "lineshaft-can": (1, 258, 412, "can", ["CAN buses,", "CANopen master"]),
     "lineshaft-ros": (1, 450, 640, "ros", ["ROS 2 interfaces,", "process of the DDS library"]),
-    "lineshaft-core": (2, 84, 552, "core", ["one cycle of the machine: deterministic, no I/O, no clock, no ROS"]),
-    "rust_client": (2, 664, 776, "test", ["a client,", "for the tests"]),
-    "lineshaft-program": (3, 24, 582, "program", ["programs of users: WebAssembly, checked and translated"]),
-    "lineshaft_msgs": (3, 602, 776, "msgs", ["ROS 2 messages and", "their Rust types"]),
+    "lineshaft-cia402": (2, 300, 441, "can", ["CiA 402 drives", "on any bus"]),
+    "lineshaft-core": (3, 84, 552, "core", ["one cycle of the machine: deterministic, no I/O, no clock, no ROS"]),
+    "rust_client": (3, 664, 776, "test", ["a client,", "for the tests"]),
+    "lineshaft-program": (4, 24, 582, "program", ["programs of users: WebAssembly, checked and translated"]),
+    "lineshaft_msgs": (4, 602, 776, "msgs", ["ROS 2 messages and", "their Rust types"]),
 }
 
 LIGHT = {

@@ -4,9 +4,11 @@
 use super::child::Captured;
 use super::domain::Domain;
 use super::setup;
-use lineshaft_can::sdo::{Client, Object, Transfer};
+use lineshaft_can::sdo::Client;
 use lineshaft_can::transport::{Address, Options, Transport, open};
 use lineshaft_can::{Frame, NmtState, NodeId, SignOfLife};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::Transfer;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::net::{Ipv4Addr, TcpStream};

@@ -5,19 +5,20 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lineshaft_can::config::{BusConfig, DeviceConfig};
-use lineshaft_can::drive::image::Image;
-use lineshaft_can::drive::layout::{CommandedValue, ReportedValue};
 use lineshaft_can::load;
 use lineshaft_can::master::CanBackend;
-use lineshaft_can::sdo::{Client, Object};
+use lineshaft_can::pdo_image::PdoImage;
+use lineshaft_can::sdo::Client;
 use lineshaft_can::transport::{Transport, TransportError};
 use lineshaft_can::{Frame, Id, Monitoring, NodeId};
+use lineshaft_cia402::mapping::{CommandedValue, ReportedValue};
+use lineshaft_cia402::object::Object;
 use lineshaft_core::drive::{Backend, DriveInput, DriveOutput, Inputs, MODE_CSP, Outputs};
 use std::hint::black_box;
 
 /// Transport that returns the PDOs of all drives after each SYNC.
 struct Loopback {
-    answers: Vec<Image<ReportedValue>>,
+    answers: Vec<PdoImage<ReportedValue>>,
     next: usize,
     position: i64,
 }
@@ -78,7 +79,7 @@ fn exchange(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("exchange");
     for drives in [1, 2, 8] {
         let config = bus(drives);
-        let answers = config.devices.iter().flat_map(|drive| drive.layout.told.iter().map(Image::of)).collect();
+        let answers = config.devices.iter().flat_map(|drive| drive.layout.told.iter().map(PdoImage::of)).collect();
         let mut backend = CanBackend::started(&config, Box::new(Loopback { answers, next: 0, position: 0 }));
         let mut inputs = Inputs { drive: vec![DriveInput::default(); drives], ..Inputs::default() };
         let mut outputs = Outputs { drive: vec![DriveOutput::default(); drives], ..Outputs::default() };
@@ -105,8 +106,8 @@ fn exchange(criterion: &mut Criterion) {
 
 fn pdo(criterion: &mut Criterion) {
     let drive = drive(0);
-    let asked = drive.layout.asked.first().map(Image::of).expect("RPDO 1");
-    let mut told = drive.layout.told.first().map(Image::of).expect("TPDO 1");
+    let asked = drive.layout.asked.first().map(PdoImage::of).expect("RPDO 1");
+    let mut told = drive.layout.told.first().map(PdoImage::of).expect("TPDO 1");
     let value = |word| match word {
         CommandedValue::Control => 0x0F,
         CommandedValue::Position | CommandedValue::Velocity => black_box(-123_456),

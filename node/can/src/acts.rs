@@ -7,9 +7,9 @@
 //!          each further one)
 //! Source   CiA 301, CiA 302-2, CiA 302-3, CiA 401, CiA 402-2, CiA 406
 
-use crate::drive::objects::DEVICE_TYPE;
 use crate::eds::Dictionary;
-use crate::sdo::Object;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects::DEVICE_TYPE;
 use std::fmt;
 
 use LeftOutReason::{Acts, Setpoint};

@@ -1,18 +1,20 @@
-//! CAN for Lineshaft: transports, CANopen master, CiA 402 drives, EDS and DCF files. This is the only crate with CAN, and it does not
-//! depend on ROS.
+//! CAN for Lineshaft: transports, CANopen master, EDS and DCF files. This is the only crate with CAN, and it does not depend on ROS. The
+//! crate `lineshaft-cia402` has the profile of drives.
 #![forbid(unsafe_code)]
 
 pub mod acts;
+pub mod can_objects;
 pub mod commission;
 pub mod config;
-pub mod drive;
 pub mod eds;
 mod frame;
+pub mod layout;
 pub mod load;
 pub mod lss;
 pub mod master;
 mod nmt;
 mod node_id;
+pub mod pdo_image;
 pub mod sdo;
 pub mod sheet;
 pub mod simulate;

@@ -7,7 +7,7 @@
 
 use crate::Frame;
 use crate::config::BusConfig;
-use crate::drive::layout::{Pdo, Transmission};
+use crate::layout::{Pdo, Transmission};
 
 /// Bits of a frame without its data.
 const BITS_WITHOUT_DATA: u64 = 47;

@@ -9,11 +9,12 @@
 mod mapped;
 mod presence;
 
-use crate::commission::words;
 use crate::config::{DeviceConfig, Role};
-use crate::drive::{DriveMode, objects};
 use crate::eds::Dictionary;
-use crate::sdo::Object;
+use lineshaft_cia402::mode::DriveMode;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::texts;
 use std::collections::BTreeSet;
 
 /// Mode of operation homing (6060h); bit 5 of 6502h.
@@ -83,7 +84,7 @@ impl Comparison<'_> {
         if found == expected || found == 0 {
             return;
         }
-        let found = words::profile(found);
+        let found = texts::profile(found);
         let section = match self.device.role {
             Role::Drive(_) => "axes",
             Role::Module => "io",
@@ -128,7 +129,7 @@ impl Comparison<'_> {
         let device = self.device;
         let Some((drive, offered)) = device.drive().zip(self.number(object)) else { return };
         let offers = |mode: i8| offered >> (mode - 1) & 1 == 1;
-        let said = format!("{object} is {offered:08X}h by the file ({})", words::modes(offered));
+        let said = format!("{object} is {offered:08X}h by the file ({})", texts::modes(offered));
         let (mode, name) = (drive.mode.number(), drive.mode.name());
         let is_configured = self.known.entry(object).is_some_and(|entry| entry.parameter.is_some());
         if !offers(mode) {

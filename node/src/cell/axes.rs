@@ -20,7 +20,7 @@ use super::scale::Travel;
 use super::terminals::{self, CellTerminal};
 use super::wiring;
 use crate::document::{Allowed, Value};
-use lineshaft_can::drive::probe::Probe;
+use lineshaft_cia402::probe::Probe;
 use lineshaft_core::axis::{
     ENABLE_TIMEOUT_NS, MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity,
     may_output_sign, may_read,

@@ -15,15 +15,14 @@ use super::terminals::{self, CellTerminal};
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
 use lineshaft_can::acts::{self, LeftOut};
-use lineshaft_can::config::{
-    BusConfig, DeviceConfig, DriveConfig, Identity, MissingDataBehaviour, Role, Terminals, Write,
-};
-use lineshaft_can::drive::Layout;
-use lineshaft_can::drive::layout::Extras;
+use lineshaft_can::config::{BusConfig, DeviceConfig, Role};
 use lineshaft_can::eds::{self, Dictionary, IgnoredKeyKind, Problem};
+use lineshaft_can::layout::Layout;
 use lineshaft_can::load::Load;
-use lineshaft_can::sdo::Object;
 use lineshaft_can::sheet::{self, Findings, Requirements};
+use lineshaft_cia402::config::{DriveConfig, Identity, MissingDataBehaviour, Terminals, Write, interpolation_period};
+use lineshaft_cia402::mapping::Extras;
+use lineshaft_cia402::object::Object;
 use lineshaft_core::config::{AxisConfig, MachineConfig};
 use lineshaft_core::drive::{Capabilities, Interface};
 use lineshaft_ros::layer::open_file;
@@ -206,7 +205,7 @@ impl Maker<'_> {
                 Some(_) if !is_bare => {
                     return Err(of_axis(&"probes, rated_effort and io are not for a drive with drivetype"));
                 }
-                Some(of_type) => of_type.layout(node),
+                Some(of_type) => Layout::of_drive_type(node, of_type),
             }
             .map_err(|error| of_axis(&error))
         };
@@ -369,7 +368,7 @@ fn configured(dictionary: &Dictionary, role: &Role) -> Result<(Vec<Write>, LeftO
 fn check(bus: &BusConfig, from: &CellBus, problems: &Problems) {
     let name = &bus.name;
     let refuse = |place: Place, sentence: String| problems.push(place, sentence, None);
-    if bus.interpolation().is_none() {
+    if interpolation_period(bus.cycle_ns).is_none() {
         let us = bus.cycle_ns as f64 / 1000.0;
         refuse(
             from.place,

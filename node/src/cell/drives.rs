@@ -11,7 +11,7 @@ use super::regulator::law;
 use super::scale::Travel;
 use super::times::time_within;
 use crate::document::{Map, Value};
-use lineshaft_can::drive::DriveMode;
+use lineshaft_cia402::mode::DriveMode;
 use lineshaft_core::axis::{ENABLE_TIMEOUT_NS, MISSED_CYCLES};
 use lineshaft_core::drive::{AnalogWiring, Interface};
 use lineshaft_core::regulator::Law;

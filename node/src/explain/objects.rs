@@ -245,7 +245,8 @@ fn unnamed(index: u16, width: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lineshaft_can::drive::objects as used;
+    use lineshaft_can::can_objects;
+    use lineshaft_cia402::objects as used;
     use std::path::Path;
 
     #[test]
@@ -292,11 +293,11 @@ mod tests {
         let single = [
             used::DEVICE_TYPE,
             used::VENDOR,
-            used::MODULE_INPUTS,
-            used::MODULE_OUTPUTS,
-            used::MODULE_ANALOG_INPUTS,
-            used::MODULE_ANALOG_OUTPUTS,
-            used::ENCODER_POSITION,
+            can_objects::MODULE_INPUTS,
+            can_objects::MODULE_OUTPUTS,
+            can_objects::MODULE_ANALOG_INPUTS,
+            can_objects::MODULE_ANALOG_OUTPUTS,
+            can_objects::ENCODER_POSITION,
             used::ERROR_CODE,
             used::CONTROL_WORD,
             used::STATUS_WORD,

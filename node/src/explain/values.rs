@@ -124,7 +124,7 @@ fn choices(name: &str, width: usize) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lineshaft_can::drive::DriveMode;
+    use lineshaft_cia402::mode::DriveMode;
 
     /// Each mode that key `mode` accepts, with its number, and with its interface.
     #[test]

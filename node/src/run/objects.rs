@@ -9,12 +9,13 @@
 
 use crate::cell::owner;
 use lineshaft_can::NodeId;
-use lineshaft_can::commission::words::hex;
-use lineshaft_can::commission::{self, check_readable, decoded, encoded, kind, label, type_of};
+use lineshaft_can::commission::{self, check_readable, decoded, encoded, label, type_of};
 use lineshaft_can::config::{BusConfig, DeviceConfig};
-use lineshaft_can::eds::{DataType, Dictionary, Value};
+use lineshaft_can::eds::Dictionary;
 use lineshaft_can::master::{Access, LONGEST, ObjectAccessError, SdoRequestQueue};
-use lineshaft_can::sdo::Object;
+use lineshaft_cia402::dictionary::{DataType, Value, type_name};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::texts::hex;
 use lineshaft_msgs::srv::{SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse};
 use lineshaft_ros::surface::host::{NO_BUS, PendingAnswer};
 use std::collections::BTreeMap;
@@ -133,7 +134,7 @@ impl ObjectAccess {
                     success: true,
                     data,
                     value: written(&value),
-                    r#type: kind::name(kind),
+                    r#type: type_name::name(kind),
                     ..SdoReadResponse::default()
                 },
                 Some((_, Err(refusal))) => {
@@ -197,8 +198,8 @@ impl ObjectAccess {
             return Err(format!("{}: {node} is this program, which has no objects", bus.name));
         }
         let device = bus.devices.iter().find(|device| device.node == node);
-        let known_type = || format!("type is {given:?}; {} are allowed, or nothing", kind::list());
-        let given = if given.is_empty() { None } else { Some(kind::named(given).ok_or_else(known_type)?) };
+        let known_type = || format!("type is {given:?}; {} are allowed, or nothing", type_name::list());
+        let given = if given.is_empty() { None } else { Some(type_name::named(given).ok_or_else(known_type)?) };
         let mut meant = ResolvedObject { bus, node, device, object: Object { index: 0, sub: 0 }, given };
         meant.object = commission::object(object, meant.dictionary()).map_err(|error| meant.sentence(error))?;
         Ok(meant)

@@ -5,9 +5,9 @@
 //!          type
 //! Source   CiA 306-1
 
-use super::kind;
-use crate::eds::{DataType, Dictionary, Value, ValueError};
-use crate::sdo::Object;
+use crate::eds::Dictionary;
+use lineshaft_cia402::dictionary::{DataType, Value, ValueError, type_name};
+use lineshaft_cia402::object::Object;
 use std::cmp::Ordering;
 
 /// Reason why a request is not sent to a device.
@@ -34,7 +34,7 @@ pub enum Refusal {
         given: DataType,
     },
     /// The data type of the object is unknown.
-    #[error("the type of {0} is not known: give it ({types}), or an EDS that has the object", types = kind::list())]
+    #[error("the type of {0} is not known: give it ({types}), or an EDS that has the object", types = type_name::list())]
     NoType(String),
     /// The value does not fit the data type.
     #[error("{0}: {1}")]

@@ -9,11 +9,12 @@
 //! Source   CiA 301 (1400h to 1BFFh, 1006h and 1019h, 1014h), CiA 306-1
 
 use super::session::{CommissionError, Session};
-use super::words::{drive_state, number};
 use crate::NodeId;
 use crate::acts::{self, LeftOut, LeftOutReason};
-use crate::drive::objects;
-use crate::sdo::Object;
+use crate::can_objects;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::texts::{drive_state, number};
 use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -167,10 +168,10 @@ impl Session {
 
     /// Writes an object that belongs to no PDO, and disables the object on which it depends meanwhile.
     fn write_object(&mut self, node: NodeId, object: Object, data: &[u8]) -> Result<(), CommissionError> {
-        let period = objects::CYCLE_PERIOD;
+        let period = can_objects::CYCLE_PERIOD;
         match object {
             // 1019h can change only while the period 1006h is 0.
-            objects::SYNC_OVERFLOW => {
+            can_objects::SYNC_OVERFLOW => {
                 let present = self.read_optional(node, period)?.filter(|present| present.iter().any(|byte| *byte != 0));
                 let Some(present) = present else { return self.write(node, object, data) };
                 self.write(node, period, &[0; 4])?;

@@ -7,9 +7,11 @@
 
 use super::allowed::label;
 use super::exchange::Exchange;
-use super::words::{drive_state, error, hex, nmt_state, register};
-use crate::eds::{DataType, Dictionary, Direction, Mapped, Value};
+use super::words::nmt_state;
+use crate::eds::Dictionary;
 use crate::{Frame, Id, NmtState, NodeId, SignOfLife};
+use lineshaft_cia402::dictionary::{DataType, Direction, Mapped, Value};
+use lineshaft_cia402::texts::{drive_state, error, hex, register};
 use lineshaft_core::drive::DriveState;
 use std::collections::BTreeMap;
 
@@ -223,7 +225,7 @@ fn lss(who: &str, bytes: &[u8]) -> String {
 mod tests {
     use super::*;
     use crate::eds;
-    use crate::sdo::Object;
+    use lineshaft_cia402::object::Object;
 
     fn node() -> NodeId {
         NodeId::new(3).unwrap()

@@ -5,10 +5,11 @@
 //! Source   CiA 301, CiA 402-2
 
 use super::session::{CommissionError, Session};
-use super::words::{number, text};
-use crate::drive::objects;
-use crate::sdo::Object;
+use crate::can_objects;
 use crate::{NmtState, NodeId};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::texts::{number, text};
 use std::time::Duration;
 
 /// Profile number of drives, in the lower half of the device type.
@@ -111,7 +112,7 @@ impl Session {
             *place = self.read_optional(node, Object { index, sub: 0 })?.map(|data| text(&data));
         }
         device.register = self.number(node, 0x1001, 0)?;
-        device.heartbeat_ms = self.number(node, objects::PRODUCER_HEARTBEAT.index, 0)?;
+        device.heartbeat_ms = self.number(node, can_objects::PRODUCER_HEARTBEAT.index, 0)?;
         if let Some(count) = self.number(node, 0x1003, 0)? {
             let mut history = Vec::new();
             for sub in 1..=count.min(HISTORY) as u8 {

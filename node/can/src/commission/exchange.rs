@@ -6,10 +6,12 @@
 //! Source   CiA 301
 
 use super::allowed::label;
-use super::words::hex;
-use crate::eds::{Dictionary, Value};
-use crate::sdo::{Abort, Object};
+use crate::eds::Dictionary;
 use crate::{Frame, NodeId};
+use lineshaft_cia402::dictionary::Value;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::Abort;
+use lineshaft_cia402::texts::hex;
 
 /// Side that sends the segments of the present block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

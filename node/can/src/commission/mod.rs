@@ -10,7 +10,6 @@ mod configure;
 mod decode;
 mod device;
 mod exchange;
-pub mod kind;
 mod layer;
 mod object;
 mod pdos;

@@ -6,7 +6,7 @@
 //! Source   CiA 301
 
 use crate::eds::{Dictionary, FindError};
-use crate::sdo::Object;
+use lineshaft_cia402::object::Object;
 
 /// Reason why a text is not an object.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,8 +6,9 @@
 
 use super::session::{CommissionError, Session};
 use crate::NodeId;
-use crate::eds::{CobId, Direction, Mapped};
-use crate::sdo::Object;
+use crate::eds::CobId;
+use lineshaft_cia402::dictionary::{Direction, Mapped};
+use lineshaft_cia402::object::Object;
 
 /// Number of PDOs of which a device may leave out some.
 const LIKELY: u16 = 8;

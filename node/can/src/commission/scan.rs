@@ -7,10 +7,12 @@
 //! Source   CiA 301
 
 use super::session::{CommissionError, Session};
-use super::words::{number, text};
-use crate::drive::objects;
-use crate::sdo::{Client, Object, SdoError, Transfer};
+use crate::sdo::Client;
 use crate::{NmtState, NodeId};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::sdo::{SdoError, Transfer};
+use lineshaft_cia402::texts::{number, text};
 use std::thread;
 use std::time::Duration;
 

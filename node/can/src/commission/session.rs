@@ -5,9 +5,11 @@
 //! Source   CiA 301
 
 use crate::lss::{Identity, LssError};
-use crate::sdo::{Abort, Client, Object, SdoError};
+use crate::sdo::Client;
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, NmtCommand, NmtState, NodeId, SignOfLife};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::{Abort, SdoError};
 use std::collections::BTreeMap;
 use std::thread;
 use std::time::{Duration, Instant};

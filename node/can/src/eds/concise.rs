@@ -4,7 +4,7 @@
 //! Refuses  bytes that end too early, bytes after the last entry, numbers of entries or bytes above 32 bits
 //! Source   CiA 302-3, object 1F22h
 
-use crate::sdo::Object;
+use lineshaft_cia402::object::Object;
 
 /// Reason why decoding or encoding failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -6,9 +6,9 @@
 
 use super::device::{Commissioning, DeviceInfo, FileInfo};
 use super::object::{Entry, FileValue, IndexDescription};
-use super::problem::{Problems, quoted};
-use super::value::{Value, ValueError};
-use crate::sdo::Object;
+use super::problem::Problems;
+use lineshaft_cia402::dictionary::{Value, ValueError, quoted};
+use lineshaft_cia402::object::Object;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum size of a value as text, in bytes. A line has room for it and its key.

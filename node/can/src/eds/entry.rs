@@ -7,11 +7,10 @@
 //!          warning: such an object without a configuration value, a missing data type, a value in a separate file (`DownloadFile`)
 //! Source   CiA 306-1
 
-use super::data_type::DataType;
 use super::ini::{Item, Section, Sections};
 use super::notes::{Diagnostics, given, section_text, without_remark};
 use super::object::{Access, Entry, FileValue, ObjectType};
-use super::value::Value;
+use lineshaft_cia402::dictionary::{DataType, Value, quoted};
 
 /// Maximum length of a name, in characters; CiA 306 allows 241.
 const LONGEST_NAME: usize = 255;
@@ -25,7 +24,7 @@ const FIRST_DEFINED: u16 = 0x40;
 /// Returns the name of an index or of an object.
 pub(super) fn name(section: &Section<'_>, otherwise: &str, notes: &mut Diagnostics) -> String {
     let Some(item) = section.get("parametername") else {
-        let section_name = super::problem::quoted(section.name);
+        let section_name = quoted(section.name);
         notes.warnings.add(Some(section.line), format!("the section {section_name} has no ParameterName"));
         return otherwise.to_owned();
     };
@@ -140,7 +139,7 @@ fn data_type(
             notes.error(section, item, "the section has no DataType, without which the value cannot be read");
             return None;
         }
-        let name = super::problem::quoted(section.name);
+        let name = quoted(section.name);
         notes.warnings.add(Some(section.line), format!("the section {name} has no DataType; the object is left out"));
         return None;
     };
@@ -170,7 +169,7 @@ fn base_type(number: u16, sections: &Sections<'_>) -> Option<DataType> {
 
 fn access(section: &Section<'_>, is_domain: bool, is_configured: bool, notes: &mut Diagnostics) -> Option<Access> {
     let Some(item) = section.get("accesstype") else {
-        let (otherwise, name) = (if is_domain { Access::Rw } else { Access::Ro }, super::problem::quoted(section.name));
+        let (otherwise, name) = (if is_domain { Access::Rw } else { Access::Ro }, quoted(section.name));
         if let Some(item) = section.get("parametervalue").filter(|_| !is_domain) {
             notes.error(
                 section,

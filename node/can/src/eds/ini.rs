@@ -6,7 +6,8 @@
 //! Refuses  a section without closing bracket, a line above 64 KiB; with a warning: any other line, a key before the first section
 //! Source   CiA 306-1, "file structure"; files of vendors
 
-use super::problem::{Problems, quoted};
+use super::problem::Problems;
+use lineshaft_cia402::dictionary::quoted;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 

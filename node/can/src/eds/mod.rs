@@ -6,25 +6,21 @@
 //! Source   CiA 306-1, CiA 301, CiA 302-3
 
 pub mod concise;
-mod data_type;
 mod device;
 mod dictionary;
 mod entry;
 mod ini;
+mod node_id_sum;
 mod notes;
-mod number;
 mod object;
 mod pdo;
 mod problem;
 mod read;
-mod value;
 mod write;
 
-pub use data_type::DataType;
 pub use device::{Commissioning, DeviceInfo, FileInfo};
 pub use dictionary::{ConfigureError, Dictionary, FindError};
 pub use object::{Access, Entry, FileValue, IndexDescription, ObjectType};
-pub use pdo::{CobId, Direction, Mapped, PdoError, PdoMapping};
+pub use pdo::{CobId, PdoError, PdoMapping};
 pub use problem::{EdsErrors, IgnoredKey, IgnoredKeyKind, Problem, Problems};
 pub use read::parse;
-pub use value::{Value, ValueError};

@@ -1,11 +1,10 @@
 //! Reads keys of a section as numbers, flags and values, and collects errors and warnings with line numbers.
 
-use super::data_type::{DataType, Kind};
 use super::ini::{Item, Section};
-use super::number::{number, plus_node_id};
+use super::node_id_sum::plus_node_id;
 use super::object::FileValue;
 use super::problem::{IgnoredKey, IgnoredKeyKind, Problems, cut};
-use super::value::Value;
+use lineshaft_cia402::dictionary::{DataType, Value, number::number};
 
 /// End of the message about a key that is ignored.
 const PASSED_OVER: &str = "; passed over";
@@ -92,12 +91,11 @@ impl Diagnostics {
 
 /// Parses a value; `None` if there is only a comment.
 pub(super) fn given(text: &str, data_type: DataType) -> Result<Option<FileValue>, String> {
-    let kind = data_type.kind();
-    let text = if matches!(kind, Kind::Visible | Kind::Unicode) { text } else { without_remark(text) };
+    let text = if data_type.is_text() { text } else { without_remark(text) };
     if text.is_empty() {
         return Ok(None);
     }
-    if matches!(kind, Kind::Integer(_) | Kind::Unsigned(_))
+    if data_type.is_integer()
         && let Some(plus) = plus_node_id(text)
     {
         let plus = plus?;

@@ -1,7 +1,6 @@
 //! Properties of one object of a dictionary.
 
-use super::data_type::DataType;
-use super::value::Value;
+use lineshaft_cia402::dictionary::{DataType, Value};
 use std::cmp::Ordering;
 
 /// Object type of an index (CiA 301, table 42).

@@ -7,41 +7,13 @@
 //! Source   CiA 301, objects 1400h to 1BFFh
 
 use super::dictionary::Dictionary;
-use crate::sdo::Object;
+use lineshaft_cia402::dictionary::{Direction, Mapped};
+use lineshaft_cia402::object::Object;
 
 /// Maximum number of PDOs of each direction.
 const MOST_PDOS: u16 = 512;
 /// Maximum number of objects, and of bits, of a PDO.
 const MOST: u32 = 64;
-
-/// Direction of a PDO, from the view of the device.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Direction {
-    /// The device receives it.
-    Receive,
-    /// The device sends it.
-    Transmit,
-}
-
-impl Direction {
-    /// Returns the first index of the communication parameters and of the mapping.
-    fn first(self) -> (u16, u16) {
-        match self {
-            Self::Receive => (0x1400, 0x1600),
-            Self::Transmit => (0x1800, 0x1A00),
-        }
-    }
-
-    /// Returns the index of the communication parameters of a PDO, `number` from 1.
-    pub fn communication(self, number: u8) -> u16 {
-        self.first().0 + u16::from(number.max(1)) - 1
-    }
-
-    /// Returns the index of the mapping of a PDO, `number` from 1.
-    pub fn mapping(self, number: u8) -> u16 {
-        self.first().1 + u16::from(number.max(1)) - 1
-    }
-}
 
 /// COB-ID of a PDO: identifier and flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,15 +39,6 @@ impl CobId {
     pub fn id(self) -> u32 {
         self.0 & if self.is_extended() { 0x1FFF_FFFF } else { 0x7FF }
     }
-}
-
-/// Object in a PDO.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mapped {
-    /// Object.
-    pub object: Object,
-    /// Length, in bits.
-    pub bits: u8,
 }
 
 /// PDO with its mapping.

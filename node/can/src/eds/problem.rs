@@ -1,11 +1,10 @@
 //! Errors and warnings about a file, as messages with line numbers.
 
+use lineshaft_cia402::dictionary::MOST_QUOTED;
 use std::fmt;
 
 /// Maximum number of stored problems of each kind; further ones are only counted, as an invalid file could have millions of them.
 pub(super) const MOST_PROBLEMS: usize = 200;
-/// Maximum number of characters of the file that a message quotes.
-const MOST_QUOTED: usize = 60;
 
 /// Kind of an ignored key of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -117,13 +116,6 @@ impl fmt::Display for EdsErrors {
 
 impl std::error::Error for EdsErrors {}
 
-/// Returns the text in quotation marks, shortened if it is long.
-pub(super) fn quoted(text: &str) -> String {
-    let cut: String = text.chars().take(MOST_QUOTED).collect();
-    let more = if cut.len() < text.len() { ".." } else { "" };
-    format!("{cut:?}{more}")
-}
-
 /// Returns the text without quotation marks, shortened if it is long; control characters are replaced by `?`.
 pub(super) fn cut(text: &str) -> String {
     text.chars().take(MOST_QUOTED).map(|character| if character.is_control() { '?' } else { character }).collect()
@@ -154,11 +146,5 @@ mod tests {
         problems.add(Some(MOST_PROBLEMS + 1), "b");
         assert_eq!((problems.kept().len(), problems.dropped()), (101, 100));
         assert_eq!(problems.kept()[100].to_string(), "line 201: b");
-    }
-
-    #[test]
-    fn a_long_text_is_cut_at_a_character() {
-        assert_eq!(quoted("a\"b"), r#""a\"b""#);
-        assert_eq!(quoted(&"ä".repeat(61)), format!("\"{}\"..", "ä".repeat(60)));
     }
 }

@@ -12,8 +12,9 @@ use super::entry;
 use super::ini::{self, Section, Sections};
 use super::notes::{Diagnostics, LAST_NODE};
 use super::object::{IndexDescription, ObjectType};
-use super::problem::{EdsErrors, quoted};
-use crate::sdo::Object;
+use super::problem::EdsErrors;
+use lineshaft_cia402::dictionary::quoted;
+use lineshaft_cia402::object::Object;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximum size of a file, in bytes.

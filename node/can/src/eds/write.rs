@@ -3,10 +3,9 @@
 //! Law      the written file is read as the same dictionary, without a warning
 //! Source   CiA 306-1
 
-use super::data_type::DataType;
 use super::dictionary::Dictionary;
 use super::object::{Entry, FileValue, ObjectType};
-use super::value::Value;
+use lineshaft_cia402::dictionary::{DataType, Value};
 use std::fmt::Write as _;
 
 /// Returns true if an index belongs to the list of mandatory objects.

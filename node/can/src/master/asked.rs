@@ -8,8 +8,9 @@
 
 use super::port::Port;
 use crate::NodeId;
-use crate::commission::words;
-use crate::sdo::{Abort, Object, SdoError};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::{Abort, SdoError};
+use lineshaft_cia402::texts;
 use lineshaft_core::drive::DriveState;
 use std::fmt;
 use std::sync::Arc;
@@ -35,7 +36,7 @@ pub enum ObjectAccessError {
     #[error("{0} has more than {LONGEST} bytes; `lineshaft can sdo read` takes longer ones")]
     Long(Object),
     /// The drive is under power (enabled, quick stop or fault reaction), and the object is in one of its PDOs.
-    #[error("{0} is mapped in a PDO and the drive is under power ({state}); switch the axis off first", state = words::drive_state(*.1))]
+    #[error("{0} is mapped in a PDO and the drive is under power ({state}); switch the axis off first", state = texts::drive_state(*.1))]
     Power(Object, DriveState),
     /// It is unknown whether the drive is under power.
     #[error("{0} is mapped in a PDO, and whether the drive is under power is not known: {1}")]

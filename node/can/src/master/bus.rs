@@ -14,10 +14,12 @@ use super::sync::SyncCounter;
 use super::tally::BusCounters;
 use super::time::TimeOfDay;
 use crate::config::{BusConfig, Master};
-use crate::drive::ModeRequest;
-use crate::sdo::{Client, Object, SdoError, Transfer};
+use crate::sdo::Client;
 use crate::transport::{Transport, TransportError};
 use crate::{DeviceEvent, Frame, NmtCommand, NmtState, NodeId};
+use lineshaft_cia402::adapter::SdoOutcome;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::{SdoError, SdoRequest, Transfer};
 use lineshaft_core::drive::{BusState, Emergency, Inputs, Outputs};
 use rtrb::{Consumer, Producer};
 use std::sync::Arc;
@@ -357,27 +359,19 @@ impl Bus {
         self.busy.retain(|busy| *busy != node);
         let place = self.devices.iter().position(|device| device.node == node);
         let drive = place.and_then(|place| self.devices.get_mut(place)?.drive.as_mut());
-        match drive {
-            Some(drive) if drive.homing.is_pending(done.object) => {
-                drive.homing.handle_answer(done.object, done.data, done.result.is_ok());
-                if let (Some(place), Err(error)) = (place, done.result) {
-                    self.report(Report::HomingRefused(place, error));
-                }
-            }
-            Some(drive) if drive.modes.is_pending(done.object) => {
-                let error = drive.handle_mode_answer(done, now_ns);
-                if let (Some(place), Some(error)) = (place, error) {
-                    self.report(Report::ModeRefused(place, error));
-                }
-            }
-            other => {
-                if let (Some(drive), Err(error)) = (other, &done.result) {
-                    drive.modes.record_failure(done.object, error);
-                }
+        let outcome = match drive {
+            Some(drive) => drive.handle_transfer(done, now_ns),
+            None => SdoOutcome::Other(done),
+        };
+        match (place, outcome) {
+            (Some(place), SdoOutcome::HomingRefused(error)) => self.report(Report::HomingRefused(place, error)),
+            (Some(place), SdoOutcome::ModeRefused(error)) => self.report(Report::ModeRefused(place, error)),
+            (_, SdoOutcome::Other(done)) => {
                 let client = self.clients.get(usize::from(node.get()) - 1);
                 let strays = client.map_or(0, Client::strays);
                 self.report(Report::Transfer(node, done, strays));
             }
+            _ => {}
         }
     }
 
@@ -420,17 +414,12 @@ impl Bus {
                 continue;
             }
             let Some(drive) = &mut device.drive else { continue };
-            let begun = if let Some((object, data)) = drive.homing.next_object() {
-                client.download(object, data, false, now_ns).map_err(|data| drive.homing.return_buffer(data))
-            } else if let Some(ModeRequest { object, data, writes }) = drive.next_mode_request(now_ns) {
-                let begun = match writes {
-                    true => client.download(object, data, false, now_ns),
-                    false => client.upload(object, data, false, now_ns),
-                };
-                begun.map_err(|data| drive.modes.return_buffer(data))
-            } else {
-                continue;
+            let Some(SdoRequest { object, data, writes }) = drive.next_request(now_ns) else { continue };
+            let begun = match writes {
+                true => client.download(object, data, false, now_ns),
+                false => client.upload(object, data, false, now_ns),
             };
+            let begun = begun.map_err(|data| drive.return_buffer(object, data));
             if begun.is_ok() {
                 self.busy.push(device.node);
             }

@@ -11,19 +11,19 @@ mod mapping;
 
 use super::bus::Order;
 use super::port::Port;
-use crate::commission::words;
-use crate::config::{BusConfig, DeviceConfig, DriveConfig, HEARTBEATS_MISSED, Role, Write};
-use crate::drive::layout::{Field, Pdo, ReportedValue};
-use crate::drive::{objects, probe};
-use crate::sdo::{Abort, Object, SdoError};
-use crate::{Monitoring, NmtCommand, NodeId};
-use lineshaft_core::drive::{DriveState, control};
+use crate::config::{BusConfig, DeviceConfig, HEARTBEATS_MISSED, Role};
+use crate::layout::Pdo;
+use crate::{Monitoring, NmtCommand, NodeId, can_objects};
+use lineshaft_cia402::config::Write;
+use lineshaft_cia402::mapping::{Field, ReportedValue};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::SdoError;
+use lineshaft_cia402::startup::{self, ObjectAccess, StartError};
+use lineshaft_cia402::{objects, texts};
 use std::time::{Duration, Instant};
 
 /// Number of pairs of requests that distinguish two devices with one node ID from one late answer.
 const TWIN_REQUESTS: u32 = 3;
-/// Time for a drive to stop.
-const STOP_TIMEOUT: Duration = Duration::from_secs(5);
 /// Time between the start of a drive and the begin of the cycles, for the reception of data that it sends on change.
 const SETTLING_TIME: Duration = Duration::from_millis(5);
 
@@ -46,6 +46,15 @@ impl From<SdoError> for Refusal {
         match error {
             SdoError::Silent(..) => Self::Absent(error),
             other => Self::Wrong(other.to_string()),
+        }
+    }
+}
+
+impl From<StartError> for Refusal {
+    fn from(error: StartError) -> Self {
+        match error {
+            StartError::Sdo(error) => error.into(),
+            StartError::Wrong(message) => Self::Wrong(message),
         }
     }
 }
@@ -82,7 +91,7 @@ pub(crate) fn configure(
     session.identify()?;
     session.check_single_node()?;
     if let Some(drive) = device.drive() {
-        session.check_factors(drive)?;
+        startup::check_factors(&mut session.access(), drive)?;
         stop_and_disable(session.port, device.node)?;
     }
     session.port.nmt(NmtCommand::EnterPreOperational, device.node);
@@ -116,41 +125,37 @@ pub(crate) fn switch_off_outputs(port: &mut Port, device: &DeviceConfig) -> Resu
 
 /// Stops and disables a drive.
 pub(crate) fn stop_and_disable(port: &mut Port, node: NodeId) -> Result<(), Refusal> {
-    let state = |port: &mut Port| -> Result<DriveState, SdoError> {
-        let bytes = port.read(node, objects::STATUS_WORD)?;
-        Ok(DriveState::from_status(number_of(&bytes) as u16))
-    };
-    let runs = |state| matches!(state, DriveState::Enabled | DriveState::QuickStop | DriveState::FaultReaction);
-    if state(port)? == DriveState::Enabled {
-        port.write(node, objects::CONTROL_WORD, &control::QUICK_STOP.to_le_bytes())?;
-    }
-    let begin = Instant::now();
-    while runs(state(port)?) && begin.elapsed() < STOP_TIMEOUT {
-        port.wait(Duration::from_millis(5));
-    }
-    // Even if the drive has not stopped, as no other measure is left.
-    port.write(node, objects::CONTROL_WORD, &control::DISABLE_VOLTAGE.to_le_bytes())?;
-    Ok(())
+    Ok(startup::stop_and_disable(&mut NodeAccess { port, node })?)
 }
 
-/// Returns a number of up to 4 bytes.
-fn number_of(bytes: &[u8]) -> u32 {
-    bytes.iter().take(4).rev().fold(0, |number, byte| number << 8 | u32::from(*byte))
+/// SDO access to a node.
+struct NodeAccess<'a> {
+    port: &'a mut Port,
+    node: NodeId,
 }
 
-/// Returns true if the error means that the device lacks the object.
-fn is_absent(error: &SdoError) -> bool {
-    matches!(error, SdoError::Refused(_, Abort(0x0602_0000 | 0x0609_0011)))
+impl ObjectAccess for NodeAccess<'_> {
+    fn read(&mut self, object: Object) -> Result<Vec<u8>, SdoError> {
+        self.port.read(self.node, object)
+    }
+
+    fn write(&mut self, object: Object, data: &[u8]) -> Result<(), SdoError> {
+        self.port.write(self.node, object, data)
+    }
+
+    fn wait(&mut self, time: Duration) {
+        self.port.wait(time);
+    }
 }
 
 impl Session<'_> {
+    fn access(&mut self) -> NodeAccess<'_> {
+        NodeAccess { port: self.port, node: self.device.node }
+    }
+
     /// Returns a number; `None` if the drive lacks the object.
     fn number(&mut self, object: Object) -> Result<Option<u32>, Refusal> {
-        match self.port.read(self.device.node, object) {
-            Ok(bytes) => Ok(Some(number_of(&bytes))),
-            Err(error) if is_absent(&error) => Ok(None),
-            Err(error) => Err(error.into()),
-        }
+        Ok(startup::number(&mut self.access(), object)?)
     }
 
     /// Checks that the device answers. A stopped device (NMT) does not answer SDO, and a first request may get lost.
@@ -195,10 +200,10 @@ impl Session<'_> {
     }
 
     fn identify(&mut self) -> Result<(), Refusal> {
-        let device = number_of(&self.port.read(self.device.node, objects::DEVICE_TYPE)?);
+        let device = startup::number_of(&self.port.read(self.device.node, objects::DEVICE_TYPE)?);
         let (profile, what) = self.device.role.profile();
         if device & 0xFFFF != profile {
-            let found = words::profile(device & 0xFFFF);
+            let found = texts::profile(device & 0xFFFF);
             return Err(Refusal::Wrong(format!(
                 "its device type (1000h) is {device:08X}h, profile {found}; profile {profile} ({what}) is expected"
             )));
@@ -218,7 +223,8 @@ impl Session<'_> {
                 return Err(Refusal::Wrong(format!("its {what} ({object}) is {found}; {expected:08X}h is expected")));
             }
         }
-        self.device.drive().map_or(Ok(()), |drive| self.check_modes(drive))
+        let Some(drive) = self.device.drive() else { return Ok(()) };
+        Ok(startup::check_modes(&mut self.access(), drive)?)
     }
 
     /// Detects two devices with one node ID: they answer each request twice, and each second answer is unexpected.
@@ -237,68 +243,19 @@ impl Session<'_> {
         Err(Refusal::Wrong(format!("each request has two answers: another device has the node id {number} as well")))
     }
 
-    /// Checks that the drive has the same counts per shaft revolution as the cell.
-    fn check_factors(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
-        let Some((counts, turns)) = drive.counts_per_shaft_revolution else { return Ok(()) };
-        let (found, of) = match self.fraction(objects::FEED_CONSTANT)? {
-            Some(feed) => (feed, "6092h"),
-            None => {
-                let Some((increments, turns)) = self.fraction(objects::ENCODER_RESOLUTION)? else {
-                    let why = "key feed is given, but the drive has neither 6092h nor 608Fh: it cannot be compared";
-                    return Err(Refusal::Wrong(why.to_owned()));
-                };
-                let (motor, shaft) = self.fraction(objects::GEAR_RATIO)?.unwrap_or((1, 1));
-                ((increments * motor, turns * shaft), "608Fh, 6091h")
-            }
-        };
-        let same = u128::from(found.0) * u128::from(turns) == u128::from(found.1) * u128::from(counts);
-        if same && found.1 != 0 {
-            return Ok(());
-        }
-        let shown = |(counts, turns): (u64, u64)| match counts.checked_rem(turns) {
-            Some(0) => (counts / turns).to_string(),
-            _ => format!("{counts}/{turns}"),
-        };
-        Err(Refusal::Wrong(format!(
-            "the drive counts {} inc per revolution of its shaft ({of}); by scale and feed of the cell it is {} inc",
-            shown(found),
-            shown((counts, turns))
-        )))
-    }
-
-    /// Returns numerator and denominator of a factor, 32 bits each; `None` if the drive lacks it.
-    fn fraction(&mut self, [numerator, denominator]: [Object; 2]) -> Result<Option<(u64, u64)>, Refusal> {
-        let Some(numerator) = self.number(numerator)? else { return Ok(None) };
-        let denominator = self.number(denominator)?.unwrap_or(1);
-        Ok(Some((numerator.into(), denominator.into())))
-    }
-
-    /// Checks that the drive supports its mode (6502h).
-    fn check_modes(&mut self, drive: &DriveConfig) -> Result<(), Refusal> {
-        let Some(offered) = self.number(objects::SUPPORTED_MODES)? else { return Ok(()) };
-        let (mode, name) = (drive.mode.number(), drive.mode.name());
-        if offered >> (mode - 1) & 1 == 1 {
-            return Ok(());
-        }
-        let modes = words::modes(offered);
-        Err(Refusal::Wrong(format!(
-            "it does not offer mode {mode} ({name}; 6502h is {offered:08X}h: {modes}); key mode chooses another"
-        )))
-    }
-
     fn write_all(&mut self) -> Result<(), Refusal> {
         let writes = self.writes();
         let digest = digest(&writes, self.bus, self.device);
         if let (Some(date), Some(time)) =
-            (self.number(objects::CONFIGURATION_DATE)?, self.number(objects::CONFIGURATION_TIME)?)
+            (self.number(can_objects::CONFIGURATION_DATE)?, self.number(can_objects::CONFIGURATION_TIME)?)
         {
             if (date, time) == digest {
                 return Ok(());
             }
             self.write_differing(&writes)?;
             self.write_pdos()?;
-            self.write(objects::CONFIGURATION_DATE, &digest.0.to_le_bytes())?;
-            return self.write(objects::CONFIGURATION_TIME, &digest.1.to_le_bytes());
+            self.write(can_objects::CONFIGURATION_DATE, &digest.0.to_le_bytes())?;
+            return self.write(can_objects::CONFIGURATION_TIME, &digest.1.to_le_bytes());
         }
         self.write_differing(&writes)?;
         self.write_pdos()
@@ -313,39 +270,25 @@ impl Session<'_> {
         let ms = |ns: u64| u16::try_from(ns / 1_000_000).unwrap_or(u16::MAX);
         match self.device.watching {
             Monitoring::Heartbeat { time_ns } => {
-                add(objects::PRODUCER_HEARTBEAT, &ms(time_ns / HEARTBEATS_MISSED).to_le_bytes(), false);
+                add(can_objects::PRODUCER_HEARTBEAT, &ms(time_ns / HEARTBEATS_MISSED).to_le_bytes(), false);
             }
             Monitoring::Guarding { guard_ns, life_factor } => {
-                add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true);
-                add(objects::GUARD_TIME, &ms(guard_ns).to_le_bytes(), false);
-                add(objects::LIFE_TIME_FACTOR, &[life_factor], false);
+                add(can_objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true);
+                add(can_objects::GUARD_TIME, &ms(guard_ns).to_le_bytes(), false);
+                add(can_objects::LIFE_TIME_FACTOR, &[life_factor], false);
             }
-            Monitoring::None => add(objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true),
+            Monitoring::None => add(can_objects::PRODUCER_HEARTBEAT, &0_u16.to_le_bytes(), true),
         }
         if let Some(master) = self.bus.master {
             let time = ms(master.heartbeat_ns.saturating_mul(HEARTBEATS_MISSED));
-            add(objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, time), true);
+            add(can_objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, time), true);
         }
-        add(objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
+        add(can_objects::SYNC_COB_ID, &0x80_u32.to_le_bytes(), true);
         let Some(drive) = self.device.drive() else { return writes };
-        // Without probes the object is not written.
-        if drive.probes.iter().any(Option::is_some) {
-            add(objects::TOUCH_PROBE_FUNCTION, &probe::function(drive.probes).to_le_bytes(), false);
-        }
-        if let Some((value, index)) = self.bus.interpolation() {
-            add(objects::INTERPOLATION_VALUE, &[value], true);
-            add(objects::INTERPOLATION_INDEX, &[index.cast_unsigned()], true);
-        }
-        let tells_mode =
-            self.device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|field| field.word == ReportedValue::Mode);
-        if !tells_mode && !self.device.layout.mode_by_sdo.reads {
-            add(objects::MODE, &drive.mode.number().to_le_bytes(), false);
-        }
-        let outputs = &self.device.terminals.digital_outputs;
-        if !outputs.is_empty() {
-            let mask = outputs.iter().fold(0, |mask, terminal| mask | 1_u32.unbounded_shl(terminal.address.into()));
-            add(objects::DIGITAL_OUTPUT_MASK, &mask.to_le_bytes(), true);
-        }
+        let layout = &self.device.layout;
+        let mut told = layout.told.iter().flat_map(|pdo| &pdo.fields);
+        let has_mode = layout.mode_by_sdo.reads || told.any(|field| field.word == ReportedValue::Mode);
+        writes.extend(startup::values(drive, self.bus.cycle_ns, has_mode, &self.device.terminals.digital_outputs));
         writes
     }
 
@@ -354,7 +297,7 @@ impl Session<'_> {
         for (Write { object, data }, is_optional) in writes {
             let present = match self.port.read(self.device.node, *object) {
                 Ok(present) => Some(present),
-                Err(error) if is_absent(&error) && *is_optional => continue,
+                Err(error) if startup::is_absent(&error) && *is_optional => continue,
                 Err(error @ SdoError::Silent(..)) => return Err(error.into()),
                 // The object is write-only.
                 Err(_) => None,
@@ -369,19 +312,19 @@ impl Session<'_> {
     /// Writes counter overflow value and period of SYNC. The first can be changed only while the second is 0.
     fn write_sync(&mut self) -> Result<(), Refusal> {
         let overflow = self.bus.sync_overflow.unwrap_or_default();
-        let present = self.number(objects::SYNC_OVERFLOW)?;
-        let mut period = self.number(objects::CYCLE_PERIOD)?;
+        let present = self.number(can_objects::SYNC_OVERFLOW)?;
+        let mut period = self.number(can_objects::CYCLE_PERIOD)?;
         if present.unwrap_or_default() != u32::from(overflow) {
             if period.is_some_and(|period| period != 0) {
-                self.write(objects::CYCLE_PERIOD, &0_u32.to_le_bytes())?;
+                self.write(can_objects::CYCLE_PERIOD, &0_u32.to_le_bytes())?;
                 period = Some(0);
             }
-            self.write(objects::SYNC_OVERFLOW, &[overflow])?;
+            self.write(can_objects::SYNC_OVERFLOW, &[overflow])?;
         }
         let wanted = period_us(self.bus);
         // A drive without the object uses the period of 60C2h.
         if period.is_some_and(|period| period != wanted) {
-            self.write(objects::CYCLE_PERIOD, &wanted.to_le_bytes())?;
+            self.write(can_objects::CYCLE_PERIOD, &wanted.to_le_bytes())?;
         }
         Ok(())
     }
@@ -443,11 +386,11 @@ fn digest(writes: &[(Write, bool)], bus: &BusConfig, device: &DeviceConfig) -> (
 pub(crate) fn release(port: &mut Port, bus: &BusConfig, device: &DeviceConfig) {
     let node = device.node;
     if let Monitoring::Guarding { .. } = device.watching {
-        let _ = port.write(node, objects::LIFE_TIME_FACTOR, &[0]);
+        let _ = port.write(node, can_objects::LIFE_TIME_FACTOR, &[0]);
     }
     if let Some(master) = bus.master {
         // The error of a device that does not answer, or that lacks the object, is irrelevant.
-        let _ = port.write(node, objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, 0));
+        let _ = port.write(node, can_objects::CONSUMER_HEARTBEAT, &consumer_heartbeat_value(master.node, 0));
     }
     port.nmt(NmtCommand::EnterPreOperational, node);
 }

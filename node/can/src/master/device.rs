@@ -5,18 +5,19 @@
 //! Writes   its part of the inputs; its command PDOs
 //! Source   CiA 301, contract section 8
 
-use super::drive::Drive;
-use super::terminals::Terminals;
 use crate::config::DeviceConfig;
-use crate::drive::image::Image;
-use crate::drive::layout::{CommandedValue, ReportedValue, Transmission};
+use crate::layout::Transmission;
+use crate::pdo_image::PdoImage;
 use crate::{Frame, Id, Monitor, NodeId};
+use lineshaft_cia402::adapter::DriveAdapter;
+use lineshaft_cia402::mapping::{CommandedValue, ReportedValue};
+use lineshaft_cia402::terminals::TerminalAdapter;
 use lineshaft_core::drive::{BusState, Inputs, Outputs};
 
 /// PDO that the device sends.
 #[derive(Clone, Debug)]
 struct Received {
-    image: Image<ReportedValue>,
+    image: PdoImage<ReportedValue>,
     is_each_sync: bool,
 }
 
@@ -24,7 +25,7 @@ struct Received {
 #[derive(Debug)]
 pub(crate) struct Device {
     pub(super) node: NodeId,
-    asked: Vec<Image<CommandedValue>>,
+    asked: Vec<PdoImage<CommandedValue>>,
     told: Vec<Received>,
     /// Whether the device is configured and started.
     is_ready: bool,
@@ -36,8 +37,8 @@ pub(crate) struct Device {
     counts_on: bool,
     pub(super) watch: Monitor,
     /// State of the drive, if the device is one.
-    pub(super) drive: Option<Drive>,
-    terminals: Terminals,
+    pub(super) drive: Option<DriveAdapter>,
+    terminals: TerminalAdapter,
 }
 
 impl Device {
@@ -46,19 +47,19 @@ impl Device {
             .layout
             .told
             .iter()
-            .map(|pdo| Received { image: Image::of(pdo), is_each_sync: pdo.transmission == Transmission::EachSync })
+            .map(|pdo| Received { image: PdoImage::of(pdo), is_each_sync: pdo.transmission == Transmission::EachSync })
             .collect();
         Self {
             node: config.node,
-            asked: config.layout.asked.iter().map(Image::of).collect(),
+            asked: config.layout.asked.iter().map(PdoImage::of).collect(),
             told,
             is_ready: false,
             listens: false,
             has_booted: false,
             counts_on: false,
             watch: Monitor::new(config.node, config.watching),
-            drive: config.drive().map(|drive| Drive::new(drive, &config.layout, cycle_ns)),
-            terminals: Terminals::new(&config.terminals, config.layout.told.len()),
+            drive: config.drive().map(|drive| DriveAdapter::new(drive, &config.layout.drive_mapping(), cycle_ns)),
+            terminals: TerminalAdapter::new(&config.terminals, config.layout.told.len()),
         }
     }
 
@@ -145,7 +146,7 @@ impl Device {
 
     /// Returns the command PDOs of a cycle; none while the device is not ready.
     pub(super) fn frames(&mut self, outputs: &Outputs) -> impl Iterator<Item = Frame> {
-        let output = self.drive.as_ref().and_then(|drive| outputs.drive.get(drive.place));
+        let output = self.drive.as_ref().and_then(|drive| outputs.drive.get(drive.place()));
         if let (Some(drive), Some(output)) = (&mut self.drive, output) {
             drive.ask(output);
         }

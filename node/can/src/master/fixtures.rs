@@ -1,7 +1,8 @@
 //! Devices for the tests of this module.
 
-use crate::config::{DeviceConfig, DriveConfig, Role};
+use crate::config::{DeviceConfig, Role};
 use crate::eds::{self, Dictionary};
+use lineshaft_cia402::config::DriveConfig;
 
 /// Returns the drive configuration of a device.
 pub(super) fn as_drive(device: &mut DeviceConfig) -> &mut DriveConfig {

@@ -6,7 +6,6 @@ mod bus;
 mod capture;
 mod configure;
 mod device;
-mod drive;
 #[cfg(test)]
 mod fixtures;
 mod notes;
@@ -14,11 +13,9 @@ mod port;
 mod service;
 mod sync;
 mod tally;
-mod terminals;
 mod time;
 
 pub use asked::{Access, LONGEST, MOST_WAITING, ObjectAccessError, RequestHandle, SdoRequestQueue};
 pub use backend::CanBackend;
 pub use capture::RecordedFrames;
 pub use service::{CanService, bus};
-pub use terminals::ANALOG_CHANNELS;

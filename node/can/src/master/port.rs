@@ -4,8 +4,9 @@
 //! Refuses  nothing; a missing answer is reported as a timeout
 
 use super::bus::{Bus, Order, Report};
-use crate::sdo::{Object, SdoError, Transfer};
 use crate::{NmtCommand, NodeId};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::{SdoError, Transfer};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -1,9 +1,9 @@
 //! SDO client of one device.
 
-use super::abort::Abort;
 use super::crc::crc;
 use crate::{Frame, Id};
-use std::fmt;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::{Abort, SdoError, Transfer};
 
 /// Bytes of a segment.
 const SEGMENT: usize = 7;
@@ -13,56 +13,6 @@ const BLOCK: u8 = 127;
 const LEAST_FOR_BLOCKS: usize = 32;
 /// Maximum number of acknowledgements of a block without progress.
 const MOST_REPEATS: u8 = 8;
-
-/// Object of a device's dictionary.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Object {
-    /// Index.
-    pub index: u16,
-    /// Subindex.
-    pub sub: u8,
-}
-
-impl Object {
-    fn mux(self) -> [u8; 3] {
-        let [low, high] = self.index.to_le_bytes();
-        [low, high, self.sub]
-    }
-}
-
-impl fmt::Display for Object {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:04X}h:{:02X}", self.index, self.sub)
-    }
-}
-
-/// Reason why a transfer failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum SdoError {
-    /// The device has aborted the transfer.
-    #[error("{0}: the device refuses: {1}")]
-    Refused(Object, Abort),
-    /// The answer of the device was invalid, and the transfer was aborted.
-    #[error("{0}: the device answers wrongly: {1}")]
-    Wrong(Object, Abort),
-    /// The device has not answered; timeout in ms.
-    #[error("{0}: the device has not answered for {1} ms")]
-    Silent(Object, u64),
-    /// Another transfer with the device is in progress.
-    #[error("{0}: another transfer with the device is under way")]
-    Busy(Object),
-}
-
-/// Result of a transfer. It returns the buffer to the caller.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Transfer {
-    /// Object.
-    pub object: Object,
-    /// Bytes that were read, or that were to be written.
-    pub data: Vec<u8>,
-    /// Reason of the failure, if the transfer failed.
-    pub result: Result<(), SdoError>,
-}
 
 /// Next step of a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,9 +5,7 @@
 //! Refuses  transfers that the device aborts, with the meaning of the code; wrong or missing answers
 //! Source   CiA 301
 
-mod abort;
 mod client;
 mod crc;
 
-pub use abort::Abort;
-pub use client::{Client, Object, SdoError, Transfer};
+pub use client::Client;

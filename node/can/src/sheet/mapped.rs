@@ -1,9 +1,11 @@
 //! Compares mapped objects of a device with its file.
 
 use super::Comparison;
-use crate::drive::layout::{CommandedValue, Field, OPTIONAL, ReportedValue, Transmission};
-use crate::eds::{Access, Direction};
-use crate::sdo::Object;
+use crate::eds::Access;
+use crate::layout::Transmission;
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::mapping::{CommandedValue, Field, MappableObjects, OPTIONAL, ReportedValue};
+use lineshaft_cia402::object::Object;
 use lineshaft_core::drive::Interface;
 
 impl Comparison<'_> {
@@ -36,10 +38,10 @@ impl Comparison<'_> {
         }
         for field in OPTIONAL {
             let Field { word, object, bits } = field;
-            let Some(entry) = known.entry(object).filter(|entry| entry.is_mappable && !field.matches_entry(entry))
-            else {
+            let (Some(entry), Some(found)) = (known.entry(object), known.mappable_object(object)) else { continue };
+            if !entry.is_mappable || field.matches_entry(found) {
                 continue;
-            };
+            }
             if device.layout.told.iter().flat_map(|pdo| &pdo.fields).any(|carried| carried.object == object) {
                 continue;
             }

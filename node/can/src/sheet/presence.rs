@@ -4,10 +4,12 @@
 
 use super::Comparison;
 use crate::Monitoring;
-use crate::config::{Role, Write};
-use crate::drive::objects;
-use crate::eds::Direction;
-use crate::sdo::Object;
+use crate::can_objects;
+use crate::config::Role;
+use lineshaft_cia402::config::Write;
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
 
 impl Comparison<'_> {
     /// Reports a mapped object that the file lacks, only the first one of each index. It is an error if the index has fewer subindices
@@ -17,7 +19,7 @@ impl Comparison<'_> {
             return;
         }
         let Object { index, sub } = object;
-        let is_of_bits = [objects::MODULE_INPUTS.index, objects::MODULE_OUTPUTS.index].contains(&index);
+        let is_of_bits = [can_objects::MODULE_INPUTS.index, can_objects::MODULE_OUTPUTS.index].contains(&index);
         let user = match self.device.role {
             Role::Module => {
                 let address = u32::from(sub.saturating_sub(1)) * if is_of_bits { 8 } else { 1 };
@@ -72,9 +74,9 @@ impl Comparison<'_> {
     fn needed(&self, homes: bool) -> Vec<(Object, &'static str)> {
         let mut needed = Vec::new();
         match self.device.watching {
-            Monitoring::Heartbeat { .. } => needed.push((objects::PRODUCER_HEARTBEAT, "heartbeat")),
+            Monitoring::Heartbeat { .. } => needed.push((can_objects::PRODUCER_HEARTBEAT, "heartbeat")),
             Monitoring::Guarding { .. } => {
-                needed.extend([(objects::GUARD_TIME, "guarding"), (objects::LIFE_TIME_FACTOR, "guarding")]);
+                needed.extend([(can_objects::GUARD_TIME, "guarding"), (can_objects::LIFE_TIME_FACTOR, "guarding")]);
             }
             Monitoring::None => {}
         }

@@ -1,8 +1,10 @@
 use super::*;
-use crate::config::{AnalogTerminal, Role, Terminals, Write};
-use crate::drive::layout::Extras;
-use crate::drive::{DriveMode, Layout};
+use crate::config::Role;
+use crate::layout::Layout;
 use crate::{Monitoring, NodeId, eds};
+use lineshaft_cia402::config::{AnalogTerminal, Terminals, Write};
+use lineshaft_cia402::mapping::Extras;
+use lineshaft_cia402::mode::DriveMode;
 use lineshaft_core::drive::Terminal;
 
 const OWN: &str = include_str!("../../../../launch-configs/can/cia402_sim.eds");

@@ -7,23 +7,19 @@
 //! Source   CiA 301 (NMT, EMCY, 1029h), CiA 402-2 (6007h, 6040h, 6041h)
 
 use super::CONNECTION_LOST;
-use super::modes::{Modes, units};
-use super::objects as simulated;
 use super::pdo::Pdo;
 use super::server::Server;
 use super::supervision::Supervision;
-use super::table::ObjectTable;
-use super::touch_probe::TouchProbes;
-use crate::config::{DeviceConfig, Terminals, VelocityFactor};
-use crate::drive::objects;
-use crate::eds::Direction;
-use crate::{Frame, Id, NmtState, NodeId};
-use lineshaft_core::drive::{DriveState, Emergency, Inputs, Outputs, control};
+use super::table::objects_of;
+use crate::config::DeviceConfig;
+use crate::{Frame, Id, NmtState, NodeId, can_objects};
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::simulate::objects as simulated;
+use lineshaft_cia402::simulate::{ObjectTable, SimulatedDrive};
+use lineshaft_core::drive::{Emergency, Inputs, Outputs};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Status word bit 9: remote, the drive is controlled over the bus.
-const STATUS_REMOTE: u16 = 0x0200;
 /// Bit 0 of the error register: generic error.
 const GENERIC_ERROR: u8 = 0x01;
 /// Bit 4 of the error register: communication error.
@@ -54,17 +50,9 @@ fn number(state: NmtState) -> u8 {
 #[derive(Clone, Debug)]
 pub(super) struct Device {
     node: NodeId,
-    /// Place among the drives of the machine.
-    place: usize,
-    velocity: VelocityFactor,
-    terminals: Terminals,
-    /// Cycle time of the mechanics, in s.
-    cycle_s: f64,
-    modes: Modes,
-    probes: TouchProbes,
+    drive: SimulatedDrive,
     /// Objects after power-on.
     initial: ObjectTable,
-    table: ObjectTable,
     state: NmtState,
     received: Vec<Pdo>,
     sent: Vec<Pdo>,
@@ -72,8 +60,6 @@ pub(super) struct Device {
     supervision: Supervision,
     /// Whether the loss of the master was reported.
     misses_master: bool,
-    fault: u16,
-    is_lost: bool,
 }
 
 impl Device {
@@ -81,16 +67,11 @@ impl Device {
     /// drive.
     pub(super) fn new(config: &DeviceConfig, cycle: Duration) -> Option<Self> {
         let drive = config.drive()?;
-        let initial = ObjectTable::new(config, drive);
+        let initial = objects_of(config, drive);
+        let terminals = [&config.terminals.digital_inputs, &config.terminals.digital_outputs];
         Some(Self {
             node: config.node,
-            place: drive.place,
-            velocity: drive.velocity,
-            terminals: config.terminals.clone(),
-            cycle_s: cycle.as_secs_f64(),
-            modes: Modes::default(),
-            probes: TouchProbes::default(),
-            table: initial.clone(),
+            drive: SimulatedDrive::new(drive, terminals.map(Vec::as_slice), initial.clone(), cycle),
             initial,
             state: NmtState::BootUp,
             received: Vec::new(),
@@ -98,25 +79,23 @@ impl Device {
             server: Server::default(),
             supervision: Supervision::default(),
             misses_master: false,
-            fault: 0,
-            is_lost: false,
         })
     }
 
     /// Returns the place among the drives of the machine.
     pub(super) fn place(&self) -> usize {
-        self.place
+        self.drive.place()
     }
 
     /// Returns the SYNC period (1006h); `None` if it is unknown.
     pub(super) fn sync_period(&self) -> Option<Duration> {
-        let us = self.table.get(objects::CYCLE_PERIOD);
+        let us = self.drive.table.get(can_objects::CYCLE_PERIOD);
         (us > 0).then_some(Duration::from_micros(us.into()))
     }
 
     /// Returns true once when the drive has to report a fault because it has lost its master.
     pub(super) fn take_master_loss(&mut self) -> bool {
-        std::mem::take(&mut self.is_lost)
+        self.drive.take_connection_loss()
     }
 
     /// Boots: sends the boot-up message and changes to pre-operational.
@@ -128,12 +107,12 @@ impl Device {
 
     /// Sets the objects of these indices to their power-on values, and boots.
     fn reset(&mut self, indices: &RangeInclusive<u16>, out: &mut Vec<Frame>) {
-        self.table.restore(&self.initial, indices);
+        self.drive.table.restore(&self.initial, indices);
         self.received.clear();
         self.sent.clear();
         (self.server, self.supervision) = (Server::default(), Supervision::default());
-        if std::mem::take(&mut self.misses_master) && self.fault == 0 {
-            self.table.set(simulated::ERROR_REGISTER, 0);
+        if std::mem::take(&mut self.misses_master) && self.drive.fault() == 0 {
+            self.drive.table.set(simulated::ERROR_REGISTER, 0);
         }
         self.boot(out);
     }
@@ -148,7 +127,7 @@ impl Device {
         let id = frame.id();
         if frame.is_remote() {
             if id == self.node.heartbeat()
-                && let Some(toggle) = self.supervision.guard(&self.table, now)
+                && let Some(toggle) = self.supervision.guard(&self.drive.table, now)
             {
                 self.send_state(toggle, out);
                 self.handle_master_return(out);
@@ -161,12 +140,12 @@ impl Device {
             }
         } else if id == self.node.sdo_request() {
             self.serve(frame, now, out);
-        } else if self.supervision.is_monitored_heartbeat(id, &self.table, now) {
+        } else if self.supervision.is_monitored_heartbeat(id, &self.drive.table, now) {
             self.handle_master_return(out);
         } else if self.state == NmtState::Operational
             && let Some(pdo) = self.received.iter_mut().find(|pdo| pdo.id == id)
         {
-            pdo.receive(frame, &mut self.table);
+            pdo.receive(frame, &mut self.drive.table);
         }
     }
 
@@ -179,12 +158,12 @@ impl Device {
             }
             0x02 => {
                 self.state = NmtState::Stopped;
-                self.abort_connection();
+                self.drive.abort_connection();
             }
             0x80 => self.state = NmtState::PreOperational,
             0x81 => self.reset(&(0..=u16::MAX), out),
             0x82 => {
-                self.abort_connection();
+                self.drive.abort_connection();
                 self.reset(&COMMUNICATION, out);
             }
             _ => {}
@@ -192,8 +171,8 @@ impl Device {
     }
 
     fn load_pdos(&mut self) {
-        self.received = Pdo::all(&self.table, Direction::Receive);
-        self.sent = Pdo::all(&self.table, Direction::Transmit);
+        self.received = Pdo::all(&self.drive.table, Direction::Receive);
+        self.sent = Pdo::all(&self.drive.table, Direction::Transmit);
     }
 
     fn serve(&mut self, request: &Frame, now: Duration, out: &mut Vec<Frame>) {
@@ -201,10 +180,10 @@ impl Device {
             return;
         }
         let response = self.node.sdo_response();
-        let Some((frame, written)) = self.server.answer(&mut self.table, request, response) else { return };
+        let Some((frame, written)) = self.server.answer(&mut self.drive.table, request, response) else { return };
         out.push(frame);
         if let Some(object) = written {
-            self.supervision.update_deadlines(object, &self.table, now);
+            self.supervision.update_deadlines(object, &self.drive.table, now);
             if (0x1400..=0x1BFF).contains(&object.index) && self.state == NmtState::Operational {
                 self.load_pdos();
             }
@@ -213,7 +192,7 @@ impl Device {
 
     /// Sends heartbeats, checks timeouts, and sends changed PDOs.
     pub(super) fn tick(&mut self, now: Duration, out: &mut Vec<Frame>) {
-        if self.supervision.is_due(&self.table, now) {
+        if self.supervision.is_due(&self.drive.table, now) {
             self.send_state(0, out);
         }
         if self.supervision.has_lost_master(now) {
@@ -224,13 +203,12 @@ impl Device {
     /// Handles the loss of the master.
     fn handle_master_loss(&mut self, out: &mut Vec<Frame>) {
         self.misses_master = true;
-        self.abort_connection();
-        if self.is_lost {
-            self.fault = CONNECTION_LOST;
-            self.table.set(objects::ERROR_CODE, CONNECTION_LOST.into());
+        self.drive.abort_connection();
+        if self.drive.is_lost() {
+            self.drive.set_fault(CONNECTION_LOST);
         }
         self.send_emergency(CONNECTION_LOST, out);
-        match self.table.get(simulated::ERROR_BEHAVIOUR) {
+        match self.drive.table.get(can_objects::ERROR_BEHAVIOUR) {
             0 if self.state == NmtState::Operational => self.state = NmtState::PreOperational,
             2 => self.state = NmtState::Stopped,
             _ => {}
@@ -239,61 +217,24 @@ impl Device {
 
     /// Handles the return of the master.
     fn handle_master_return(&mut self, out: &mut Vec<Frame>) {
-        if std::mem::take(&mut self.misses_master) && self.fault == 0 {
+        if std::mem::take(&mut self.misses_master) && self.drive.fault() == 0 {
             self.send_emergency(0, out);
-        }
-    }
-
-    /// Reacts according to 6007h if the drive is not off: no action, fault, disable voltage, or quick stop.
-    fn abort_connection(&mut self) {
-        let state = DriveState::from_status(self.table.get(objects::STATUS_WORD) as u16);
-        let on = [DriveState::Ready, DriveState::SwitchedOn, DriveState::Enabled, DriveState::QuickStop];
-        if !on.contains(&state) {
-            return;
-        }
-        match self.table.get(simulated::ABORT_CONNECTION) {
-            1 => self.is_lost = true,
-            2 => self.table.set(objects::CONTROL_WORD, control::DISABLE_VOLTAGE.into()),
-            3 => self.table.set(objects::CONTROL_WORD, control::QUICK_STOP.into()),
-            _ => {}
         }
     }
 
     /// Updates the objects from the state of the mechanics.
     pub(super) fn update_objects(&mut self, inputs: &Inputs, out: &mut Vec<Frame>) {
-        let Some(drive) = inputs.drive.get(self.place) else { return };
-        let terminals = self.terminals.digital_inputs.iter().filter(|terminal| inputs.digital(terminal.place));
-        let terminals = terminals.fold(0, |bits, terminal| bits | 1_u32.unbounded_shl(terminal.address.into()));
-        let velocity = self.velocity.to_drive(drive.velocity).clamp(i32::MIN.into(), i32::MAX.into());
-        let table = &mut self.table;
-        let status = drive.status | STATUS_REMOTE | self.modes.status(drive.status);
-        table.set(objects::STATUS_WORD, status.into());
-        table.set(objects::MODE_DISPLAY, self.modes.displayed_mode(drive.mode).cast_unsigned().into());
-        // The conversion to 32 bits wraps.
-        table.set(objects::POSITION, drive.count as u32);
-        table.set(objects::VELOCITY, velocity as u32);
-        table.set(simulated::VL_DEMAND, self.modes.vl_demand(self.velocity).cast_unsigned().into());
-        table.set(simulated::VL_ACTUAL, units(self.velocity, drive.velocity).cast_unsigned().into());
-        table.set(objects::TORQUE, (drive.effort.round() as i16).cast_unsigned().into());
-        table.set(objects::DIGITAL_INPUTS, drive.inputs | terminals);
-        self.probes.step(table, drive);
-        if drive.fault != self.fault {
-            self.fault = drive.fault;
-            self.send_fault(out);
+        let Some(has_other_fault) = self.drive.update_objects(inputs) else { return };
+        if has_other_fault {
+            self.send_emergency(self.drive.fault(), out);
         }
         self.send_changes(out);
-    }
-
-    /// Sets the error code and sends EMCY; code 0: the error has ended.
-    fn send_fault(&mut self, out: &mut Vec<Frame>) {
-        self.table.set(objects::ERROR_CODE, self.fault.into());
-        self.send_emergency(self.fault, out);
     }
 
     /// Sets the error register and sends EMCY; code 0: the error has ended.
     fn send_emergency(&mut self, code: u16, out: &mut Vec<Frame>) {
         let register = error_register(code);
-        self.table.set(simulated::ERROR_REGISTER, register.into());
+        self.drive.table.set(simulated::ERROR_REGISTER, register.into());
         if matches!(self.state, NmtState::PreOperational | NmtState::Operational) {
             let emergency = Emergency { code, register, data: [0; 5] };
             out.push(Frame::of(self.node.emergency(), emergency.to_bytes()));
@@ -302,31 +243,23 @@ impl Device {
 
     fn send_changes(&mut self, out: &mut Vec<Frame>) {
         if self.state == NmtState::Operational {
-            out.extend(self.sent.iter_mut().filter_map(|pdo| pdo.on_change(&self.table)));
+            out.extend(self.sent.iter_mut().filter_map(|pdo| pdo.on_change(&self.drive.table)));
         }
     }
 
     /// Handles SYNC after the mechanics have moved: sends PDOs, then applies the PDOs received before.
     pub(super) fn synchronize(&mut self, out: &mut Vec<Frame>) {
         if self.state == NmtState::Operational {
-            out.extend(self.sent.iter_mut().filter_map(|pdo| pdo.with_sync(&self.table)));
+            out.extend(self.sent.iter_mut().filter_map(|pdo| pdo.with_sync(&self.drive.table)));
             for pdo in &mut self.received {
-                pdo.apply_pending(&mut self.table);
+                pdo.apply_pending(&mut self.drive.table);
             }
         }
     }
 
     /// Runs one cycle of the mode of operation: writes the commands of the objects to the outputs of the machine.
     pub(super) fn run_mode(&mut self, inputs: &Inputs, outputs: &mut Outputs) {
-        let drive = inputs.drive.get(self.place).copied().unwrap_or_default();
-        let asked = self.modes.step(&self.table, self.velocity, &drive, self.cycle_s);
-        if let Some(output) = outputs.drive.get_mut(self.place) {
-            *output = asked;
-        }
-        let levels = self.table.get(objects::DIGITAL_OUTPUTS) & self.table.get(objects::DIGITAL_OUTPUT_MASK);
-        for terminal in &self.terminals.digital_outputs {
-            outputs.set_digital(terminal.place, levels.unbounded_shr(terminal.address.into()) & 1 == 1);
-        }
+        self.drive.run_mode(inputs, outputs);
     }
 }
 

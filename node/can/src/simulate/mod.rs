@@ -9,15 +9,10 @@
 //! Source   CiA 301, CiA 402-2
 
 mod device;
-mod interpolation;
-mod modes;
-mod objects;
 mod pdo;
-mod profile;
 mod server;
 mod supervision;
 mod table;
-mod touch_probe;
 
 use self::device::Device;
 use crate::config::{BusConfig, DeviceConfig};
@@ -254,7 +249,7 @@ mod tests {
     use super::*;
     use crate::Monitoring;
     use crate::config::Role;
-    use crate::drive::DriveType;
+    use lineshaft_cia402::drive_type::DriveType;
 
     /// Returns a bus with one drive that `change` modifies.
     fn bus(change: impl Fn(&mut DeviceConfig)) -> BusConfig {

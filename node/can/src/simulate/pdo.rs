@@ -3,11 +3,13 @@
 //! Law      transmission types 1 to 240: with each n-th SYNC; 0: with a SYNC after a change; 254 and 255: at once after a change
 //! Source   CiA 301 (objects 1400h to 1BFFh)
 
-use super::table::{MOST_MAPPED, ObjectTable, mapped};
-use crate::drive::layout::MOST_PDOS;
-use crate::eds::{CobId, Direction};
-use crate::sdo::Object;
+use super::table::{MOST_MAPPED, mapped};
+use crate::eds::CobId;
+use crate::layout::MOST_PDOS;
 use crate::{Frame, Id};
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::simulate::ObjectTable;
 
 /// Highest synchronous transmission type.
 const LAST_SYNCHRONOUS: u8 = 240;

@@ -4,9 +4,10 @@
 //! Refuses  block transfers; segments without a transfer, or with a repeated toggle bit; lengths other than that of the object
 //! Source   CiA 301
 
-use super::table::ObjectTable;
-use crate::sdo::{Abort, Object};
 use crate::{Frame, Id};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::sdo::Abort;
+use lineshaft_cia402::simulate::ObjectTable;
 
 /// Bytes of a segment.
 const SEGMENT: usize = 7;
@@ -154,16 +155,18 @@ fn padded<const N: usize>(bytes: &[u8]) -> [u8; N] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::table::objects_of;
     use super::*;
-    use crate::config::{DeviceConfig, Write};
-    use crate::drive::objects;
+    use crate::config::DeviceConfig;
     use crate::{Monitoring, NodeId};
+    use lineshaft_cia402::config::Write;
+    use lineshaft_cia402::objects;
 
     /// Returns the objects of a drive with an object of 10 bytes.
     fn table() -> ObjectTable {
         let mut device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
         device.startup = vec![Write { object: Object { index: 0x2001, sub: 0 }, data: vec![0; 10] }];
-        ObjectTable::new(&device, device.drive().unwrap())
+        objects_of(&device, device.drive().unwrap())
     }
 
     /// Returns the bytes of the answer.

@@ -6,10 +6,10 @@
 //! Reads    100Ch, 100Dh, 1016h, 1017h, the time
 //! Source   CiA 301 (error control)
 
-use super::table::ObjectTable;
-use crate::drive::objects;
-use crate::sdo::Object;
+use crate::can_objects;
 use crate::{Id, NodeId};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::simulate::ObjectTable;
 use std::time::Duration;
 
 /// Deadlines and toggle bit of error control.
@@ -25,13 +25,13 @@ pub(super) struct Supervision {
 
 /// Returns the heartbeat time of the drive; `None` if it sends none.
 fn heartbeat(table: &ObjectTable) -> Option<Duration> {
-    let ms = table.get(objects::PRODUCER_HEARTBEAT);
+    let ms = table.get(can_objects::PRODUCER_HEARTBEAT);
     (ms > 0).then_some(Duration::from_millis(ms.into()))
 }
 
 /// Returns the identifier and the time of the monitored heartbeat; `None` if none is monitored.
 fn monitored_heartbeat(table: &ObjectTable) -> Option<(Id, Duration)> {
-    let [low, high, node, _] = table.get(objects::CONSUMER_HEARTBEAT).to_le_bytes();
+    let [low, high, node, _] = table.get(can_objects::CONSUMER_HEARTBEAT).to_le_bytes();
     let ms = u16::from_le_bytes([low, high]);
     let node = NodeId::new(node).filter(|_| ms > 0)?;
     Some((node.heartbeat(), Duration::from_millis(ms.into())))
@@ -41,19 +41,19 @@ impl Supervision {
     /// Updates the deadlines after an object was written.
     pub(super) fn update_deadlines(&mut self, object: Object, table: &ObjectTable, now: Duration) {
         match object {
-            objects::PRODUCER_HEARTBEAT => self.next_heartbeat = heartbeat(table).map(|time| now + time),
-            objects::CONSUMER_HEARTBEAT => self.master_until = None,
-            objects::GUARD_TIME | objects::LIFE_TIME_FACTOR => self.guard_until = None,
+            can_objects::PRODUCER_HEARTBEAT => self.next_heartbeat = heartbeat(table).map(|time| now + time),
+            can_objects::CONSUMER_HEARTBEAT => self.master_until = None,
+            can_objects::GUARD_TIME | can_objects::LIFE_TIME_FACTOR => self.guard_until = None,
             _ => {}
         }
     }
 
     /// Handles a guarding request of the master. Returns the toggle bit of the answer; `None` if the drive sends heartbeats instead.
     pub(super) fn guard(&mut self, table: &ObjectTable, now: Duration) -> Option<u8> {
-        if table.get(objects::PRODUCER_HEARTBEAT) != 0 {
+        if table.get(can_objects::PRODUCER_HEARTBEAT) != 0 {
             return None;
         }
-        let life = u64::from(table.get(objects::GUARD_TIME)) * u64::from(table.get(objects::LIFE_TIME_FACTOR));
+        let life = u64::from(table.get(can_objects::GUARD_TIME)) * u64::from(table.get(can_objects::LIFE_TIME_FACTOR));
         self.guard_until = (life > 0).then_some(now + Duration::from_millis(life));
         let toggle = if self.toggle { 0x80 } else { 0 };
         self.toggle = !self.toggle;

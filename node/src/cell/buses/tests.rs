@@ -1,7 +1,7 @@
 use super::*;
 use crate::cell::Cell;
 use lineshaft_can::Monitoring;
-use lineshaft_can::config::{AnalogTerminal, Encoder};
+use lineshaft_cia402::config::{AnalogTerminal, Encoder};
 use lineshaft_core::drive::Terminal;
 
 const HEAD: &str = "lineshaft: 1\ncycle: CYCLE\nbackends:\n  bus0: {type: can, BUS}\naxes:\n";

@@ -10,8 +10,8 @@
 use super::super::can::CellDrive;
 use super::super::names::quote;
 use lineshaft_can::config::DeviceConfig;
-use lineshaft_can::drive::layout::ReportedValue;
-use lineshaft_can::drive::probe::Probe;
+use lineshaft_cia402::mapping::ReportedValue;
+use lineshaft_cia402::probe::Probe;
 use lineshaft_core::axis::Source;
 use lineshaft_core::config::AxisConfig;
 

@@ -3,10 +3,9 @@
 use crate::cli::times::within;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand, ValueEnum};
-use lineshaft_can::commission::kind;
-use lineshaft_can::eds::DataType;
 use lineshaft_can::transport::{Address, BAUD_RATES};
 use lineshaft_can::{NmtCommand, NodeId, lss};
+use lineshaft_cia402::dictionary::{DataType, type_name};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -358,7 +357,7 @@ impl From<NmtArg> for NmtCommand {
 
 /// Returns the parser of data types by name.
 fn data_type() -> impl TypedValueParser<Value = DataType> {
-    PossibleValuesParser::new(kind::names()).try_map(|name| kind::named(&name).ok_or("no type"))
+    PossibleValuesParser::new(type_name::names()).try_map(|name| type_name::named(&name).ok_or("no type"))
 }
 
 fn node(text: &str) -> Result<NodeId, String> {

@@ -6,7 +6,7 @@ use super::open::Known;
 use crate::cell::{device_file, passed_over};
 use crate::cli::{say, warn};
 use crate::progress::Progress;
-use lineshaft_can::sdo::Object;
+use lineshaft_cia402::object::Object;
 use std::time::Duration;
 
 pub(super) fn configure(args: &ConfigureArgs) -> Result<(), Failure> {

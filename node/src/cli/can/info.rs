@@ -9,9 +9,11 @@ use super::table::{columns, word};
 use crate::cli::command_output::Output;
 use crate::cli::say;
 use crate::recording::clean::{clean, clean_lines};
-use lineshaft_can::commission::words::{self, drive_state, nmt_state};
+use lineshaft_can::commission::words::{nmt_state, transmission};
 use lineshaft_can::commission::{Device, Drive, PdoConfiguration, ReportedState, label};
-use lineshaft_can::eds::{Dictionary, Direction};
+use lineshaft_can::eds::Dictionary;
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::texts::{self, drive_state};
 use lineshaft_core::drive::DriveState;
 use serde_json::Value as Json;
 
@@ -59,14 +61,14 @@ fn of_device(device: &Device, heard: ReportedState) -> Vec<Row> {
     let [name, hardware, software] = device.texts.each_ref().map(text);
     let kind = device.device_type.map_or_else(
         || "-".to_owned(),
-        |device_type| format!("{device_type:08X}h, profile {}", words::profile(device_type & 0xFFFF)),
+        |device_type| format!("{device_type:08X}h, profile {}", texts::profile(device_type & 0xFFFF)),
     );
     let state = match heard {
         ReportedState::State(state) => nmt_state(state).to_owned(),
         ReportedState::None => "not told: it has no heartbeat (1017h is 0)".to_owned(),
         ReportedState::Silent => "not told: its heartbeat has not come".to_owned(),
     };
-    let register = device.register.map(|bits| format!("{bits:02X}h ({})", words::register(bits)));
+    let register = device.register.map(|bits| format!("{bits:02X}h ({})", texts::register(bits)));
     let mut rows = vec![
         row("name", name),
         row("hardware", hardware),
@@ -82,7 +84,7 @@ fn of_device(device: &Device, heard: ReportedState) -> Vec<Row> {
     let errors = device.history.as_deref().unwrap_or_default();
     let error = |error: &u32| {
         let more = if error >> 16 == 0 { String::new() } else { format!(", of the vendor {:04X}h", error >> 16) };
-        format!("{}{more}", words::error(*error as u16))
+        format!("{}{more}", texts::error(*error as u16))
     };
     match errors {
         [] => rows.push(row("error history", if device.history.is_some() { "none" } else { "-" })),
@@ -97,12 +99,12 @@ fn of_device(device: &Device, heard: ReportedState) -> Vec<Row> {
 fn of_drive(drive: &Drive) -> Vec<Row> {
     let none = || "-".to_owned();
     let status = |status| format!("{} (6041h is {status:04X}h)", drive_state(DriveState::from_status(status)));
-    let inputs = |bits| format!("{bits:08X}h ({})", words::inputs(bits));
+    let inputs = |bits| format!("{bits:08X}h ({})", texts::inputs(bits));
     let mut rows = vec![
         row("drive", drive.status.map_or_else(none, status)),
-        row("supported modes", drive.modes.map_or_else(none, words::modes)),
-        row("mode", drive.mode.map_or_else(none, words::mode)),
-        row("error code", drive.error.map_or_else(none, words::error)),
+        row("supported modes", drive.modes.map_or_else(none, texts::modes)),
+        row("mode", drive.mode.map_or_else(none, texts::mode)),
+        row("error code", drive.error.map_or_else(none, texts::error)),
         row("position", drive.position.map_or_else(none, |position| format!("{position} (6064h, units of the drive)"))),
         row("digital inputs", drive.inputs.map_or_else(none, inputs)),
     ];
@@ -124,7 +126,7 @@ fn of_pdos(pdos: &[PdoConfiguration], dictionary: Option<&Dictionary>) -> String
     let mut rows = vec![["PDO", "COB-ID", "valid", "type", "carries"].map(str::to_owned).to_vec()];
     for pdo in pdos {
         let letter = if pdo.direction == Direction::Transmit { 'T' } else { 'R' };
-        let mut kind = pdo.transmission.map_or_else(|| "-".to_owned(), words::transmission);
+        let mut kind = pdo.transmission.map_or_else(|| "-".to_owned(), transmission);
         if let Some(inhibit) = pdo.inhibit.filter(|inhibit| *inhibit != 0) {
             kind.push_str(&format!(", inhibit {} us", inhibit * 100));
         }

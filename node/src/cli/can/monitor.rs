@@ -6,12 +6,12 @@ use super::open::Known;
 use crate::interrupt::Interrupt;
 use crate::output;
 use crate::recording::clean::clean;
-use lineshaft_can::commission::words::hex;
 use lineshaft_can::commission::{AssignedPdo, Decoder};
 use lineshaft_can::config::DeviceConfig;
-use lineshaft_can::drive::layout::Pdo;
-use lineshaft_can::eds::{Direction, Mapped};
+use lineshaft_can::layout::Pdo;
 use lineshaft_can::{Frame, NodeId};
+use lineshaft_cia402::dictionary::{Direction, Mapped};
+use lineshaft_cia402::texts::hex;
 
 pub(super) fn monitor(args: &MonitorArgs) -> Result<(), Failure> {
     let mut known = Known::of(&args.bus)?;

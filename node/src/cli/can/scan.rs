@@ -7,8 +7,9 @@ use super::table::{columns, word};
 use crate::cli::command_output::Output;
 use crate::progress::Progress;
 use crate::recording::clean::clean_lines;
-use lineshaft_can::commission::words::{nmt_state, profile};
+use lineshaft_can::commission::words::nmt_state;
 use lineshaft_can::commission::{FoundNode, Scan};
+use lineshaft_cia402::texts::profile;
 use serde_json::{Value as Json, json};
 use std::time::Duration;
 

@@ -3,8 +3,9 @@
 use super::*;
 use crate::Id;
 use crate::commission::Scan;
-use crate::eds::{CobId, Direction};
+use crate::eds::CobId;
 use crate::lss::LssCommand;
+use lineshaft_cia402::dictionary::Direction;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 

@@ -1,5 +1,6 @@
 use super::*;
-use crate::eds::{Access, DataType, FileValue, Value};
+use crate::eds::{Access, FileValue};
+use lineshaft_cia402::dictionary::{DataType, Value};
 
 const OWN: &[u8] = include_bytes!("../../../../../launch-configs/can/cia402_sim.eds");
 

@@ -1,6 +1,7 @@
 use super::*;
-use crate::eds::{ConfigureError, Direction, FindError, parse};
-use crate::sdo::Object;
+use crate::eds::{ConfigureError, FindError, parse};
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::object::Object;
 use proptest::prelude::*;
 
 const OWN: &str = include_str!("../../../../../launch-configs/can/cia402_sim.eds");

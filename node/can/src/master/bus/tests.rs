@@ -3,14 +3,17 @@ mod modes;
 
 use super::super::fixtures::as_drive;
 use super::*;
-use crate::config::{self, DeviceConfig, MissingDataBehaviour, Role, Terminals};
-use crate::drive::layout::Extras;
-use crate::drive::probe::Probe;
-use crate::drive::{DriveMode, Layout, objects};
+use crate::config::{DeviceConfig, Role};
+use crate::layout::Layout;
 use crate::master::tally::BusLoadMeter;
 use crate::transport::Loss;
 use crate::{Id, Monitoring};
 use assert_no_alloc::{assert_no_alloc, violation_count};
+use lineshaft_cia402::config::{AnalogTerminal, Encoder, MissingDataBehaviour, Terminals};
+use lineshaft_cia402::mapping::Extras;
+use lineshaft_cia402::mode::DriveMode;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::probe::Probe;
 use lineshaft_core::drive::{
     DriveInput, DriveOutput, Edge, EncoderInput, HomingOrder, Latch, MODE_CSP, MODE_HOMING, Mode, Terminal, control,
 };
@@ -550,8 +553,7 @@ fn random_frames_never_enable_a_drive() {
     as_drive(&mut pp).mode = DriveMode::Pp;
     rig.replace(0, &pp);
     let terminal = |place, address| Terminal { place, address };
-    let analog =
-        |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
+    let analog = |place, address| AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
     let mut module = drive(1, 5, watching);
     module.role = Role::Module;
     module.terminals = Terminals {

@@ -11,10 +11,13 @@
 
 use super::{Refusal, Session};
 use crate::config::Role;
-use crate::drive::layout::{Field, MOST_PDOS, Pdo, ReportedValue, Transmission};
-use crate::drive::objects;
-use crate::eds::{CobId, Direction};
-use crate::sdo::{Object, SdoError};
+use crate::eds::CobId;
+use crate::layout::{MOST_PDOS, Pdo, Transmission};
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::mapping::{Field, ReportedValue};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
+use lineshaft_cia402::sdo::SdoError;
 use std::fmt;
 
 /// Bit 31 of a COB-ID: the PDO does not exist.

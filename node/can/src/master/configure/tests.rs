@@ -1,12 +1,15 @@
 use super::super::bus::Bus;
 use super::super::fixtures;
 use super::*;
-use crate::config::{Identity, Master};
-use crate::drive::layout::Extras;
-use crate::drive::{DriveMode, DriveType, Layout};
+use crate::config::Master;
 use crate::eds;
+use crate::layout::Layout;
 use crate::transport::{Transport, TransportError};
 use crate::{Frame, Id};
+use lineshaft_cia402::config::Identity;
+use lineshaft_cia402::drive_type::DriveType;
+use lineshaft_cia402::mapping::Extras;
+use lineshaft_cia402::mode::DriveMode;
 use lineshaft_core::drive::BusState;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex};
@@ -337,7 +340,7 @@ fn a_scale_that_contradicts_the_factors_of_the_drive_is_refused_by_both_numbers(
 fn user_mapping_with_wrong_lengths_is_refused() {
     let mut config = config();
     let of_type = DriveType::decode(-11).unwrap();
-    config.devices[0].layout = of_type.layout(config.devices[0].node).unwrap();
+    config.devices[0].layout = Layout::of_drive_type(config.devices[0].node, of_type).unwrap();
     let mapped = |index, entries: &[u32]| {
         let of = |(sub, entry): (u8, &u32)| ((index, sub), entry.to_le_bytes().to_vec());
         let count = ((index, 0), vec![entries.len() as u8]);

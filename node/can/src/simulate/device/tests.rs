@@ -1,8 +1,9 @@
 //! Tests of a simulated drive as a CANopen device.
 
 use super::*;
-use crate::sdo::Object;
 use crate::{Monitoring, NmtCommand};
+use lineshaft_cia402::object::Object;
+use lineshaft_cia402::objects;
 use lineshaft_core::drive::{DriveInput, DriveOutput, Mode};
 
 const MASTER: NodeId = NodeId::new(127).expect("a node");
@@ -44,7 +45,7 @@ fn ticked(device: &mut Device, now: Duration) -> Vec<Vec<u8>> {
 fn the_heartbeat_has_the_time_of_1017h_and_shows_the_state() {
     let mut device = device();
     assert_eq!(ticked(&mut device, ms(1_000)), [[0_u8; 0]; 0]);
-    write(&mut device, objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(1_000));
+    write(&mut device, can_objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(1_000));
     assert_eq!(ticked(&mut device, ms(1_099)), [[0_u8; 0]; 0]);
     assert_eq!(ticked(&mut device, ms(1_100)), [[0x7F]]);
     device.take(&NmtCommand::Start.frame(Some(node())), ms(1_150), &mut Vec::new());
@@ -74,7 +75,7 @@ fn another_node_is_not_reset_and_a_reset_boots() {
     write(&mut device, objects::CONTROL_WORD, &0x0F_u16.to_le_bytes(), ms(0));
     device.take(&NmtCommand::ResetNode.frame(Some(node())), ms(0), &mut out);
     assert_eq!(out, [Frame::data(node().heartbeat(), &[0]).unwrap()]);
-    assert_eq!(device.table.get(objects::CONTROL_WORD), 0);
+    assert_eq!(device.drive.table.get(objects::CONTROL_WORD), 0);
 }
 
 /// Drives that are enabled and off: 300 ms without the heartbeat of the master.
@@ -82,8 +83,8 @@ fn another_node_is_not_reset_and_a_reset_boots() {
 fn enabled_drive_detects_loss_of_master() {
     for (status, is_lost) in [(0x0037_u16, true), (0x0040, false)] {
         let mut device = device();
-        device.table.set(objects::STATUS_WORD, status.into());
-        write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_012C_u32.to_le_bytes(), ms(0));
+        device.drive.table.set(objects::STATUS_WORD, status.into());
+        write(&mut device, can_objects::CONSUMER_HEARTBEAT, &0x007F_012C_u32.to_le_bytes(), ms(0));
         device.tick(ms(500), &mut Vec::new());
         assert!(!device.take_master_loss(), "it is watched from its first heartbeat on");
         device.take(&Frame::data(MASTER.heartbeat(), &[0x05]).unwrap(), ms(1_000), &mut Vec::new());
@@ -114,10 +115,10 @@ fn pdos_go_with_sync_and_apply_with_sync() {
     device.take(&NmtCommand::Start.frame(Some(node())), ms(0), &mut Vec::new());
     let mut out = Vec::new();
     device.synchronize(&mut out);
-    assert_eq!(device.table.get(objects::CONTROL_WORD), 0, "it was not operational");
+    assert_eq!(device.drive.table.get(objects::CONTROL_WORD), 0, "it was not operational");
 
     device.take(&setpoint, ms(0), &mut Vec::new());
-    assert_eq!(device.table.get(objects::CONTROL_WORD), 0, "it waits for SYNC");
+    assert_eq!(device.drive.table.get(objects::CONTROL_WORD), 0, "it waits for SYNC");
     let drive = DriveInput { count: -2, status: 0x0040, ..DriveInput::default() };
     let inputs = Inputs { drive: vec![drive], ..Inputs::default() };
     device.update_objects(&inputs, &mut out);
@@ -126,7 +127,7 @@ fn pdos_go_with_sync_and_apply_with_sync() {
     // 0240h: switch on disabled, remote.
     assert_eq!(out, [Frame::data(tpdo, &[0x40, 0x02, 0xFE, 0xFF, 0xFF, 0xFF]).unwrap()]);
     assert_eq!(
-        (device.table.get(objects::CONTROL_WORD), device.table.signed(objects::TARGET_POSITION)),
+        (device.drive.table.get(objects::CONTROL_WORD), device.drive.table.signed(objects::TARGET_POSITION)),
         (0x0F, -1_000)
     );
 }
@@ -138,11 +139,11 @@ fn targets_follow_counts_beyond_32_bits() {
     let count = (1_i64 << 32) - 10;
     let inputs = Inputs { drive: vec![DriveInput { count, ..DriveInput::default() }], ..Inputs::default() };
     let mut outputs = Outputs { drive: vec![DriveOutput::default()], ..Outputs::default() };
-    device.table.set(objects::MODE, 8);
-    device.table.set(objects::TARGET_POSITION, 5);
+    device.drive.table.set(objects::MODE, 8);
+    device.drive.table.set(objects::TARGET_POSITION, 5);
     device.run_mode(&inputs, &mut outputs);
     assert_eq!((outputs.drive[0].position, outputs.drive[0].mode), ((1 << 32) + 5, Mode::Position));
-    device.table.set(objects::MODE, 0);
+    device.drive.table.set(objects::MODE, 0);
     device.run_mode(&inputs, &mut outputs);
     assert_eq!((outputs.drive[0].position, outputs.drive[0].mode), (count, Mode::None));
 }
@@ -159,7 +160,7 @@ fn fault_and_its_end_send_emergency_messages() {
     assert!(show(&mut device, 0).is_empty());
     assert_eq!(show(&mut device, 0x8611), [(node().emergency(), vec![0x11, 0x86, 0x01, 0, 0, 0, 0, 0])]);
     assert!(show(&mut device, 0x8611).is_empty());
-    assert_eq!(device.table.get(objects::ERROR_CODE), 0x8611);
+    assert_eq!(device.drive.table.get(objects::ERROR_CODE), 0x8611);
     assert_eq!(show(&mut device, 0), [(node().emergency(), vec![0; 8])]);
 }
 
@@ -174,12 +175,12 @@ fn master_beats(device: &mut Device, now: Duration) -> Vec<Frame> {
 fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
     for (option, has_fault, control) in [(0_u16, false, 0x0F), (1, true, 0x0F), (2, false, 0x00), (3, false, 0x02)] {
         let mut device = device();
-        device.table.set(objects::STATUS_WORD, 0x0237);
+        device.drive.table.set(objects::STATUS_WORD, 0x0237);
         write(&mut device, objects::CONTROL_WORD, &0x0F_u16.to_le_bytes(), ms(0));
         write(&mut device, simulated::ABORT_CONNECTION, &option.to_le_bytes(), ms(0));
         device.take(&NmtCommand::Stop.frame(None), ms(0), &mut Vec::new());
         assert_eq!(
-            (device.take_master_loss(), device.table.get(objects::CONTROL_WORD)),
+            (device.take_master_loss(), device.drive.table.get(objects::CONTROL_WORD)),
             (has_fault, control),
             "{option}"
         );
@@ -191,9 +192,9 @@ fn drive_does_what_6007h_says_when_it_is_stopped_by_nmt() {
 #[test]
 fn master_that_guards_no_longer_is_lost_after_the_life_time() {
     let mut device = device();
-    device.table.set(objects::STATUS_WORD, 0x0237);
-    write(&mut device, objects::GUARD_TIME, &100_u16.to_le_bytes(), ms(0));
-    write(&mut device, objects::LIFE_TIME_FACTOR, &[3], ms(0));
+    device.drive.table.set(objects::STATUS_WORD, 0x0237);
+    write(&mut device, can_objects::GUARD_TIME, &100_u16.to_le_bytes(), ms(0));
+    write(&mut device, can_objects::LIFE_TIME_FACTOR, &[3], ms(0));
     assert_eq!(ticked(&mut device, ms(5_000)), [[0_u8; 0]; 0]);
     device.take(&Frame::remote(node().heartbeat(), 1).unwrap(), ms(5_000), &mut Vec::new());
     assert_eq!(ticked(&mut device, ms(5_299)), [[0_u8; 0]; 0]);
@@ -208,8 +209,8 @@ fn device_without_its_master_changes_its_state_by_1029h() {
     let states = [(0, NmtState::PreOperational), (1, NmtState::Operational), (2, NmtState::Stopped)];
     for (behaviour, state) in states {
         let mut device = device();
-        write(&mut device, simulated::ERROR_BEHAVIOUR, &[behaviour], ms(0));
-        write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
+        write(&mut device, can_objects::ERROR_BEHAVIOUR, &[behaviour], ms(0));
+        write(&mut device, can_objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
         device.take(&NmtCommand::Start.frame(None), ms(0), &mut Vec::new());
         assert!(master_beats(&mut device, ms(0)).is_empty());
         device.tick(ms(100), &mut Vec::new());
@@ -221,12 +222,12 @@ fn device_without_its_master_changes_its_state_by_1029h() {
 #[test]
 fn error_of_communication_ends_when_the_master_is_back() {
     let mut device = device();
-    write(&mut device, objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
+    write(&mut device, can_objects::CONSUMER_HEARTBEAT, &0x007F_0064_u32.to_le_bytes(), ms(0));
     master_beats(&mut device, ms(0));
     assert_eq!(ticked(&mut device, ms(100)), [[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]]);
-    assert_eq!((device.take_master_loss(), device.table.get(simulated::ERROR_REGISTER)), (false, 0x11));
+    assert_eq!((device.take_master_loss(), device.drive.table.get(simulated::ERROR_REGISTER)), (false, 0x11));
     assert_eq!(master_beats(&mut device, ms(200)), [Frame::of(node().emergency(), [0; 8])]);
-    assert_eq!(device.table.get(simulated::ERROR_REGISTER), 0);
+    assert_eq!(device.drive.table.get(simulated::ERROR_REGISTER), 0);
     assert!(master_beats(&mut device, ms(250)).is_empty());
 }
 
@@ -235,12 +236,12 @@ fn error_of_communication_ends_when_the_master_is_back() {
 fn reset_of_communication_keeps_the_objects_of_the_drive() {
     let mut device = device();
     write(&mut device, objects::CONTROL_WORD, &0x06_u16.to_le_bytes(), ms(0));
-    write(&mut device, objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(0));
+    write(&mut device, can_objects::PRODUCER_HEARTBEAT, &100_u16.to_le_bytes(), ms(0));
     device.take(&NmtCommand::Start.frame(None), ms(0), &mut Vec::new());
     let mut out = Vec::new();
     device.take(&NmtCommand::ResetCommunication.frame(None), ms(0), &mut out);
     assert_eq!(out, [Frame::data(node().heartbeat(), &[0]).unwrap()]);
-    let kept = [objects::CONTROL_WORD, objects::PRODUCER_HEARTBEAT].map(|object| device.table.get(object));
+    let kept = [objects::CONTROL_WORD, can_objects::PRODUCER_HEARTBEAT].map(|object| device.drive.table.get(object));
     assert_eq!((kept, device.state), ([0x06, 0], NmtState::PreOperational));
     assert_eq!(ticked(&mut device, ms(500)), [[0_u8; 0]; 0]);
 }

@@ -1,9 +1,11 @@
 //! Describes a device, its drive and its PDOs as JSON objects (docs/json.md).
 
 use lineshaft_can::NodeId;
-use lineshaft_can::commission::words::{drive_state, nmt_state};
+use lineshaft_can::commission::words::nmt_state;
 use lineshaft_can::commission::{Device, Drive, PdoConfiguration, ReportedState};
-use lineshaft_can::eds::{Dictionary, Direction};
+use lineshaft_can::eds::Dictionary;
+use lineshaft_cia402::dictionary::Direction;
+use lineshaft_cia402::texts::drive_state;
 use lineshaft_core::drive::DriveState;
 use serde_json::{Value as Json, json};
 
@@ -72,9 +74,10 @@ pub(super) fn of_pdo(pdo: &PdoConfiguration, dictionary: Option<&Dictionary>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lineshaft_can::eds::{CobId, Mapped};
-    use lineshaft_can::sdo::Object;
+    use lineshaft_can::eds::CobId;
     use lineshaft_can::{NmtState, eds};
+    use lineshaft_cia402::dictionary::Mapped;
+    use lineshaft_cia402::object::Object;
 
     #[test]
     fn device_has_its_numbers_and_null_for_those_that_it_lacks() {

@@ -7,8 +7,7 @@ use super::*;
 #[test]
 fn module_maps_inputs_and_outputs_of_machine() {
     let terminal = |place, address| Terminal { place, address };
-    let analog =
-        |place, address| config::AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
+    let analog = |place, address| AnalogTerminal { terminal: terminal(place, address), volts_at_full_scale: 10.0 };
     let terminals = Terminals {
         digital_inputs: vec![terminal(0, 15)],
         digital_outputs: vec![terminal(1, 7)],
@@ -48,8 +47,7 @@ fn booted_encoder_starts_new_epoch() {
     let mut config = drive(0, 3, Monitoring::None);
     config.role = Role::Encoder;
     config.layout = Layout::encoder(node(3)).unwrap();
-    config.terminals =
-        Terminals { encoders: vec![config::Encoder { place: 0, is_absolute: false }], ..Terminals::default() };
+    config.terminals = Terminals { encoders: vec![Encoder { place: 0, is_absolute: false }], ..Terminals::default() };
     let mut rig = Rig::running(Monitoring::None);
     rig.replace_first(&config);
     rig.inputs.encoder = vec![EncoderInput::default()];
@@ -137,7 +135,7 @@ fn drive_inputs_and_outputs_are_terminals() {
     let terminals = Terminals {
         digital_inputs: vec![terminal(0, 17)],
         digital_outputs: vec![terminal(0, 16)],
-        encoders: vec![config::Encoder { place: 0, is_absolute: false }],
+        encoders: vec![Encoder { place: 0, is_absolute: false }],
         ..Terminals::default()
     };
     let mut config = drive(0, 3, Monitoring::None);

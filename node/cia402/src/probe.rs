@@ -5,8 +5,8 @@
 //! Reads    60BAh to 60BDh, 60D5h to 60D8h
 //! Source   CiA 402-2, touch probe functionality
 
-use super::objects;
-use crate::sdo::Object;
+use crate::object::Object;
+use crate::objects;
 use lineshaft_core::drive::Edge;
 
 /// Source that triggers a probe.

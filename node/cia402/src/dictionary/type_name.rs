@@ -1,6 +1,6 @@
 //! Names of data types for the command line.
 
-use crate::eds::DataType;
+use super::DataType;
 
 /// Name and data type.
 const KINDS: [(&str, DataType); 14] = [

@@ -4,9 +4,9 @@
 //! Refuses  a homing command of which the drive refused an object: mode 6 is not commanded, and the axis ends its homing by timeout
 //! Source   CiA 402-2, homing mode (6098h, 6099h, 609Ah)
 
-use super::objects;
 use crate::config::VelocityFactor;
-use crate::sdo::Object;
+use crate::object::Object;
+use crate::objects;
 use lineshaft_core::drive::{HomingOrder, Mode};
 
 /// Bytes of the longest object.

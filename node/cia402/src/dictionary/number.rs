@@ -1,24 +1,26 @@
-//! Parses numbers of EDS files.
+//! Parses numbers of device descriptions.
 //!
-//! Law      decimal; hexadecimal with `0x`; octal with a leading `0`; an optional sign; `$NODEID` alone, or a sum with it in either order
+//! Law      decimal; hexadecimal with `0x`; octal with a leading `0`; an optional sign
 //! Reads    also `0x-80`, which the exporter of python-canopen writes for -128
 //! Refuses  any other text, and numbers above 64 bits
 //! Source   CiA 306-1, "number notation"
 
-use super::problem::quoted;
+use super::quote::quoted;
 
 /// Number with its notation: hexadecimal digits may be the bits of a negative number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Number {
-    pub(super) value: i128,
-    pub(super) is_hex: bool,
+pub struct Number {
+    /// Value.
+    pub value: i128,
+    /// Whether the digits are hexadecimal.
+    pub is_hex: bool,
 }
 
 /// Parses a number.
 ///
 /// # Errors
 /// A message without subject: "is no number".
-pub(super) fn number(text: &str) -> Result<Number, String> {
+pub fn number(text: &str) -> Result<Number, String> {
     let text = text.trim();
     let (is_negative, body) = match text.strip_prefix('-') {
         Some(body) => (true, body),
@@ -45,24 +47,6 @@ pub(super) fn number(text: &str) -> Result<Number, String> {
         .filter(|value| *value <= most)
         .ok_or_else(|| format!("{} is beyond 64 bits", quoted(text)))?;
     Ok(Number { value: if is_negative { -value } else { value }, is_hex: radix == 16 })
-}
-
-/// Returns the number that is added to the node ID; `None` if the text does not contain `$NODEID`.
-pub(super) fn plus_node_id(text: &str) -> Option<Result<u64, String>> {
-    const NODE_ID: &str = "$NODEID";
-    let text = text.trim();
-    let upper = text.to_ascii_uppercase();
-    let (before, after) = upper.split_once(NODE_ID)?;
-    let (before, after) = (before.trim(), after.trim());
-    let summand = match (before.is_empty(), after.is_empty()) {
-        (true, true) => return Some(Ok(0)),
-        (true, false) => after.strip_prefix('+'),
-        (false, true) => before.strip_suffix('+'),
-        (false, false) => None,
-    };
-    // The copy in upper case has `0X`, which is accepted like `0x`.
-    let value = summand.and_then(|summand| number(summand).ok()).and_then(|number| u64::try_from(number.value).ok());
-    Some(value.ok_or_else(|| format!("{} is neither $NODEID, $NODEID+number nor number+$NODEID", quoted(text))))
 }
 
 #[cfg(test)]
@@ -101,28 +85,10 @@ mod tests {
         }
     }
 
-    #[test]
-    fn node_id_is_parsed_on_either_side_of_sum() {
-        assert_eq!(plus_node_id("0x180"), None);
-        let rows = [
-            ("$NODEID", 0),
-            ("$NODEID+0x180", 0x180),
-            ("$nodeid + 512", 512),
-            ("1280+$NODEID", 1280),
-            (" 0x80000000 + $NodeID ", 0x8000_0000),
-        ];
-        for (text, offset) in rows {
-            assert_eq!(plus_node_id(text), Some(Ok(offset)), "{text}");
-        }
-        for text in ["$NODEID+", "+$NODEID", "$NODEID*2", "$NODEID-1", "$NODEID+-1", "1+$NODEID+1", "$NODEID+$NODEID"] {
-            assert!(plus_node_id(text).unwrap().unwrap_err().contains("neither $NODEID"), "{text}");
-        }
-    }
-
     proptest! {
         #[test]
         fn any_text_is_read_or_refused(text in ".{0,40}") {
-            let _ = (number(&text), plus_node_id(&text));
+            let _ = number(&text);
         }
 
         #[test]

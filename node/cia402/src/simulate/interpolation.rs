@@ -4,7 +4,7 @@
 //! Source   CiA 402-2 (60C2h)
 
 use super::table::ObjectTable;
-use crate::drive::objects;
+use crate::objects;
 
 /// Interpolator between two setpoints.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,8 +53,6 @@ impl Interpolator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::DeviceConfig;
-    use crate::{Monitoring, NodeId};
 
     #[test]
     fn setpoint_is_reached_in_equal_steps_and_then_kept() {
@@ -71,8 +69,7 @@ mod tests {
     /// 8 times 10^-3 s and 25 times 10^-4 s, in cycles of 2 ms and 0.5 ms.
     #[test]
     fn interpolation_time_is_in_cycles_of_the_mechanics() {
-        let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
-        let mut table = ObjectTable::new(&device, device.drive().unwrap());
+        let mut table = ObjectTable::plain();
         let mut set = |value: u32, index: i32| {
             table.set(objects::INTERPOLATION_VALUE, value);
             table.set(objects::INTERPOLATION_INDEX, index.cast_unsigned());

@@ -6,54 +6,50 @@
 //! Writes   the inputs of a cycle, values of PDOs
 //! Source   CiA 401-1 (6000h, 6200h, 6401h, 6411h), CiA 402-2 (60FDh, 60FEh), CiA 406 (6004h); contract section 8
 
-use super::drive::Drive;
+use crate::adapter::DriveAdapter;
 use crate::config;
-use crate::drive::layout::{CommandedValue, ReportedValue};
+use crate::mapping::{CommandedValue, ReportedValue};
 use lineshaft_core::axis::MISSED_CYCLES;
 use lineshaft_core::drive::{EncoderInput, Inputs, Outputs, bit};
 
 /// Value of an analog channel at full scale.
 const FULL_SCALE: f64 = 0x7FFF as f64;
-/// Number of analog channels of a module that fit in PDOs.
-pub const ANALOG_CHANNELS: usize = 12;
 
 /// State of the terminals of a device.
 #[derive(Clone, Debug)]
-pub(crate) struct Terminals {
+pub struct TerminalAdapter {
     config: config::Terminals,
     /// Bits of all digital inputs.
     digital: u64,
-    analog: [i16; ANALOG_CHANNELS],
+    /// Words of the analog inputs, by channel, up to the last one that is used.
+    analog: Vec<i16>,
     /// Position word of an encoder, and the epoch of its coordinate system.
     encoder: (u32, u32),
     /// Cycles since each PDO was received; `None` if it was not received since the start of the device.
     ages: Vec<Option<u32>>,
 }
 
-impl Terminals {
+impl TerminalAdapter {
     /// Creates the state for a device that sends `pdos` PDOs.
-    pub(super) fn new(config: &config::Terminals, pdos: usize) -> Self {
-        Self {
-            config: config.clone(),
-            digital: 0,
-            analog: [0; ANALOG_CHANNELS],
-            encoder: (0, 0),
-            ages: vec![None; pdos],
-        }
+    pub fn new(config: &config::Terminals, pdos: usize) -> Self {
+        let channels = config.analog_inputs.iter().map(|analog| usize::from(analog.terminal.address) + 1).max();
+        let channels = channels.unwrap_or_default();
+        Self { config: config.clone(), digital: 0, analog: vec![0; channels], encoder: (0, 0), ages: vec![None; pdos] }
     }
 
     /// Starts reception before the device is started; `counts_on`: the device was only offline.
-    pub(super) fn listen(&mut self, counts_on: bool) {
+    pub fn listen(&mut self, counts_on: bool) {
         if !counts_on {
             // An epoch that wraps still differs from the previous one, which is all that matters.
             self.encoder.1 = self.encoder.1.wrapping_add(1);
         }
         self.ages.fill(None);
-        (self.digital, self.analog) = (0, [0; ANALOG_CHANNELS]);
+        self.digital = 0;
+        self.analog.fill(0);
     }
 
     /// Handles the values of the PDO at a place.
-    pub(super) fn take(&mut self, place: usize, words: impl Iterator<Item = (ReportedValue, i64)>) {
+    pub fn take(&mut self, place: usize, words: impl Iterator<Item = (ReportedValue, i64)>) {
         for (word, value) in words {
             match word {
                 ReportedValue::Inputs => self.digital = u64::from(value as u32),
@@ -76,10 +72,10 @@ impl Terminals {
     }
 
     /// Writes the inputs of this cycle; `drive`: state of the drive, if the device is one.
-    pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, drive: Option<&Drive>) {
-        // All PDOs of a module or encoder are sent with each SYNC.
+    pub fn read(&mut self, inputs: &mut Inputs, is_there: bool, drive: Option<&DriveAdapter>) {
+        // All PDOs of a module or encoder are sent in each cycle.
         let is_late = |age: &Option<u32>| age.is_none_or(|age| age > MISSED_CYCLES);
-        let is_heard = drive.map_or_else(|| !self.ages.iter().any(is_late), Drive::is_heard);
+        let is_heard = drive.map_or_else(|| !self.ages.iter().any(is_late), DriveAdapter::is_heard);
         for age in self.ages.iter_mut().flatten() {
             *age = age.saturating_add(1);
         }
@@ -110,7 +106,7 @@ impl Terminals {
     }
 
     /// Returns the value of a field of a command PDO.
-    pub(super) fn value(&self, word: CommandedValue, outputs: &Outputs) -> i64 {
+    pub fn value(&self, word: CommandedValue, outputs: &Outputs) -> i64 {
         let digital = |first: u16, bits: u16| {
             let ours = self.config.digital_outputs.iter().filter(|terminal| bit(&outputs.digital, terminal.place));
             let bits = ours.filter_map(|terminal| terminal.address.checked_sub(first).filter(|at| *at < bits));
@@ -155,7 +151,7 @@ mod tests {
     }
 
     /// One PDO with two groups of digital inputs, and one with an analog input.
-    fn module() -> Terminals {
+    fn module() -> TerminalAdapter {
         let config = config::Terminals {
             digital_inputs: vec![terminal(70, 9), terminal(1, 0)],
             digital_outputs: vec![terminal(65, 0), terminal(2, 9), terminal(0, 31)],
@@ -163,7 +159,7 @@ mod tests {
             analog_outputs: vec![analog(1, 1, 5.0)],
             encoders: Vec::new(),
         };
-        Terminals::new(&config, 2)
+        TerminalAdapter::new(&config, 2)
     }
 
     #[test]
@@ -232,7 +228,7 @@ mod tests {
     fn booted_encoder_counts_from_new_epoch() {
         for (is_absolute, count, epochs) in [(false, -2, [1, 1, 2]), (true, 0xFFFF_FFFE, [0, 0, 0])] {
             let encoders = vec![config::Encoder { place: 1, is_absolute }];
-            let mut encoder = Terminals::new(&config::Terminals { encoders, ..config::Terminals::default() }, 1);
+            let mut encoder = TerminalAdapter::new(&config::Terminals { encoders, ..config::Terminals::default() }, 1);
             let mut shown = |boots: bool| {
                 encoder.listen(!boots);
                 encoder.take(0, [(ReportedValue::Encoder, -2)].into_iter());

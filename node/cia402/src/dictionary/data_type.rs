@@ -118,6 +118,16 @@ impl DataType {
         }
     }
 
+    /// Returns true if values are text.
+    pub fn is_text(self) -> bool {
+        matches!(self.kind(), Kind::Visible | Kind::Unicode)
+    }
+
+    /// Returns true if values are integers, signed or unsigned; false for BOOLEAN.
+    pub fn is_integer(self) -> bool {
+        matches!(self.kind(), Kind::Integer(_) | Kind::Unsigned(_))
+    }
+
     pub(super) fn kind(self) -> Kind {
         match self {
             Self::Boolean => Kind::Boolean,

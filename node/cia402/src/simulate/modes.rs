@@ -12,8 +12,9 @@ use super::objects as simulated;
 use super::profile::{HALT, Positioner, Ramp, SetpointCommand, nearest, velocity_on_ramp};
 use super::table::ObjectTable;
 use crate::config::VelocityFactor;
-use crate::drive::{DriveMode, objects};
-use crate::sdo::Object;
+use crate::mode::DriveMode;
+use crate::object::Object;
+use crate::objects;
 use lineshaft_core::drive::{
     DriveInput, DriveOutput, DriveState, HomingOrder, MODE_HOMING, Mode, STATUS_TARGET_REACHED,
 };
@@ -247,8 +248,6 @@ fn homing(now: &CycleInputs<'_>) -> HomingOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::DeviceConfig;
-    use crate::{Monitoring, NodeId};
     use lineshaft_core::drive::{MODE_CSP, MODE_CSV};
 
     /// 10 ms.
@@ -264,8 +263,7 @@ mod tests {
 
     impl Rig {
         fn new(mode: DriveMode) -> Self {
-            let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
-            let mut table = ObjectTable::new(&device, device.drive().unwrap());
+            let mut table = ObjectTable::plain();
             table.set(objects::MODE, mode.number().cast_unsigned().into());
             let drive = DriveInput { status: ENABLED, ..DriveInput::default() };
             Self { table, modes: Modes::default(), drive }

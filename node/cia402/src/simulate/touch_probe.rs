@@ -10,7 +10,7 @@
 
 use super::objects as simulated;
 use super::table::ObjectTable;
-use crate::drive::{objects, probe};
+use crate::{objects, probe};
 use lineshaft_core::drive::DriveInput;
 
 const ENABLED: u32 = 0x01;
@@ -77,16 +77,13 @@ fn step(table: &mut ObjectTable, number: u8, edge: Option<(u8, i64)>, zero_pulse
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::DeviceConfig;
-    use crate::{Monitoring, NodeId};
 
     /// A drive with this probe function.
     struct Rig(ObjectTable, TouchProbes);
 
     impl Rig {
         fn new(function: u32) -> Self {
-            let device = DeviceConfig::plain_drive(0, NodeId::new(3).unwrap(), Monitoring::None);
-            let mut table = ObjectTable::new(&device, device.drive().unwrap());
+            let mut table = ObjectTable::plain();
             table.set(objects::TOUCH_PROBE_FUNCTION, function);
             Self(table, TouchProbes::default())
         }

@@ -4,10 +4,9 @@
 //! Refuses  numbers that the table lacks; types whose process data the source does not describe
 //! Source   MACS-CAN-01, -02, -08, -11, -12, -13, A-51, A-53
 
-use super::layout::{CommandedValue, Field, Layout, LayoutError, ModeBySdo, Pdo, ReportedValue, Transmission};
-use super::objects;
-use crate::NodeId;
-use crate::sdo::Object;
+use crate::mapping::{CommandedValue, DriveMapping, Field, ReportedValue};
+use crate::object::Object;
+use crate::objects;
 
 /// Dummy entry of 16 bits for unused process data (CiA 301, data type 0006h).
 const DUMMY_U16: Object = Object { index: 0x0006, sub: 0 };
@@ -83,12 +82,13 @@ impl DriveType {
         }
     }
 
-    /// Returns the layout with PDO 1 of this type. The PDOs of [`Kind::Servostar`] and [`Kind::Akd`] must be mapped in the drive by the
-    /// user.
-    ///
-    /// # Errors
-    /// Cannot fail: the fields fit in PDO 1.
-    pub fn layout(self, node: NodeId) -> Result<Layout, LayoutError> {
+    /// Returns true if the user must map the PDOs in the drive: those of [`Kind::Servostar`] and [`Kind::Akd`].
+    pub fn is_mapped_by_user(self) -> bool {
+        matches!(self.kind, Kind::Servostar | Kind::Akd)
+    }
+
+    /// Returns the process data of this type: PDO 1 in each direction.
+    pub fn mapping(self) -> DriveMapping {
         let asked = [
             Field { word: CommandedValue::Control, object: objects::CONTROL_WORD, bits: 16 },
             Field { word: CommandedValue::Velocity, object: objects::TARGET_VELOCITY, bits: 32 },
@@ -103,15 +103,7 @@ impl DriveType {
             Kind::Akd => (asked.to_vec(), vec![status, position(16), unused, unused]),
             _ => (asked.into_iter().take(2).collect(), vec![status, position(32)]),
         };
-        let is_mapped = !matches!(self.kind, Kind::Servostar | Kind::Akd);
-        let transmission = Transmission::EachSync;
-        let rpdo = node.rpdo(1).ok_or(LayoutError::TooMany)?;
-        let tpdo = node.tpdo(1).ok_or(LayoutError::TooMany)?;
-        Ok(Layout {
-            asked: vec![Pdo { number: 1, id: rpdo, transmission, is_mapped, fields: asked }],
-            told: vec![Pdo { number: 1, id: tpdo, transmission, is_mapped, fields: told }],
-            mode_by_sdo: ModeBySdo::default(),
-        })
+        DriveMapping { commanded: asked, reported: told, ..DriveMapping::default() }
     }
 }
 
@@ -154,19 +146,18 @@ mod tests {
     ///
     /// Proves: MACS-CAN-11, MACS-CAN-12
     #[test]
-    fn pdo_1_has_fields_of_drive_type() {
+    fn process_data_has_fields_of_drive_type() {
         let lengths = |value| {
-            let layout = DriveType::decode(value).unwrap().layout(NodeId::new(3).unwrap()).unwrap();
-            let (asked, told) = (&layout.asked[0], &layout.told[0]);
-            let bits = |fields: &mut dyn Iterator<Item = u32>| fields.map(|bits| bits / 8).collect::<Vec<_>>();
-            assert_eq!((asked.id.get(), told.id.get(), asked.is_mapped), (0x203, 0x183, told.is_mapped));
-            let asked_bits = bits(&mut asked.fields.iter().map(|field| field.bits));
-            (asked_bits, bits(&mut told.fields.iter().map(|field| field.bits)), asked.is_mapped)
+            let of_type = DriveType::decode(value).unwrap();
+            let mapping = of_type.mapping();
+            let asked: Vec<_> = mapping.commanded.iter().map(|field| field.bits / 8).collect();
+            let told: Vec<_> = mapping.reported.iter().map(|field| field.bits / 8).collect();
+            (asked, told, of_type.is_mapped_by_user())
         };
-        assert_eq!(lengths(2), (vec![2, 4], vec![2, 4], true));
+        assert_eq!(lengths(2), (vec![2, 4], vec![2, 4], false));
         assert_eq!(lengths(-4), lengths(3));
-        assert_eq!(lengths(11), (vec![2, 4], vec![2, 4], false));
-        assert_eq!(lengths(-13), (vec![2, 4, 2], vec![2, 2, 2, 2], false));
+        assert_eq!(lengths(11), (vec![2, 4], vec![2, 4], true));
+        assert_eq!(lengths(-13), (vec![2, 4, 2], vec![2, 2, 2, 2], true));
     }
 
     #[test]

@@ -8,7 +8,7 @@
 
 use super::data_type::{DataType, Kind};
 use super::number::number;
-use super::problem::quoted;
+use super::quote::quoted;
 use std::fmt;
 
 /// Value of an object. The object defines its data type.
@@ -142,8 +142,11 @@ impl Value {
         Self::read(data_type, text)
     }
 
-    /// Parses a value of a file.
-    pub(super) fn read(data_type: DataType, text: &str) -> Result<Self, ValueError> {
+    /// Parses a value of a file, in which integers with leading zeros are octal.
+    ///
+    /// # Errors
+    /// The text is no value of the type; with a message.
+    pub fn read(data_type: DataType, text: &str) -> Result<Self, ValueError> {
         let text = text.trim();
         let kind = data_type.kind();
         match kind {

@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::eds;
+use lineshaft_cia402::mapping::Unmapped;
+use lineshaft_cia402::probe::{self, Slot};
 
 fn node() -> NodeId {
     NodeId::new(3).expect("1 to 127")
@@ -34,7 +36,7 @@ fn only_required_objects_are_mapped_without_dictionary() {
 /// Digital inputs and error code are sent on change if the drive has them.
 #[test]
 fn mappable_optional_objects_are_mapped() {
-    let text = include_bytes!("../../../../../launch-configs/can/cia402_sim.eds");
+    let text = include_bytes!("../../../../launch-configs/can/cia402_sim.eds");
     let known = eds::parse(text, Some(3)).unwrap();
     let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &Terminals::default(), Some(&known)).unwrap();
     let cyclic = (1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode]);
@@ -44,7 +46,7 @@ fn mappable_optional_objects_are_mapped() {
 /// 60FDh is UNSIGNED32, 603Fh is UNSIGNED16 (CiA 402-2). With entries of `io`, 60FDh is required, and `check` refuses its type.
 #[test]
 fn optional_object_with_wrong_type_or_access_is_not_mapped() {
-    let text = include_str!("../../../../../launch-configs/can/cia402_sim.eds");
+    let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
     let seldom = |section: &str, from: &str, to: &str| {
         let at = text.find(&format!("[{section}]")).unwrap();
         let text = format!("{}{}", &text[..at], text[at..].replacen(from, to, 1));
@@ -77,16 +79,36 @@ fn torque_interface_maps_target_and_actual_torque() {
         let cyclic = (1, 0x183, 1, vec![ReportedValue::Status, ReportedValue::Position, ReportedValue::Mode]);
         assert_eq!(told(&layout), [cyclic, (2, 0x283, 1, vec![ReportedValue::Torque])]);
         let known = dictionary_without(&["6077"]);
-        let refused = LayoutError::NotMappable(objects::TORQUE, Unmapped::NotMappable, mode.name());
+        let refused = MappingError::NotMappable(objects::TORQUE, Unmapped::NotMappable, mode.name()).into();
         assert_eq!(plan(Some(&known)).err(), Some(refused));
     }
+}
+
+/// Servostar: control word and reference of 4 bytes; status word and position of 4 bytes. AKD: fields of 2, 4, 2 bytes; 2, 2, 2, 2
+/// bytes.
+///
+/// Proves: MACS-CAN-11, MACS-CAN-12
+#[test]
+fn pdo_1_has_fields_of_drive_type() {
+    let lengths = |value| {
+        let layout = Layout::of_drive_type(node(), DriveType::decode(value).unwrap()).unwrap();
+        let (asked, told) = (&layout.asked[0], &layout.told[0]);
+        let bits = |fields: &mut dyn Iterator<Item = u32>| fields.map(|bits| bits / 8).collect::<Vec<_>>();
+        assert_eq!((asked.id.get(), told.id.get(), asked.is_mapped), (0x203, 0x183, told.is_mapped));
+        let asked_bits = bits(&mut asked.fields.iter().map(|field| field.bits));
+        (asked_bits, bits(&mut told.fields.iter().map(|field| field.bits)), asked.is_mapped)
+    };
+    assert_eq!(lengths(2), (vec![2, 4], vec![2, 4], true));
+    assert_eq!(lengths(-4), lengths(3));
+    assert_eq!(lengths(11), (vec![2, 4], vec![2, 4], false));
+    assert_eq!(lengths(-13), (vec![2, 4, 2], vec![2, 2, 2, 2], false));
 }
 
 /// 64 bits fit in a PDO; one more bit needs a second PDO.
 #[test]
 fn pdo_is_filled_to_64_bits() {
     let lengths = |bits: &[u32]| {
-        let field = |bits: &u32| Field::told(ReportedValue::Status, objects::STATUS_WORD, *bits);
+        let field = |bits: &u32| Field::reported(ReportedValue::Status, objects::STATUS_WORD, *bits);
         let fields: Vec<_> = bits.iter().map(field).collect();
         pack(&fields, Transmission::EachSync, 1, |number| node().tpdo(number))
             .map(|pdos| pdos.iter().map(Pdo::bits).collect::<Vec<_>>())
@@ -110,7 +132,7 @@ fn a_drive_that_cannot_map_its_target_is_refused() {
 
 /// Returns the file of the simulated drive with PDOMapping=0 for the given objects.
 fn without_mapping(objects: &[&str]) -> String {
-    let mut text = include_str!("../../../../../launch-configs/can/cia402_sim.eds").to_owned();
+    let mut text = include_str!("../../../../launch-configs/can/cia402_sim.eds").to_owned();
     for object in objects {
         let at = text.find(&format!("[{object}]")).unwrap();
         text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
@@ -145,7 +167,7 @@ fn object_in_default_pdo_needs_no_pdo_mapping_flag() {
     assert_eq!(layout.mode_by_sdo, ModeBySdo { writes: true, reads: false });
     let other = text.replace("DefaultValue=0x606C0020\n", "DefaultValue=0x607A0020\n");
     let other = other.replacen("DefaultValue=0x607A0020\n", "DefaultValue=0\n", 1);
-    let refused = LayoutError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp");
+    let refused = MappingError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp").into();
     assert_eq!(plan(&other), Err(refused));
     // ParameterValue has precedence over DefaultValue.
     let configured = other.replacen("[1600sub1]\n", "[1600sub1]\nParameterValue=0x607A0020\n", 1);
@@ -154,7 +176,7 @@ fn object_in_default_pdo_needs_no_pdo_mapping_flag() {
 
 /// Returns the dictionary of the simulated drive without an object.
 fn dictionary_lacking(object: &str) -> Dictionary {
-    let text = include_str!("../../../../../launch-configs/can/cia402_sim.eds");
+    let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
     let (from, to) = (format!("[{object}"), format!("[2F{}", &object[2..]));
     assert!(text.contains(&from), "{object}");
     eds::parse(text.replace(&from, &to).as_bytes(), Some(3)).unwrap()
@@ -227,7 +249,7 @@ fn unmappable_mode_is_exchanged_by_sdo() {
         assert!(layout.mapped().any(|object| object == objects::MODE), "{unmappable:?}");
     }
     let refused = plan(&["6060", "607A"]).unwrap_err();
-    assert_eq!(refused, LayoutError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp"));
+    assert_eq!(refused, MappingError::NotMappable(objects::TARGET_POSITION, Unmapped::NotMappable, "csp").into());
 }
 
 /// A captured position and its count belong to the same capture only if they are in one PDO.
@@ -270,7 +292,7 @@ fn terminal(address: u16) -> Terminal {
 fn inputs_and_outputs_of_drive_are_sent_in_each_cycle() {
     let terminals =
         Terminals { digital_inputs: vec![terminal(16)], digital_outputs: vec![terminal(16)], ..Terminals::default() };
-    let text = include_str!("../../../../../launch-configs/can/cia402_sim.eds");
+    let text = include_str!("../../../../launch-configs/can/cia402_sim.eds");
     let known = eds::parse(text.as_bytes(), Some(3)).unwrap();
     let layout = Layout::plan(node(), DriveMode::Csp, Extras::default(), &terminals, Some(&known)).unwrap();
     let cyclic = [

@@ -8,9 +8,10 @@
 //! Refuses  a mode that the drive refuses: it is not written again before another one is commanded, the drive is enabled, or it is started
 //! Source   CiA 402-2 (6060h and 6061h: PDO mapping is optional), CiA 301 (SDO)
 
-use super::layout::ModeBySdo;
-use super::objects;
-use crate::sdo::{Object, SdoError, Transfer};
+use crate::mapping::ModeBySdo;
+use crate::object::Object;
+use crate::objects;
+use crate::sdo::{SdoError, SdoRequest, Transfer};
 
 /// Buffer size for an answer, in bytes.
 const ROOM: usize = 16;
@@ -31,17 +32,6 @@ enum Stage {
     Writes(i8),
     /// Read of 6061h.
     Reads,
-}
-
-/// SDO request for the mode of operation.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ModeRequest {
-    /// 6060h or 6061h.
-    pub object: Object,
-    /// Bytes to be written, or the buffer for those that are read.
-    pub data: Vec<u8>,
-    /// Whether the request is a write.
-    pub writes: bool,
 }
 
 /// Exchange of the mode by SDO. Modes are numbers of 6060h of the drive.
@@ -145,7 +135,7 @@ impl ModeExchange {
     }
 
     /// Returns the next request, if one is due. The mode is unknown from a write on.
-    pub fn next_request(&mut self, now_ns: u64) -> Option<ModeRequest> {
+    pub fn next_request(&mut self, now_ns: u64) -> Option<SdoRequest> {
         let is_due = self.stage == Stage::Idle && self.commanded != 0 && now_ns >= self.due_ns && !self.is_refused();
         let writes = self.by_sdo.writes && self.written != Some(self.commanded);
         let reads = self.by_sdo.reads && self.known != Some(self.commanded) && self.heard.is_none();
@@ -164,7 +154,7 @@ impl ModeExchange {
             self.stage = Stage::Reads;
             objects::MODE_DISPLAY
         };
-        Some(ModeRequest { object, data, writes })
+        Some(SdoRequest { object, data, writes })
     }
 
     /// Returns the data of a request that could not be sent; it is repeated.
@@ -250,7 +240,7 @@ mod tests {
 
     /// Returns the request that is due.
     fn request(exchange: &mut ModeExchange, now_ns: u64) -> (Object, Vec<u8>) {
-        let ModeRequest { object, data, writes } = exchange.next_request(now_ns).expect("a request is due");
+        let SdoRequest { object, data, writes } = exchange.next_request(now_ns).expect("a request is due");
         assert_eq!(writes, object == objects::MODE);
         assert!(exchange.is_pending(object) && exchange.next_request(now_ns).is_none(), "one at a time");
         (object, data)

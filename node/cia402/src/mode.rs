@@ -6,8 +6,8 @@
 //! Writes   the control word with the bits of the mode
 //! Source   CiA 402-2 (modes pp, vl, pv, tq, ip, csp, csv, cst)
 
-use super::layout::{CommandedValue, Field};
-use super::objects;
+use crate::mapping::{CommandedValue, Field};
+use crate::objects;
 use lineshaft_core::drive::{DriveState, Interface, control, level_cycles};
 
 /// Status word bit 12 in mode pp: the setpoint is acknowledged.
@@ -53,7 +53,7 @@ impl DriveMode {
         ("cst", Self::Cst),
     ];
 
-    /// Returns the default mode of an interface; `None` if CAN does not support the interface.
+    /// Returns the default mode of an interface; `None` if no mode serves the interface.
     pub fn default_of(interface: Interface) -> Option<Self> {
         match interface {
             Interface::Position => Some(Self::Csp),
@@ -103,7 +103,7 @@ impl DriveMode {
         }
     }
 
-    /// Returns the target field of the PDO.
+    /// Returns the target field of the process data.
     pub(super) fn target(self) -> Field<CommandedValue> {
         let (word, object, bits) = match self {
             Self::Pp | Self::Csp => (CommandedValue::Position, objects::TARGET_POSITION, 32),

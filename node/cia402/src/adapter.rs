@@ -1,24 +1,29 @@
-//! State of a drive in the cycles.
+//! Adapter between the process data of a drive and the inputs and outputs of a machine cycle.
 //!
-//! Law      process data is fresh in the cycle after the SYNC that it answers; otherwise the last values stay. Homing starts a new
+//! Law      process data is fresh in the cycle that receives it; otherwise the last values stay. Homing starts a new
 //!          coordinate system (another epoch)
-//! Reads    PDOs of the drive, emergency messages
-//! Writes   its part of the inputs; the values of its command PDOs
+//! Reads    values that the drive reports, emergency messages, answers of SDO requests
+//! Writes   its part of the inputs; the values that are commanded; SDO requests for homing and for the mode of operation
 //! Source   CiA 402-2, contract section 8
 
 use crate::config::{DriveConfig, MissingDataBehaviour, VelocityFactor};
-use crate::drive::layout::{CommandedValue, Layout, ReportedValue};
-use crate::drive::probe::{self, CaptureCounter, Probes, SlotMeaning};
-use crate::drive::{Commander, HomingEnd, HomingSetup, ModeExchange, ModeRequest, PositionCounter};
-use crate::sdo::{SdoError, Transfer};
+use crate::counter::PositionCounter;
+use crate::homing::HomingSetup;
+use crate::homing_end::HomingEnd;
+use crate::mapping::{CommandedValue, DriveMapping, ReportedValue};
+use crate::mode::Commander;
+use crate::mode_exchange::ModeExchange;
+use crate::object::Object;
+use crate::probe::{self, CaptureCounter, Probes, SlotMeaning};
+use crate::sdo::{SdoError, SdoRequest, Transfer};
 use lineshaft_core::drive::{
     BusState, DriveInput, DriveOutput, DriveState, Emergency, Inputs, Interface, Latch, MODE_HOMING, Mode,
     STATUS_HOMING_ATTAINED, control, level_cycles,
 };
-use lineshaft_core::object::Object;
+use lineshaft_core::object::Object as MachineObject;
 
-/// Factor by which the apparent velocity of homing may exceed the commanded one in a cycle: process data may arrive at times other than
-/// SYNC, and the drive may overshoot.
+/// Factor by which the apparent velocity of homing may exceed the commanded one in a cycle: process data may arrive at uneven
+/// times, and the drive may overshoot.
 const HOMING_VELOCITY_FACTOR: f64 = 4.0;
 /// Additional tolerance for a drive that homes, in counts.
 const HOMING_TOLERANCE: f64 = 100.0;
@@ -39,10 +44,24 @@ struct ReportedValues {
     velocity: f64,
 }
 
+/// Result of an SDO transfer that has ended.
+#[derive(Debug, PartialEq, Eq)]
+pub enum SdoOutcome {
+    /// The transfer belonged to the drive and needs no report.
+    Handled,
+    /// The drive refuses an object of the homing setup.
+    HomingRefused(SdoError),
+    /// The mode of operation can be neither written nor read.
+    ModeRefused(SdoError),
+    /// The transfer belongs to another client.
+    Other(Transfer),
+}
+
 /// Drive in the cycles.
 #[derive(Debug)]
-pub(crate) struct Drive {
-    pub(super) place: usize,
+pub struct DriveAdapter {
+    /// Place among the drives of the machine.
+    place: usize,
     factor: VelocityFactor,
     cycle_s: f64,
     counter: PositionCounter,
@@ -56,7 +75,7 @@ pub(crate) struct Drive {
     /// Effort per thousandth of rated torque; 1 with interface torque, whose efforts are in thousandths.
     effort_unit: f64,
     emergency: Option<Emergency>,
-    object: Object,
+    object: MachineObject,
     probes: Probes,
     catches: [CaptureCounter; 4],
     /// Last commanded mode, as the axis numbers it.
@@ -74,22 +93,22 @@ pub(crate) struct Drive {
     homing_velocity: f64,
     /// Whether a jump since the start of homing has started a new coordinate system.
     has_jumped: bool,
-    pub(super) homing: HomingSetup,
+    homing: HomingSetup,
     homing_end: HomingEnd,
     /// Exchange of the mode by SDO, if an object of it is in no PDO.
-    pub(super) modes: ModeExchange,
+    modes: ModeExchange,
     /// Whether the axis commands that the operation is enabled.
     is_enabling: bool,
     /// Whether the drive was commanded to home, and may not be back in its cyclic mode yet.
     leaves_homing: bool,
 }
 
-impl Drive {
-    pub(super) fn new(config: &DriveConfig, layout: &Layout, cycle_ns: u64) -> Self {
-        let told = || layout.told.iter().flat_map(|pdo| &pdo.fields);
-        let position = told().find(|field| field.word == ReportedValue::Position);
-        let target = layout.asked.iter().flat_map(|pdo| &pdo.fields);
-        let target = target.into_iter().find(|field| field.word == CommandedValue::Velocity);
+impl DriveAdapter {
+    /// Creates the adapter of a drive that has reported nothing yet, with the objects of its process data and the cycle time, in ns.
+    pub fn new(config: &DriveConfig, mapping: &DriveMapping, cycle_ns: u64) -> Self {
+        let mut told = mapping.reported.iter().chain(&mapping.on_change);
+        let position = told.clone().find(|field| field.word == ReportedValue::Position);
+        let target = mapping.commanded.iter().find(|field| field.word == CommandedValue::Velocity);
         Self {
             place: config.place,
             factor: config.velocity,
@@ -105,13 +124,13 @@ impl Drive {
                 _ => config.rated_effort.unwrap_or_default() / 1000.0,
             },
             emergency: None,
-            object: Object::Axis(config.object),
+            object: MachineObject::Axis(config.object),
             probes: config.probes,
             catches: Default::default(),
             mode: 0,
             commander: Commander::new(config.mode, cycle_ns),
             target_bits: target.map_or(32, |field| field.bits),
-            is_mode_fixed: !layout.mode_by_sdo.reads && !told().any(|field| field.word == ReportedValue::Mode),
+            is_mode_fixed: !mapping.mode_by_sdo.reads && !told.any(|field| field.word == ReportedValue::Mode),
             is_shut_down: config.drive_type.is_some(),
             asked: (0, 0),
             homing_velocity: 0.0,
@@ -119,29 +138,34 @@ impl Drive {
             homing: HomingSetup::new(config.velocity),
             // The loops of an axis with interface torque follow the position of the drive: it cannot jump, and must not be without torque.
             homing_end: HomingEnd::new(
-                layout.mode_by_sdo.writes && config.mode.interface() != Interface::Torque,
+                mapping.mode_by_sdo.writes && config.mode.interface() != Interface::Torque,
                 // The conversion saturates.
                 (RETURN_S * 1e9 / cycle_ns as f64) as u32,
                 u32::try_from(level_cycles(cycle_ns)).unwrap_or(u32::MAX),
             ),
-            modes: ModeExchange::new(layout.mode_by_sdo),
+            modes: ModeExchange::new(mapping.mode_by_sdo),
             is_enabling: false,
             leaves_homing: false,
         }
     }
 
+    /// Returns the place among the drives of the machine.
+    pub fn place(&self) -> usize {
+        self.place
+    }
+
     /// Returns true if the drive has reported its position and is not silent since.
-    pub(super) fn is_heard(&self) -> bool {
+    pub fn is_heard(&self) -> bool {
         self.is_heard && self.stale <= self.missed.cycles
     }
 
     /// Returns the counts, and the epoch of their coordinate system.
-    pub(super) fn counts(&self) -> (i64, u32) {
+    pub fn counts(&self) -> (i64, u32) {
         (self.counter.count(), self.counter.epoch())
     }
 
     /// Starts reception before the drive is started, with its digital inputs. `counts_on`: the drive was only offline.
-    pub(super) fn listen(&mut self, inputs: u32, counts_on: bool) {
+    pub fn listen(&mut self, inputs: u32, counts_on: bool) {
         // The counts include motion while the drive was offline. A drive that was homing may have a new zero.
         if !counts_on || self.words.mode == MODE_HOMING {
             self.counter.start_epoch();
@@ -156,14 +180,14 @@ impl Drive {
     }
 
     /// Records that the drive was started; `fault` is its error code.
-    pub(super) fn begin(&mut self, fault: u16) {
+    pub fn begin(&mut self, fault: u16) {
         if self.words.fault == 0 {
             self.words.fault = fault;
         }
     }
 
-    /// Handles the values of a PDO.
-    pub(super) fn take(&mut self, told: impl Iterator<Item = (ReportedValue, i64)>, is_each_sync: bool) {
+    /// Handles received values. `is_cyclic`: they are sent in each cycle, not on change.
+    pub fn take(&mut self, told: impl Iterator<Item = (ReportedValue, i64)>, is_cyclic: bool) {
         let (was, mut word, mut captured, mut has_status) = (self.words, None, 0, false);
         let words = &mut self.words;
         for (what, value) in told {
@@ -208,8 +232,8 @@ impl Drive {
             self.words.velocity = if self.is_heard { change as f64 / (cycles * self.cycle_s) } else { 0.0 };
             (self.is_heard, self.stale) = (true, 0);
         }
-        // The PDO with the position is sent with each SYNC.
-        self.is_fresh |= is_each_sync && word.is_some();
+        // The position is sent in each cycle.
+        self.is_fresh |= is_cyclic && word.is_some();
         if has_status && let Some(mode) = self.modes.record_status_word() {
             self.words.mode = mode;
         }
@@ -225,7 +249,7 @@ impl Drive {
     }
 
     /// Handles an emergency message.
-    pub(super) fn take_emergency(&mut self, emergency: Emergency) {
+    pub fn take_emergency(&mut self, emergency: Emergency) {
         self.emergency = Some(emergency);
         if emergency.code != 0 {
             self.words.fault = emergency.code;
@@ -233,7 +257,7 @@ impl Drive {
     }
 
     /// Writes the inputs of this cycle. `is_there`: the drive takes part in the cycles.
-    pub(super) fn read(&mut self, inputs: &mut Inputs, is_there: bool, bus: BusState) {
+    pub fn read(&mut self, inputs: &mut Inputs, is_there: bool, bus: BusState) {
         let index = self.read_probes(inputs);
         let Some(input) = inputs.drive.get_mut(self.place) else { return };
         let is_online = is_there && self.is_heard;
@@ -287,7 +311,7 @@ impl Drive {
     }
 
     /// Handles the commands of a cycle.
-    pub(super) fn ask(&mut self, output: &DriveOutput) {
+    pub fn ask(&mut self, output: &DriveOutput) {
         self.mode = self.homing.allowed_mode(output.mode, self.mode);
         if let Mode::Homing(order) = output.mode {
             self.homing_velocity = order.search_velocity.abs().max(order.zero_velocity.abs());
@@ -346,20 +370,42 @@ impl Drive {
         }
     }
 
-    /// Returns the next SDO request for the mode.
-    pub(super) fn next_mode_request(&mut self, now_ns: u64) -> Option<ModeRequest> {
+    /// Returns the next SDO request, if one is due: for the homing setup, or for the mode. One request is pending at a time.
+    pub fn next_request(&mut self, now_ns: u64) -> Option<SdoRequest> {
+        if let Some((object, data)) = self.homing.next_object() {
+            return Some(SdoRequest { object, data, writes: true });
+        }
         let request = self.modes.next_request(now_ns);
         self.forget_mode();
         request
     }
 
-    /// Handles the answer to such a request. Returns an error that is to be reported.
-    pub(super) fn handle_mode_answer(&mut self, done: Transfer, now_ns: u64) -> Option<SdoError> {
-        self.modes.handle_answer(done, now_ns)
+    /// Returns the data of a request that could not be sent; it is repeated.
+    pub fn return_buffer(&mut self, object: Object, data: Vec<u8>) {
+        if self.homing.is_pending(object) {
+            self.homing.return_buffer(data);
+        } else {
+            self.modes.return_buffer(data);
+        }
     }
 
-    /// Returns the value of a field of a command PDO.
-    pub(super) fn value(&self, word: CommandedValue, output: &DriveOutput) -> i64 {
+    /// Handles the end of any transfer with the drive.
+    pub fn handle_transfer(&mut self, done: Transfer, now_ns: u64) -> SdoOutcome {
+        if self.homing.is_pending(done.object) {
+            self.homing.handle_answer(done.object, done.data, done.result.is_ok());
+            return done.result.map_or_else(SdoOutcome::HomingRefused, |()| SdoOutcome::Handled);
+        }
+        if self.modes.is_pending(done.object) {
+            return self.modes.handle_answer(done, now_ns).map_or(SdoOutcome::Handled, SdoOutcome::ModeRefused);
+        }
+        if let Err(error) = &done.result {
+            self.modes.record_failure(done.object, error);
+        }
+        SdoOutcome::Other(done)
+    }
+
+    /// Returns the value of a commanded field.
+    pub fn value(&self, word: CommandedValue, output: &DriveOutput) -> i64 {
         match word {
             CommandedValue::Control => i64::from(self.asked.0),
             // Positions wrap, like those of the drive.
@@ -378,5 +424,41 @@ impl Drive {
             | CommandedValue::Analog(_)
             | CommandedValue::Nothing => 0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use crate::mapping::{Extras, MappingRequirements};
+    use crate::mode::DriveMode;
+
+    /// All reported values in one image of 13 bytes, which no CAN frame has: 6041h, 6064h, 6061h, 6077h, 60FDh. Commanded are 6040h, 607Ah,
+    /// 6060h.
+    #[test]
+    fn drive_is_read_and_commanded_without_frames() {
+        let config = DriveConfig { rated_effort: Some(20.0), ..DriveConfig::plain(0) };
+        let extras = Extras { torque: true, ..Extras::default() };
+        let requirements = MappingRequirements { mode: DriveMode::Csp, extras, has_inputs: true, has_outputs: false };
+        let mapping = DriveMapping::plan(requirements, None).unwrap();
+        let mut drive = DriveAdapter::new(&config, &mapping, 1_000_000);
+        drive.listen(0, false);
+        drive.begin(0);
+        let mut image = Image::of(&mapping.reported);
+        assert!(image.update(&[0x37, 0x02, 0xFE, 0xFF, 0xFF, 0xFF, 8, 0xF4, 0x01, 1, 0, 0, 0]));
+        drive.take(image.values(), true);
+        let mut inputs = Inputs { drive: vec![DriveInput::default()], ..Inputs::default() };
+        drive.read(&mut inputs, true, BusState::Active);
+        let read = inputs.drive[0];
+        assert_eq!((read.count, read.status, read.mode, read.effort, read.inputs), (-2, 0x0237, 8, 10.0, 1));
+        assert!(read.online && read.fresh);
+        let output =
+            DriveOutput { control: control::ENABLE, mode: Mode::Position, position: 5, ..DriveOutput::default() };
+        drive.ask(&output);
+        let mut bytes = [0; 7];
+        Image::of(&mapping.commanded).pack(|word| drive.value(word, &output), &mut bytes);
+        assert_eq!(bytes, [0x0F, 0, 5, 0, 0, 0, 8]);
+        assert_eq!(drive.next_request(0), None, "no object is exchanged by SDO");
     }
 }
