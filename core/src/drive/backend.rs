@@ -1,7 +1,7 @@
 //! Backends: the access to drives, encoders, inputs and outputs.
 //!
 //! Law      a backend accesses only its own objects, so that any number of backends can share a machine; objects that
-//!          no backend writes count as missing
+//!          no backend writes count as missing. At most one backend owns the time base of the cycle
 //! Refuses  nothing in a cycle: a failure is a state of its objects
 
 use super::{Inputs, Interface, Outputs};
@@ -84,4 +84,25 @@ pub trait Backend: Send {
 
     /// Sends the outputs of the cycle.
     fn write(&mut self, outputs: &Outputs);
+
+    /// Whether this backend owns the time base of the cycle, such as a segment with distributed clocks. It never changes.
+    /// At most one backend of a machine owns it; without an owner, the clock of the host is the time base.
+    fn owns_clock(&self) -> bool {
+        false
+    }
+
+    /// Returns by how much the next deadline of the cycle shifts against the clock of the host, in ns, positive for
+    /// later. It is called only if this backend owns the clock, once in each cycle, after [`write`](Self::write). A
+    /// backend that cannot measure its clock, for example because an answer is missing, returns 0, or the negative
+    /// `pending_ns` to discard what is left of earlier shifts.
+    ///
+    /// Shifts add up. Each cycle applies at most 1/1000 of the cycle time, the following cycles the rest.
+    /// `pending_ns` is the sum of the earlier shifts that is not applied yet. A backend that measures its whole phase
+    /// error in each cycle subtracts it, so that the same error is not corrected twice.
+    ///
+    /// The machine does not see the shift: its time stays k times the cycle time.
+    fn clock_shift(&mut self, pending_ns: i64) -> i64 {
+        let _ = pending_ns;
+        0
+    }
 }

@@ -155,10 +155,11 @@ impl Hardware {
             if are_kept {
                 found.buses.push((config.name.clone(), service.frames()));
             }
-            found.backends = found.backends.with(Box::new(cyclic));
+            found.backends = found.backends.with(config.name.clone(), Box::new(cyclic));
             found.services.push(Box::new(service));
         }
         cell.machine.check_backends(&found.backends.all()).map_err(|error| error.to_string())?;
+        found.backends.check_clock().map_err(|error| error.to_string())?;
         Ok(found)
     }
 }
