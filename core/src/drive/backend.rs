@@ -47,12 +47,42 @@ impl Capabilities {
     }
 }
 
-/// Address of an object of the machine at its backend.
+/// Address of an object at its backend, in two parts. The backend defines the numbers and their ranges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ObjectAddress {
+    /// Number of the device; 0 at a backend whose inputs, outputs and encoders are not at devices.
+    pub device: u16,
+    /// Number of the channel among those of its kind; 0 for a drive, and for an encoder that is a device.
+    pub channel: u16,
+}
+
+impl ObjectAddress {
+    /// Returns the address of an object that is a device.
+    pub const fn of_device(device: u16) -> Self {
+        Self { device, channel: 0 }
+    }
+
+    /// Returns the address of an object at a backend whose objects of this kind are not at devices.
+    pub const fn of_channel(channel: u16) -> Self {
+        Self { device: 0, channel }
+    }
+}
+
+/// An object of the machine at its backend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BackendObject {
+    /// Index among its kind in [`Inputs`] or [`Outputs`].
+    pub place: usize,
+    /// Address at the backend.
+    pub address: ObjectAddress,
+}
+
+/// An object of the machine at one of the channels of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terminal {
     /// Index among its kind in [`Inputs`] or [`Outputs`].
     pub place: usize,
-    /// Number at the backend: `address`; on CAN `node` for a drive, 256 `node` + `address` for other objects.
+    /// Number of the channel, as in [`ObjectAddress::channel`].
     pub address: u16,
 }
 
@@ -60,17 +90,17 @@ pub struct Terminal {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Objects {
     /// Digital inputs.
-    pub digital_inputs: Vec<Terminal>,
+    pub digital_inputs: Vec<BackendObject>,
     /// Digital outputs.
-    pub digital_outputs: Vec<Terminal>,
+    pub digital_outputs: Vec<BackendObject>,
     /// Analog inputs.
-    pub analog_inputs: Vec<Terminal>,
+    pub analog_inputs: Vec<BackendObject>,
     /// Analog outputs.
-    pub analog_outputs: Vec<Terminal>,
+    pub analog_outputs: Vec<BackendObject>,
     /// Entries of `encoders`.
-    pub encoders: Vec<Terminal>,
+    pub encoders: Vec<BackendObject>,
     /// Drives.
-    pub drives: Vec<Terminal>,
+    pub drives: Vec<BackendObject>,
 }
 
 /// The cyclic half of a backend, on the cycle thread: its methods neither block nor lock nor allocate. The other half

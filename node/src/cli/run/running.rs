@@ -137,7 +137,7 @@ impl Hardware {
     /// Returns an error if its files, or its buses and drives according to them, are wrong.
     pub(in crate::cli) fn of(cell: &Cell, file: Option<&Path>, is_sim: bool, are_kept: bool) -> Result<Self, String> {
         let buses = if is_sim { Vec::new() } else { buses(cell, file)? };
-        let on_can = cell.backends.iter().filter(|backend| is_sim && !backend.is_simulated());
+        let on_can = cell.backends.iter().filter(|backend| is_sim && backend.has_objects());
         let mut found = Self {
             backends: Backends::simulated(cell.plant_of(|backend| is_sim || backend.is_simulated())),
             services: Vec::new(),
@@ -148,7 +148,7 @@ impl Hardware {
         for bus in buses {
             let lines = left_out_of(&bus).into_iter().chain(mode_by_sdo_of(&bus));
             lines.for_each(|line| tracing::info!("{line}"));
-            let sheets = file.map(|file| cell.dictionaries(&bus.name, file)).transpose()?;
+            let sheets = file.map(|file| cell.on_can().dictionaries(&bus.name, file)).transpose()?;
             let config = bus.clone();
             let (cyclic, mut service) = lineshaft_can::master::bus(bus);
             found.objects = found.objects.with_bus(&config, service.objects(), sheets.unwrap_or_default());
@@ -171,8 +171,8 @@ impl Hardware {
 /// Returns the problems of the files, or an error about inputs that homing needs and that are not read.
 fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
     let sentences = |problems: Problems| problems.to_string().trim_end().to_owned();
-    let (buses, warnings) = cell.buses_and_warnings(file).map_err(sentences)?;
-    let unread = cell.unread(&buses, file).map_err(sentences)?;
+    let (buses, warnings) = cell.on_can().buses_and_warnings(file).map_err(sentences)?;
+    let unread = cell.on_can().unread(&buses, file).map_err(sentences)?;
     warnings.iter().chain(&unread).for_each(|warning| tracing::warn!("{warning}"));
     Ok(buses)
 }

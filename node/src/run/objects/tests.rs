@@ -11,8 +11,8 @@ fn desk() -> (ObjectAccess, CanService) {
 fn desk_of(name: &str) -> (ObjectAccess, CanService) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can").join(name);
     let cell = Cell::load(&file).expect("it has no errors");
-    let bus = cell.buses(Some(&file)).expect("its files have none").remove(0);
-    let sheets = cell.dictionaries(&bus.name, &file).expect("the same files");
+    let bus = cell.on_can().buses(Some(&file)).expect("its files have none").remove(0);
+    let sheets = cell.on_can().dictionaries(&bus.name, &file).expect("the same files");
     let (_, service) = lineshaft_can::master::bus(bus.clone());
     (ObjectAccess::new(Vec::new()).with_bus(&bus, service.objects(), sheets), service)
 }
