@@ -125,6 +125,9 @@ impl Backend {
 /// Kinds of backends whose analog channels have a full scale, for messages.
 pub(super) const WITH_FULL_SCALES: &str = can::MEDIUM;
 
+/// Kinds of backends whose devices have objects, for messages.
+pub(crate) const WITH_OBJECTS: &str = can::MEDIUM;
+
 /// Keys of a drive that only its backend has.
 #[derive(Clone, Debug)]
 pub enum DriveKeys {

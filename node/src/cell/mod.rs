@@ -55,6 +55,7 @@ mod wiring;
 #[cfg(test)]
 use crate::document::Observer;
 use crate::document::{Document, Problems, Value};
+pub(crate) use backends::WITH_OBJECTS;
 use backends::{Backend, Context};
 pub use backends::{BackendKind, CellBackend, DriveKeys, Hardware};
 pub use buses::{CanBuses, DeviceFindings};

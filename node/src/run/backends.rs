@@ -5,8 +5,23 @@
 //! Refuses  a second owner of the clock
 //! Source   contract section 8
 
-use lineshaft_core::drive::{Backend, Inputs, Outputs};
+use lineshaft_core::drive::{Backend, DeviceObjects, FrameSource, Inputs, Outputs, Service};
 use lineshaft_core::sim::Plant;
+use std::sync::Arc;
+
+/// A backend before its start.
+pub struct NewBackend {
+    /// Its name in the cell.
+    pub name: String,
+    /// Its cyclic half.
+    pub cyclic: Box<dyn Backend>,
+    /// Its service half.
+    pub service: Box<dyn Service>,
+    /// Objects of its devices, if they have some.
+    pub objects: Option<Arc<dyn DeviceObjects>>,
+    /// Frames of its bus, if they are recorded.
+    pub frames: Option<Box<dyn FrameSource>>,
+}
 
 /// Any number of backends of any kind.
 #[derive(Default)]

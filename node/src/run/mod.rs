@@ -7,6 +7,7 @@
 
 pub mod backends;
 pub mod bridge;
+pub mod can;
 pub mod clock;
 pub mod decoder;
 pub mod flight;
