@@ -3,18 +3,22 @@
 mod analog;
 mod backend;
 mod cia402;
+mod device_objects;
 mod enabling;
 mod error_code;
+mod frames;
 mod node;
 mod service;
 mod switching;
 
 use crate::object::Object;
 pub use analog::{AnalogDrive, AnalogWiring, FULL_VOLTS, LONGEST_ENABLE_NS};
-pub use backend::{Backend, Capabilities, Objects, Terminal};
+pub use backend::{Backend, BackendObject, Capabilities, ObjectAddress, Objects, Terminal};
 pub use cia402::*;
+pub use device_objects::{DeviceObjects, ObjectAnswer, ObjectIndex, ObjectOperation, ObjectText, WaitingRequest};
 pub use enabling::NotEnabled;
 pub use error_code::{error_text, register_texts};
+pub use frames::{FrameKind, FrameSource, RecordedFrame};
 pub use node::{ForeignEmergency, NodeChange, NodeNotice};
 use serde::{Deserialize, Serialize};
 pub use service::{Health, Note, Service, ServiceError};
@@ -36,15 +40,15 @@ pub struct EncoderInput {
     pub index: Option<i64>,
 }
 
-/// State of the bus of a drive.
+/// State of the bus of a drive. Its backend decides what it treats as many errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BusState {
     /// The bus transmits.
     #[default]
     Active = 0,
-    /// The bus transmits, with many errors (error passive).
-    Passive = 1,
-    /// The bus does not transmit: bus-off, cable cut, or adapter removed.
+    /// The bus transmits, with many errors (`PASSIVE` in CycleInputs).
+    Degraded = 1,
+    /// The bus does not transmit: it has switched itself off, the cable is cut, or the adapter is removed.
     Off = 2,
 }
 

@@ -3,6 +3,9 @@
 //! A name is an identifier with a part `amc`, `saia` or `wf`, in upper or lower case, except codes, which are rows of
 //! one table for all; or a text that begins like the key of one of their parameters. docs/ARCHITECTURE.md has the list
 //! of files that register them. Messages, comments and tests may name them.
+//!
+//! Also checks that above the crate of CAN only the files in [`CAN_FILES`] use it, so that another fieldbus needs files of
+//! its own and no comparisons elsewhere.
 
 mod program;
 mod tree;
@@ -15,6 +18,21 @@ const PAGE: &str = "docs/ARCHITECTURE.md";
 /// Start of the line with the list in the page.
 const LIST: &str = "Registered:";
 const NAMES: [&str; 3] = ["amc", "saia", "wf"];
+
+/// Files of the program that use the crate of CAN; a folder ends with a slash and includes all its files.
+const CAN_FILES: [&str; 6] = [
+    "node/src/cell/buses.rs",
+    "node/src/cell/buses/",
+    "node/src/cell/can.rs",
+    "node/src/cli/can/",
+    "node/src/run/can.rs",
+    "node/src/run/can/",
+];
+/// File that alone distinguishes the kinds of backends.
+const KINDS_FILE: &str = "node/src/cell/backends.rs";
+
+/// Names in a file with their lines, and the modules of the file that are built only for tests.
+type Named = (Vec<(usize, String)>, Vec<String>);
 
 /// Whether the text is a key, or the beginning of one.
 fn is_key(text: &str) -> bool {
@@ -40,10 +58,19 @@ fn names_one(word: &str) -> bool {
     parts.split('_').any(|part| NAMES.contains(&part))
 }
 
-/// Returns the lines of a program that name a vocabulary, each with its name, and the modules that are built only for
-/// tests.
-fn named(text: &str) -> (Vec<(usize, String)>, Vec<String>) {
-    let tokens = tokens(text, is_key);
+/// Returns the lines of a program that name a vocabulary, each with its name.
+fn named(text: &str) -> Named {
+    words(text, is_key, |word| word.starts_with('"') || names_one(word))
+}
+
+/// Returns the lines of a program that name the crate of CAN.
+fn names_can(text: &str) -> Named {
+    words(text, |_| false, |word| word == "lineshaft_can")
+}
+
+/// Returns the lines of a program with a wanted word, which may be a text that is `kept`.
+fn words(text: &str, kept: impl Fn(&str) -> bool, is_wanted: impl Fn(&str) -> bool) -> Named {
+    let tokens = tokens(text, kept);
     let (mut found, mut tests, mut at) = (Vec::new(), Vec::new(), 0);
     while let Some((line, word)) = tokens.get(at) {
         if is_test_only(&tokens, at) {
@@ -53,7 +80,7 @@ fn named(text: &str) -> (Vec<(usize, String)>, Vec<String>) {
             at = end;
             continue;
         }
-        if word.starts_with('"') || names_one(word) {
+        if is_wanted(word) {
             found.push((*line, word.clone()));
         }
         at += 1;
@@ -61,10 +88,10 @@ fn named(text: &str) -> (Vec<(usize, String)>, Vec<String>) {
     (found, tests)
 }
 
-/// Returns the files of core that are built without tests, with the names that they use.
-fn production() -> Vec<(String, Vec<(usize, String)>)> {
-    let of_core = |file: &String| file.starts_with("core/src/");
-    let texts: Vec<_> = files(&[".rs"]).into_iter().filter(of_core).map(|file| (named(&read(&file)), file)).collect();
+/// Returns the files of a folder that are built without tests, with the names that they use.
+fn production(within: &str, named: fn(&str) -> Named) -> Vec<(String, Vec<(usize, String)>)> {
+    let of_folder = |file: &String| file.starts_with(within);
+    let texts: Vec<_> = files(&[".rs"]).into_iter().filter(of_folder).map(|file| (named(&read(&file)), file)).collect();
     let folder = |file: &str| {
         let stem = file.strip_suffix(".rs").expect("a program").to_owned();
         let is_door = stem.ends_with("/mod") || stem.ends_with("/lib");
@@ -95,7 +122,8 @@ fn entry<'l>(list: &'l BTreeSet<String>, file: &str) -> Option<&'l String> {
 fn no_file_names_a_vocabulary_but_those_that_register_it() {
     let list = registered(&read(PAGE));
     let (mut faults, mut used) = (Vec::new(), BTreeSet::new());
-    let outside = production().into_iter().filter(|(file, _)| !file.starts_with("core/src/vocabulary/"));
+    let outside =
+        production("core/src/", named).into_iter().filter(|(file, _)| !file.starts_with("core/src/vocabulary/"));
     for (file, found) in outside.filter(|(_, found)| !found.is_empty()) {
         match entry(&list, &file) {
             Some(entry) => drop(used.insert(entry.clone())),
@@ -104,6 +132,31 @@ fn no_file_names_a_vocabulary_but_those_that_register_it() {
     }
     faults.extend(list.difference(&used).map(|entry| format!("{PAGE}: {entry} names no vocabulary")));
     assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn only_the_files_of_can_use_its_crate() {
+    let list = CAN_FILES.map(str::to_owned).into();
+    let (mut faults, mut used) = (Vec::new(), BTreeSet::new());
+    for (file, found) in production("node/src/", names_can).into_iter().filter(|(_, found)| !found.is_empty()) {
+        match entry(&list, &file) {
+            Some(entry) => drop(used.insert(entry.clone())),
+            None => faults.extend(found.iter().map(|(line, word)| format!("{file}:{line}: {word}"))),
+        }
+    }
+    faults.extend(list.difference(&used).map(|entry| format!("{entry} does not use the crate of CAN")));
+    assert!(faults.is_empty(), "\n{}\n", faults.join("\n"));
+}
+
+#[test]
+fn only_one_file_distinguishes_the_kinds_of_backends() {
+    let kinds = ["Backend::Can", "Backend::Sim", "BackendKind::Can", "BackendKind::Simulation", "DriveKeys::Can"];
+    let names_one = |file: &String| {
+        let text = read(file);
+        kinds.iter().any(|kind| text.contains(kind))
+    };
+    let of_node = files(&[".rs"]).into_iter().filter(|file| file.starts_with("node/src/"));
+    assert_eq!(of_node.filter(names_one).collect::<Vec<_>>(), [KINDS_FILE]);
 }
 
 #[test]

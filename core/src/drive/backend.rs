@@ -1,7 +1,7 @@
 //! Backends: the access to drives, encoders, inputs and outputs.
 //!
 //! Law      a backend accesses only its own objects, so that any number of backends can share a machine; objects that
-//!          no backend writes count as missing
+//!          no backend writes count as missing. At most one backend owns the time base of the cycle
 //! Refuses  nothing in a cycle: a failure is a state of its objects
 
 use super::{Inputs, Interface, Outputs};
@@ -47,12 +47,42 @@ impl Capabilities {
     }
 }
 
-/// Address of an object of the machine at its backend.
+/// Address of an object at its backend, in two parts. The backend defines the numbers and their ranges.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ObjectAddress {
+    /// Number of the device; 0 at a backend whose inputs, outputs and encoders are not at devices.
+    pub device: u16,
+    /// Number of the channel among those of its kind; 0 for a drive, and for an encoder that is a device.
+    pub channel: u16,
+}
+
+impl ObjectAddress {
+    /// Returns the address of an object that is a device.
+    pub const fn of_device(device: u16) -> Self {
+        Self { device, channel: 0 }
+    }
+
+    /// Returns the address of an object at a backend whose objects of this kind are not at devices.
+    pub const fn of_channel(channel: u16) -> Self {
+        Self { device: 0, channel }
+    }
+}
+
+/// An object of the machine at its backend.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BackendObject {
+    /// Index among its kind in [`Inputs`] or [`Outputs`].
+    pub place: usize,
+    /// Address at the backend.
+    pub address: ObjectAddress,
+}
+
+/// An object of the machine at one of the channels of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Terminal {
     /// Index among its kind in [`Inputs`] or [`Outputs`].
     pub place: usize,
-    /// Number at the backend: `address`; on CAN `node` for a drive, 256 `node` + `address` for other objects.
+    /// Number of the channel, as in [`ObjectAddress::channel`].
     pub address: u16,
 }
 
@@ -60,17 +90,17 @@ pub struct Terminal {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Objects {
     /// Digital inputs.
-    pub digital_inputs: Vec<Terminal>,
+    pub digital_inputs: Vec<BackendObject>,
     /// Digital outputs.
-    pub digital_outputs: Vec<Terminal>,
+    pub digital_outputs: Vec<BackendObject>,
     /// Analog inputs.
-    pub analog_inputs: Vec<Terminal>,
+    pub analog_inputs: Vec<BackendObject>,
     /// Analog outputs.
-    pub analog_outputs: Vec<Terminal>,
+    pub analog_outputs: Vec<BackendObject>,
     /// Entries of `encoders`.
-    pub encoders: Vec<Terminal>,
+    pub encoders: Vec<BackendObject>,
     /// Drives.
-    pub drives: Vec<Terminal>,
+    pub drives: Vec<BackendObject>,
 }
 
 /// The cyclic half of a backend, on the cycle thread: its methods neither block nor lock nor allocate. The other half
@@ -84,4 +114,25 @@ pub trait Backend: Send {
 
     /// Sends the outputs of the cycle.
     fn write(&mut self, outputs: &Outputs);
+
+    /// Whether this backend owns the time base of the cycle, such as a segment with distributed clocks. It never changes.
+    /// At most one backend of a machine owns it; without an owner, the clock of the host is the time base.
+    fn owns_clock(&self) -> bool {
+        false
+    }
+
+    /// Returns by how much the next deadline of the cycle shifts against the clock of the host, in ns, positive for
+    /// later. It is called only if this backend owns the clock, once in each cycle, after [`write`](Self::write). A
+    /// backend that cannot measure its clock, for example because an answer is missing, returns 0, or the negative
+    /// `pending_ns` to discard what is left of earlier shifts.
+    ///
+    /// Shifts add up. Each cycle applies at most 1/1000 of the cycle time, the following cycles the rest.
+    /// `pending_ns` is the sum of the earlier shifts that is not applied yet. A backend that measures its whole phase
+    /// error in each cycle subtracts it, so that the same error is not corrected twice.
+    ///
+    /// The machine does not see the shift: its time stays k times the cycle time.
+    fn clock_shift(&mut self, pending_ns: i64) -> i64 {
+        let _ = pending_ns;
+        0
+    }
 }

@@ -28,7 +28,7 @@ fn distance_from_enabled(state: DriveState) -> u8 {
 fn worse(one: BusState, other: BusState) -> BusState {
     match (one, other) {
         (BusState::Off, _) | (_, BusState::Off) => BusState::Off,
-        (BusState::Passive, _) | (_, BusState::Passive) => BusState::Passive,
+        (BusState::Degraded, _) | (_, BusState::Degraded) => BusState::Degraded,
         _ => BusState::Active,
     }
 }
@@ -117,7 +117,7 @@ mod tests {
             assert!(!with(|drive| drive.online = false).online);
             assert!(!with(|drive| drive.fresh = false).fresh);
             assert_eq!(with(|drive| drive.bus = BusState::Off).bus, BusState::Off);
-            assert_eq!(with(|drive| drive.bus = BusState::Passive).bus, BusState::Passive);
+            assert_eq!(with(|drive| drive.bus = BusState::Degraded).bus, BusState::Degraded);
             assert_eq!(with(|drive| drive.mode = 3).mode, 3);
             assert_eq!(with(|drive| (drive.status, drive.fault) = (Fault.status(), 0x2310)).fault, 0x2310);
             assert_ne!(with(|drive| drive.status |= STATUS_WARNING).status & STATUS_WARNING, 0);

@@ -32,8 +32,8 @@ pub use sensors::Carrier;
 use crate::axis::{Source, Wired};
 use crate::config::{AxisConfig, IoKind, MachineConfig};
 use crate::drive::{
-    Backend, BusState, Capabilities, Edge, Inputs, Interface, Latch, MAX_LATCHES, Objects, Outputs, Terminal, bit,
-    set_bit,
+    Backend, BackendObject, BusState, Capabilities, Edge, Inputs, Interface, Latch, MAX_LATCHES, ObjectAddress,
+    Objects, Outputs, bit, set_bit,
 };
 use crate::object::Object;
 use analog::Analog;
@@ -146,17 +146,19 @@ impl Plant {
     /// Creates a plant for a machine with one bus: one model for each axis that has a drive, in file order; `None`
     /// leaves the drive to another backend.
     pub fn new(config: &MachineConfig, models: &[Option<Model>]) -> Self {
-        let terminals = |count: usize| -> Vec<Terminal> {
-            (0_u16..).zip(0..count).map(|(address, place)| Terminal { place, address }).collect()
+        let objects = |count: usize, address: fn(u16) -> ObjectAddress| -> Vec<BackendObject> {
+            let numbered = (0_u16..).zip(0..count);
+            numbered.map(|(number, place)| BackendObject { place, address: address(number) }).collect()
         };
-        let mut drives = terminals(config.count_drives());
+        let channels = |count| objects(count, ObjectAddress::of_channel);
+        let mut drives = objects(config.count_drives(), ObjectAddress::of_device);
         drives.retain(|drive| models.get(drive.place).copied().flatten().is_some());
         let all = Objects {
-            digital_inputs: terminals(config.count_io(IoKind::DigitalInput)),
-            digital_outputs: terminals(config.count_io(IoKind::DigitalOutput)),
-            analog_inputs: terminals(config.count_io(IoKind::AnalogInput)),
-            analog_outputs: terminals(config.count_io(IoKind::AnalogOutput)),
-            encoders: terminals(config.encoders.len()),
+            digital_inputs: channels(config.count_io(IoKind::DigitalInput)),
+            digital_outputs: channels(config.count_io(IoKind::DigitalOutput)),
+            analog_inputs: channels(config.count_io(IoKind::AnalogInput)),
+            analog_outputs: channels(config.count_io(IoKind::AnalogOutput)),
+            encoders: channels(config.encoders.len()),
             drives,
         };
         Self::with_buses(config, models, vec![all])
@@ -388,7 +390,7 @@ impl Backend for Plant {
 
     fn read(&mut self, inputs: &mut Inputs) {
         for bus in &self.buses {
-            for &Terminal { place, .. } in &bus.objects.drives {
+            for &BackendObject { place, .. } in &bus.objects.drives {
                 let Some(drive) = self.drives.get_mut(place).and_then(Option::as_mut) else { continue };
                 let (told, Some(input)) = (drive.read(), inputs.drive.get_mut(place)) else { continue };
                 // A drive with voltage interface reports only through its encoder and its contact.
@@ -405,7 +407,7 @@ impl Backend for Plant {
         self.update_contacts();
         self.update_wired_switches(inputs);
         for bus in &self.buses {
-            for &Terminal { place, .. } in &bus.objects.encoders {
+            for &BackendObject { place, .. } in &bus.objects.encoders {
                 let (Some(encoder), Some(input)) = (self.encoders.get_mut(place), inputs.encoder.get_mut(place)) else {
                     continue;
                 };

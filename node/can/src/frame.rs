@@ -1,5 +1,7 @@
 //! Classical CAN frames with 11-bit identifiers, as CANopen uses them (CiA 301).
 
+use lineshaft_core::drive::FrameKind;
+
 /// Reason why a frame or an identifier is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FrameError {
@@ -107,7 +109,20 @@ impl Frame {
     pub fn is_remote(&self) -> bool {
         self.remote
     }
+
+    /// Returns the bytes of the frame in capture files of SocketCAN ([`CAPTURE`]): identifier and flags (big-endian),
+    /// length, three reserved bytes, data.
+    pub fn to_capture(&self) -> [u8; 16] {
+        const REMOTE: u32 = 1 << 30;
+        let word = u32::from(self.id.0) | if self.remote { REMOTE } else { 0 };
+        let ([a, b, c, d], data) = (word.to_be_bytes(), if self.remote { [0; 8] } else { self.data });
+        let [e, f, g, h, i, j, k, l] = data;
+        [a, b, c, d, self.length, 0, 0, 0, e, f, g, h, i, j, k, l]
+    }
 }
+
+/// Kind of recorded frames: LINKTYPE_CAN_SOCKETCAN.
+pub const CAPTURE: FrameKind = FrameKind(227);
 
 #[cfg(test)]
 mod tests {
@@ -132,5 +147,13 @@ mod tests {
         let frame = Frame::remote(Id::SYNC, 8).unwrap();
         assert_eq!((frame.bytes(), frame.length(), frame.is_remote()), (&[][..], 8, true));
         assert_eq!(Frame::remote(Id::SYNC, 9), Err(FrameError::Length(9)));
+    }
+
+    #[test]
+    fn captured_frame_has_identifier_flag_length_and_data() {
+        let data = Frame::data(Id::new(0x183).unwrap(), &[1, 2, 3]).unwrap();
+        assert_eq!(data.to_capture(), [0, 0, 0x01, 0x83, 3, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0, 0]);
+        let remote = Frame::remote(Id::new(0x703).unwrap(), 1).unwrap();
+        assert_eq!(remote.to_capture(), [0x40, 0, 0x07, 0x03, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
     }
 }

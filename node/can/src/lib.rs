@@ -21,7 +21,7 @@ pub mod simulate;
 pub mod transport;
 mod watch;
 
-pub use frame::{Frame, FrameError, Id};
+pub use frame::{CAPTURE, Frame, FrameError, Id};
 pub use nmt::{NmtCommand, NmtState, SignOfLife};
 pub use node_id::NodeId;
 pub use watch::{DeviceEvent, Monitor, Monitoring};

@@ -1,11 +1,11 @@
 //! Reads key `drive` of an axis whose drive has a voltage reference: the entries of `io` that drive it.
 //!
 //! Law      10 V is full_velocity, or full_effort with interface torque; the drive is at the backend of its reference
-//! Refuses  entries of a wrong kind, or with another writer; an ao that does not reach 10 V; on CAN, entries at several
-//!          nodes
+//! Refuses  entries of a wrong kind, or with another writer; an ao that does not reach 10 V; entries at several devices
+//!          of a backend
 //! Source   MACS-CAN-01 (DRIVETYPE 0); contract section 3
 
-use super::backends::{Backend, Context, Hardware, node_and_channel};
+use super::backends::{Backend, Context, Hardware};
 use super::devices::Io;
 use super::names::quote;
 use super::regulator::law;
@@ -68,18 +68,21 @@ pub(super) fn read<'d>(
         }
     };
     let (reference, at) = reference?;
-    let kind = cx.backends.get(at.backend).copied().flatten()?;
+    let kind = cx.backend(at)?;
     let (enable, ready) = (enable?, ready?);
-    if kind == Backend::Can && ready.is_none() {
-        let sentence = "reference is on CAN, and nothing tells whether its module is there; ready, a di of the same node, is expected";
+    if let Some((device, _)) = kind.devices().filter(|_| ready.is_none()) {
+        let sentence = format!(
+            "reference is on {}, and nothing tells whether its module is there; ready, a di of the same {device}, is expected",
+            kind.medium()
+        );
         reference_at.as_ref()?.refuse(sentence, None);
         return None;
     }
     let beside = |value: &Option<Value<'d>>, entry: Option<u16>| {
         let Some((value, entry)) = value.as_ref().zip(entry) else { return Some(()) };
         let found = outputs.io.terminals.get(usize::from(entry)).copied().flatten()?;
-        is_lost_with(at, found, kind).then_some(()).or_else(|| {
-            let one = if kind == Backend::Can { "node" } else { "backend" };
+        is_lost_with(at, found).then_some(()).or_else(|| {
+            let one = kind.devices().map_or("backend", |(device, _)| device);
             let (label, name) = (value.label(), quote(value.peek().unwrap_or_default()));
             let sentence = format!(
                 "{label} is {name}, at another {one} than the reference; what drives an axis comes and goes together"
@@ -94,10 +97,9 @@ pub(super) fn read<'d>(
     Some(Analog { at, kind, interface: interface?, law: law?, wiring })
 }
 
-/// Whether it is lost together with `other`, because both are at the same node or backend.
-fn is_lost_with(at: Hardware, other: Hardware, kind: Backend) -> bool {
-    let node = |at: Hardware| (kind == Backend::Can).then(|| node_and_channel(at.number).0);
-    at.backend == other.backend && node(at) == node(other)
+/// Whether it is lost together with `other`, because both are at the same device, or at a backend without devices.
+fn is_lost_with(at: Hardware, other: Hardware) -> bool {
+    at.backend == other.backend && at.address.device == other.address.device
 }
 
 /// Returns an ao that reaches 10 V, and its location.
@@ -105,8 +107,8 @@ fn reference_of<'d>(value: &Value<'d>, cx: &Context<'d>, outputs: &mut Outputs<'
     let Outputs { io, taken } = outputs;
     let place = wiring::place(value, IoKind::AnalogOutput, cx, &io.entries, taken)?;
     let name = value.peek().unwrap_or_default();
-    let on_can = io.on_can.iter().find(|terminal| terminal.name == name);
-    if let Some(Kind::Io { full_scale, .. }) = on_can.map(|terminal| terminal.kind)
+    let at_device = io.at_devices.iter().find(|terminal| terminal.name == name);
+    if let Some(Kind::Io { full_scale, .. }) = at_device.map(|terminal| terminal.kind)
         && full_scale < FULL_VOLTS
     {
         let sentence = format!(
@@ -147,5 +149,5 @@ fn effort(value: &Value<'_>) -> Option<f64> {
 
 /// Whether a drive is on no bus of its backend, because it is connected only by inputs and outputs.
 pub(super) fn is_off_bus(analog: Option<AnalogWiring>, kind: Option<Backend>) -> bool {
-    analog.is_some() && kind == Some(Backend::Can)
+    analog.is_some() && kind.is_some_and(|kind| !kind.is_simulated())
 }

@@ -2,9 +2,8 @@
 
 use super::amc;
 use super::analog::{Outputs, is_off_bus};
-use super::backends::{Backend, Context, Hardware};
+use super::backends::{Backend, Context, DriveKeys, Hardware};
 use super::brake;
-use super::can::CellDrive;
 use super::compensation;
 use super::devices::Io;
 use super::drives::{self, Drive, interface_of, law_of};
@@ -20,7 +19,6 @@ use super::scale::Travel;
 use super::terminals::{self, CellTerminal};
 use super::wiring;
 use crate::document::{Allowed, Value};
-use lineshaft_cia402::probe::Probe;
 use lineshaft_core::axis::{
     ENABLE_TIMEOUT_NS, MISSED_CYCLES, Wired, may_be_analog, may_carry, may_close_loop, may_find_velocity,
     may_output_sign, may_read,
@@ -49,29 +47,28 @@ pub(super) struct Axis {
     pub bare_numbers: Vec<String>,
 }
 
-/// A drive: its simulation, its location, and its keys for CAN.
+/// A drive: its simulation, its location, and the keys that only its backend has.
 pub(super) struct Driven {
     pub simulated: (Model, Mechanics),
     pub at: Hardware,
-    pub on_can: Option<CellDrive>,
+    pub keys: Option<DriveKeys>,
     /// Whether the drive is on no bus of its backend.
     pub is_off_bus: bool,
 }
 
 impl Driven {
-    /// Whether its encoder has index pulses: on CAN those of a touch probe, otherwise those of the simulation.
+    /// Whether its encoder has index pulses: those of a touch probe, or of the simulation.
     pub(super) fn has_index(&self) -> bool {
-        match &self.on_can {
-            Some(drive) => drive.probes.contains(&Some(Probe::Index)),
+        match &self.keys {
+            Some(keys) => keys.has_index(),
             None => self.simulated.1.fixtures.index.is_some(),
         }
     }
 
-    /// Whether the cell shows that the digital inputs of the drive (60FDh) are not read: it names no file of the drive
-    /// and has no entry of `io` at the drive, or the drive has a fixed mapping.
+    /// Whether the cell shows that the digital inputs of the drive (60FDh) are not read.
     pub(super) fn has_unread_inputs(&self, terminals: &[CellTerminal]) -> bool {
-        let Some(drive) = &self.on_can else { return false };
-        drive.drive_type.is_some() || drive.device.eds.is_none() && !terminals::reads_drive(self.at, terminals)
+        let is_read_by_io = || terminals::reads_drive(self.at, terminals);
+        self.keys.as_ref().is_some_and(|keys| keys.has_unread_inputs(is_read_by_io()))
     }
 }
 
@@ -146,7 +143,7 @@ fn axis<'d>(
     let (travel, factors) = Travel::read_axis(&mut map);
     let ((described, second), has_two) =
         drives::read(&mut map, name, &travel, cx, taken, &mut Outputs { io: entries, taken: outputs });
-    let (drive, on_can) = described.map_or((None, None), |(drive, on_can)| (Some(drive), on_can));
+    let (drive, keys) = described.map_or((None, None), |(drive, keys)| (Some(drive), keys));
     if has_two && !map.has("max_skew") {
         map.required("max_skew");
     }
@@ -242,10 +239,10 @@ fn axis<'d>(
     };
     // Two drives are switched on together, so the longer time applies.
     let enable_timeout_ns = enable_timeout(drive).max(enable_timeout(beside)).unwrap_or(ENABLE_TIMEOUT_NS);
-    let driven = |drive: Drive, on_can: Option<CellDrive>, simulated: (Model, Mechanics)| match drive {
+    let driven = |drive: Drive, keys: Option<DriveKeys>, simulated: (Model, Mechanics)| match drive {
         Drive::Virtual => (None, None),
         Drive::Real { at, kind, analog, .. } => {
-            let offers = kind.offers(interface, simulated.0, on_can.as_ref());
+            let offers = kind.offers(interface, simulated.0, keys.as_ref());
             // The drive has only outputs and an input.
             let bare = Capabilities {
                 delay: offers.delay,
@@ -254,13 +251,13 @@ fn axis<'d>(
                 ..Capabilities::default()
             };
             let is_off_bus = is_off_bus(analog, Some(kind));
-            (Some(if analog.is_some() { bare } else { offers }), Some(Driven { simulated, at, on_can, is_off_bus }))
+            (Some(if analog.is_some() { bare } else { offers }), Some(Driven { simulated, at, keys, is_off_bus }))
         }
     };
     let (model, mechanics, of_second) = simulated.unwrap_or_default();
-    let (drive, first) = driven(drive?, on_can, (model, mechanics));
+    let (drive, first) = driven(drive?, keys, (model, mechanics));
     let (second_offers, second) = match second {
-        Some((drive, on_can)) => driven(drive, on_can, (model, of_second)),
+        Some((drive, keys)) => driven(drive, keys, (model, of_second)),
         // One of two drives has problems.
         None if has_two => return None,
         None => (None, None),
@@ -275,7 +272,7 @@ fn axis<'d>(
         law,
         missed_cycles,
         enable_timeout_ns,
-        drive_mode: first.as_ref().and_then(|first| first.on_can.as_ref()).map(|on_can| on_can.mode().number()),
+        drive_mode: first.as_ref().and_then(|first| first.keys.as_ref()).map(DriveKeys::mode_number),
         open_loop,
         analog,
         brake: brake?,
@@ -311,9 +308,9 @@ fn check_encoder_backend(
     cx: &Context<'_>,
 ) {
     let (Some(_), Some(drive), Wired::Encoder(place)) = (axis.analog, drive, axis.wired) else { return };
-    let kind = |at: Hardware| cx.backends.get(at.backend).copied().flatten().map(Backend::kind);
+    let is_simulated = |at: Hardware| cx.backend(at).map(Backend::is_simulated);
     let Some(at) = of.encoders_at.get(usize::from(place)).copied().flatten() else { return };
-    if let (Some(feedback), true) = (feedback, kind(at) != kind(drive.at)) {
+    if let (Some(feedback), true) = (feedback, is_simulated(at) != is_simulated(drive.at)) {
         let sentence = "names an encoder that is simulated while its reference is not, or the other way round";
         feedback.refuse(format!("feedback of axis {} {sentence}", quote(&axis.name)), None);
     }

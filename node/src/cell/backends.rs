@@ -2,15 +2,15 @@
 
 use super::can::{self, CellBus, CellDrive};
 use super::names::{Entry, Names, Section, UsedOnce};
+use super::scale::Travel;
 use crate::document::Map;
-use lineshaft_can::NodeId;
-use lineshaft_can::transport::Address;
 use lineshaft_core::axis::MAX_DELAY;
 use lineshaft_core::config::{IoConfig, IoKind};
-use lineshaft_core::drive::{Capabilities, Interface, Objects, Terminal};
+use lineshaft_core::drive::{BackendObject, Capabilities, Interface, ObjectAddress, Objects};
 use lineshaft_core::sim::Model;
+use std::ops::RangeInclusive;
 
-/// Description of a backend.
+/// Description of a backend. This file alone distinguishes the kinds; other sections use their properties.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Backend {
     Sim { delay: u32 },
@@ -34,13 +34,149 @@ impl Backend {
         }
     }
 
-    /// Returns the capabilities of a drive with that interface. `model` is its simulation; `on_can` are its keys for
-    /// CAN.
-    pub(super) fn offers(self, interface: Interface, model: Model, on_can: Option<&CellDrive>) -> Capabilities {
+    /// Returns the capabilities of a drive with that interface. `model` is its simulation; `keys` are those of its
+    /// backend.
+    pub(super) fn offers(self, interface: Interface, model: Model, keys: Option<&DriveKeys>) -> Capabilities {
         match self {
             Self::Sim { delay } => model.capabilities(delay),
-            Self::Can => can::offers(interface, on_can),
+            Self::Can => can::offers(interface, keys.and_then(DriveKeys::can)),
         }
+    }
+
+    /// Whether its objects are simulated. A drive at the outputs of such a backend is an object of the backend, too.
+    pub(super) fn is_simulated(self) -> bool {
+        matches!(self, Self::Sim { .. })
+    }
+
+    /// Returns what its objects are on, for messages.
+    pub(super) fn medium(self) -> &'static str {
+        match self {
+            Self::Sim { .. } => "a simulation",
+            Self::Can => can::MEDIUM,
+        }
+    }
+
+    /// Returns the key that numbers its devices, and the allowed numbers. Each device may be lost by itself. `None` if its
+    /// inputs, outputs and encoders are not at devices.
+    pub(super) fn devices(self) -> Option<(&'static str, RangeInclusive<u16>)> {
+        match self {
+            Self::Sim { .. } => None,
+            Self::Can => Some((can::DEVICE_KEY, can::NODES)),
+        }
+    }
+
+    /// Returns the key that numbers its drives, and the allowed numbers.
+    fn drives(self) -> (&'static str, RangeInclusive<u16>) {
+        self.devices().unwrap_or(("address", self.channels()))
+    }
+
+    /// Returns the allowed addresses of inputs, outputs and encoders, for those at devices at each device.
+    fn channels(self) -> RangeInclusive<u16> {
+        match self {
+            Self::Sim { .. } => 0..=u16::MAX,
+            Self::Can => 0..=can::MOST_CHANNELS,
+        }
+    }
+
+    /// Whether it reports the edges of digital inputs.
+    pub(super) fn latches_inputs(self) -> bool {
+        self.is_simulated()
+    }
+
+    /// Whether it reports the index pulses of encoders.
+    pub(super) fn reports_index(self) -> bool {
+        self.is_simulated()
+    }
+
+    /// Whether its analog channels have numbers, whose full scale in V the cell gives.
+    pub(super) fn has_full_scales(self) -> bool {
+        self == Self::Can
+    }
+
+    /// Returns the reason why its drives do not have that interface.
+    pub(super) fn refuses(self, interface: Interface) -> Option<&'static str> {
+        match self {
+            Self::Can if interface == Interface::Voltage => Some(can::NO_VOLTAGE),
+            _ => None,
+        }
+    }
+
+    /// Returns the channel of an input, output or encoder as text, with its device if it has one.
+    pub(super) fn channel_text(self, at: ObjectAddress) -> String {
+        let ObjectAddress { device, channel } = at;
+        self.devices().map_or_else(|| channel.to_string(), |(key, _)| format!("{channel} of {key} {device}"))
+    }
+
+    /// Reads the keys of a drive that only this backend has, after its number; `None` if they have problems.
+    pub(super) fn drive_keys(
+        self,
+        map: &mut Map<'_>,
+        number: Option<u16>,
+        interface: Option<Interface>,
+        travel: &Travel,
+    ) -> Option<Option<DriveKeys>> {
+        match self {
+            Self::Sim { .. } => Some(None),
+            Self::Can => can::drive(map, number, interface, travel).map(|drive| Some(DriveKeys::Can(drive))),
+        }
+    }
+}
+
+/// Kinds of backends whose analog channels have a full scale, for messages.
+pub(super) const WITH_FULL_SCALES: &str = can::MEDIUM;
+
+/// Kinds of backends whose devices have objects, for messages.
+pub(crate) const WITH_OBJECTS: &str = can::MEDIUM;
+
+/// Keys of a drive that only its backend has.
+#[derive(Clone, Debug)]
+pub enum DriveKeys {
+    /// Keys of a drive on CAN.
+    Can(CellDrive),
+}
+
+impl DriveKeys {
+    /// Returns the keys of a drive on CAN.
+    pub(super) fn can(&self) -> Option<&CellDrive> {
+        let Self::Can(drive) = self;
+        Some(drive)
+    }
+
+    /// Whether the drive has touch probes.
+    pub(super) fn probes(&self) -> bool {
+        let Self::Can(drive) = self;
+        drive.probes()
+    }
+
+    /// Whether a touch probe of the drive reports index pulses.
+    pub(super) fn has_index(&self) -> bool {
+        let Self::Can(drive) = self;
+        drive.has_index()
+    }
+
+    /// Whether the cell shows that the digital inputs of the drive are not read; `is_read_by_io`: an entry of `io` is
+    /// one of them.
+    pub(super) fn has_unread_inputs(&self, is_read_by_io: bool) -> bool {
+        let Self::Can(drive) = self;
+        drive.has_unread_inputs(is_read_by_io)
+    }
+
+    /// Returns the name of the mode of operation of the drive.
+    pub(super) fn mode_name(&self) -> &'static str {
+        let Self::Can(drive) = self;
+        drive.mode().name()
+    }
+
+    /// Returns the number of the mode of operation of the drive (6060h).
+    pub(super) fn mode_number(&self) -> i8 {
+        let Self::Can(drive) = self;
+        drive.mode().number()
+    }
+
+    /// Whether the drive plans its motion itself, in its mode of operation.
+    pub(super) fn plans_motion(&self) -> bool {
+        let Self::Can(drive) = self;
+        drive.plans_motion()
     }
 }
 
@@ -54,7 +190,7 @@ pub struct CellBackend {
     /// Objects at the backend.
     pub objects: Objects,
     /// Keys of the bus, for a backend on CAN.
-    pub bus: Option<CellBus>,
+    pub(super) bus: Option<CellBus>,
 }
 
 impl CellBackend {
@@ -63,14 +199,25 @@ impl CellBackend {
         self.kind == BackendKind::Simulation
     }
 
-    /// Returns the transport of its bus, if it is on CAN.
-    pub fn transport(&self) -> Option<&Address> {
-        self.bus.as_ref().map(|bus| &bus.transport)
+    /// Whether its devices have objects, which `~/sdo_read` and `~/sdo_write` access.
+    pub fn has_objects(&self) -> bool {
+        self.kind == BackendKind::Can
+    }
+
+    /// Returns its hardware, such as the address of its bus; `None` for a simulation.
+    pub fn hardware(&self) -> Option<String> {
+        self.bus.as_ref().map(|bus| bus.transport.to_string())
+    }
+
+    /// Returns the word for its devices.
+    pub fn device_word(&self) -> &'static str {
+        match self.kind {
+            BackendKind::Simulation => "address",
+            BackendKind::Can => can::DEVICE_KEY,
+        }
     }
 }
 
-/// Maximum address of an input or output at a node.
-pub(super) const MOST_CHANNELS: u8 = 63;
 /// Kind of address of encoders.
 pub(super) const ENCODER: &str = "encoder";
 
@@ -79,12 +226,12 @@ pub(super) const ENCODER: &str = "encoder";
 pub struct Hardware {
     /// Index of its backend in the section.
     pub backend: usize,
-    /// Number at the backend: `address`; on CAN `node` for a drive, 256 `node` + `address` for other objects.
-    pub number: u16,
+    /// Address at the backend.
+    pub address: ObjectAddress,
 }
 
 /// Selects the list of objects of a kind.
-type List = fn(&mut Objects) -> &mut Vec<Terminal>;
+type List = fn(&mut Objects) -> &mut Vec<BackendObject>;
 
 const IO_LISTS: [(IoKind, List); 4] = [
     (IoKind::DigitalInput, |objects| &mut objects.digital_inputs),
@@ -103,10 +250,10 @@ pub(super) fn objects(
 ) -> Vec<Objects> {
     let mut all = vec![Objects::default(); count];
     let mut note = |at: Option<Hardware>, place: usize, list: List| {
-        if let Some(Hardware { backend, number }) = at
+        if let Some(Hardware { backend, address }) = at
             && let Some(objects) = all.get_mut(backend)
         {
-            list(objects).push(Terminal { place, address: number });
+            list(objects).push(BackendObject { place, address });
         }
     };
     for (kind, list) in IO_LISTS {
@@ -122,12 +269,22 @@ pub(super) fn objects(
     all
 }
 
+/// Addresses in use, by backend and kind of address.
+pub(super) type TakenAddresses = UsedOnce<(usize, &'static str, ObjectAddress)>;
+
 /// Data for the readers of all sections.
 pub(super) struct Context<'d> {
     pub names: Names<'d>,
     /// Backends by index in the section; `None` if the description has problems.
     pub backends: Vec<Option<Backend>>,
     pub cycle_ns: Option<u64>,
+}
+
+impl Context<'_> {
+    /// Returns the description of a backend, if it has no problems.
+    pub(super) fn backend(&self, at: Hardware) -> Option<Backend> {
+        self.backends.get(at.backend).copied().flatten()
+    }
 }
 
 /// Reads the backends, and the keys of those on CAN.
@@ -169,53 +326,66 @@ pub(super) fn name_of(backend: usize, names: &Names<'_>) -> String {
     names.section(Section::Backends).get(backend).map_or_else(String::new, Entry::quoted)
 }
 
-/// Reads keys `backend` and `address` of an object; `kind` is its kind of address at a backend. On CAN it also reads
-/// `node`, which is sufficient for an encoder.
+/// Reads keys `backend` and `address` of an object; `kind` is its kind of address at a backend. At a backend with
+/// devices it also reads the key of the device, which is sufficient for an encoder.
 pub(super) fn address<'d>(
     map: &mut Map<'d>,
     cx: &Context<'d>,
     kind: Option<&'static str>,
-    taken: &mut UsedOnce<(usize, &'static str, u16)>,
+    taken: &mut TakenAddresses,
 ) -> Option<Hardware> {
     let backend = backend_of(map, &cx.names);
-    let described = backend.and_then(|backend| cx.backends.get(backend).copied().flatten());
-    let (number, value) = match described {
-        Some(Backend::Sim { .. }) => {
-            let value = map.required("address")?;
-            (value.integer(0..=u16::MAX)?, value)
-        }
-        Some(Backend::Can) => {
-            let node = map.required("node");
-            let channel = if kind == Some(ENCODER) { None } else { Some(map.required("address")) };
-            let node = node?;
-            let channel = channel.map_or(Some(0), |channel| channel?.integer(0..=MOST_CHANNELS))?;
-            (number(node.integer(1..=NodeId::MAX)?, channel), node)
-        }
+    let Some(described) = backend.and_then(|backend| cx.backends.get(backend).copied().flatten()) else {
         // The keys depend on a backend that is unknown.
+        allow_addresses(map);
+        return None;
+    };
+    let (address, value) = match described.devices() {
         None => {
-            map.allow(&["address", "node"]);
-            return None;
+            let value = map.required("address")?;
+            (ObjectAddress::of_channel(value.integer(described.channels())?), value)
+        }
+        Some((key, numbers)) => {
+            let device = map.required(key);
+            let channel = if kind == Some(ENCODER) { None } else { Some(map.required("address")) };
+            let device = device?;
+            let channel = channel.map_or(Some(0), |channel| channel?.integer(described.channels()))?;
+            (ObjectAddress { device: device.integer(numbers)?, channel }, device)
         }
     };
     let (backend, kind) = (backend?, kind?);
     let what = || {
         let backend = name_of(backend, &cx.names);
-        let (node, channel) = node_and_channel(number);
-        match (described, kind) {
-            (Some(Backend::Can), ENCODER) => format!("{kind} node {node} of backend {backend}"),
-            (Some(Backend::Can), _) => format!("{kind} address {channel} of node {node} of backend {backend}"),
-            _ => format!("{kind} address {number} of backend {backend}"),
+        match described.devices() {
+            Some((key, _)) if kind == ENCODER => format!("{kind} {key} {} of backend {backend}", address.device),
+            _ => format!("{kind} address {} of backend {backend}", described.channel_text(address)),
         }
     };
-    taken.take((backend, kind, number), &value, what).then_some(Hardware { backend, number })
+    taken.take((backend, kind, address), &value, what).then_some(Hardware { backend, address })
 }
 
-/// Returns the number of a terminal at its backend on CAN.
-pub(super) fn number(node: u8, channel: u8) -> u16 {
-    u16::from(node) << 8 | u16::from(channel)
+/// Reads the number of a drive at a backend, with the range of its key.
+pub(super) fn drive_number(
+    map: &mut Map<'_>,
+    place: usize,
+    backend: Backend,
+    cx: &Context<'_>,
+    taken: &mut UsedOnce<(usize, &'static str, u16)>,
+) -> Option<u16> {
+    let (key, range) = backend.drives();
+    let value = map.required(key)?;
+    let number = value.integer(range)?;
+    let what = || format!("drive {key} {number} of backend {}", name_of(place, &cx.names));
+    taken.take((place, key, number), &value, what).then_some(number)
 }
 
-/// Returns node and channel of such a number.
-pub(super) fn node_and_channel(number: u16) -> (u16, u16) {
-    (number >> 8, number & 0xFF)
+/// Allows the keys with which backends of any kind number their objects.
+fn allow_addresses(map: &mut Map<'_>) {
+    map.allow(&["address", can::DEVICE_KEY]);
+}
+
+/// Allows the keys that a drive has at a backend of any kind.
+pub(super) fn allow_drive_keys(map: &mut Map<'_>) {
+    allow_addresses(map);
+    map.allow(&can::DRIVE_KEYS);
 }

@@ -6,12 +6,13 @@
 //!          bit rate
 //! Source   CiA 301, CiA 306-1
 
+mod nodes;
 mod unread;
 
-use super::backends::{CellBackend, Hardware};
+use super::backends::{CellBackend, DriveKeys, Hardware};
 use super::can::{CellBus, CellDrive, CellNode, owner};
 use super::names::quote;
-use super::terminals::{self, CellTerminal};
+use super::terminals::CellTerminal;
 use crate::document::{Place, Problems};
 use lineshaft_can::NodeId;
 use lineshaft_can::acts::{self, LeftOut};
@@ -38,29 +39,46 @@ const MAX_BYTES: usize = 8 << 20;
 /// Indices of manufacturer-specific objects (CiA 301).
 const MANUFACTURER: RangeInclusive<u16> = 0x2000..=0x5FFF;
 
-/// Parts of a cell that define its buses.
-pub(super) struct Parts<'a> {
+/// The parts of a cell that define its CAN buses.
+pub struct CanBuses<'a> {
     pub(super) machine: &'a MachineConfig,
     /// Locations of the drives, in their order.
     pub(super) hardware: Vec<Hardware>,
-    pub(super) on_can: &'a [Option<CellDrive>],
+    pub(super) drive_keys: &'a [Option<DriveKeys>],
     pub(super) terminals: &'a [CellTerminal],
     pub(super) backends: &'a [CellBackend],
 }
 
-impl Parts<'_> {
-    /// Returns the buses in the order of the backends, and warnings about the files of their devices.
-    pub(super) fn buses(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
+impl CanBuses<'_> {
+    /// Returns the keys of the drives on CAN, in the order of the drives; `None` for a drive that is not on CAN.
+    fn drives(&self) -> impl Iterator<Item = Option<&CellDrive>> {
+        self.drive_keys.iter().map(|keys| keys.as_ref().and_then(DriveKeys::can))
+    }
+
+    /// Returns the buses in the order of the backends. `file` is the path of the cell; the files of devices are relative
+    /// to it.
+    ///
+    /// # Errors
+    /// Returns all errors of the files and of the bus configurations.
+    pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
+        self.buses_and_warnings(file).map(|(buses, _)| buses)
+    }
+
+    /// Returns the same, and the warnings about the files.
+    ///
+    /// # Errors
+    /// Same errors as [`Self::buses`].
+    pub fn buses_and_warnings(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
         let warnings: RefCell<Vec<String>> = RefCell::default();
         let problems = Problems::new(&file.map_or("the cell".to_owned(), |file| file.display().to_string()));
         let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
         let axes: Vec<_> = self.machine.drives().collect();
+        let described: Vec<_> = self.drives().collect();
         let of = |(at, backend): (usize, &CellBackend)| {
             let bus = backend.bus.as_ref()?;
             let places = self.hardware.iter().enumerate().filter(|(_, hardware)| hardware.backend == at);
-            let drives: Vec<_> = places
-                .filter_map(|(place, _)| Some((place, *axes.get(place)?, self.on_can.get(place)?.as_ref()?)))
-                .collect();
+            let drives: Vec<_> =
+                places.filter_map(|(place, _)| Some((place, *axes.get(place)?, (*described.get(place)?)?))).collect();
             let is_drive = |node| drives.iter().any(|(.., drive)| drive.device.node == node);
             if bus.master.is_none() {
                 let here = |(place, (_, axis, _)): (usize, &Driven<'_>)| {
@@ -74,7 +92,7 @@ impl Parts<'_> {
                     problems.push(bus.place, sentence, None);
                 }
             }
-            let mut terminals = terminals::by_node(self.terminals, at, is_drive, &problems);
+            let mut terminals = nodes::by_node(self.terminals, at, is_drive, &problems);
             let maker = Maker { folder, bit_rate: bus.bit_rate, problems: &problems, warnings: &warnings };
             let of_drive = |(place, axis, described): &(usize, Driven<'_>, &CellDrive)| {
                 maker.drive(*place, *axis, described, terminals.remove(&described.device.node).unwrap_or_default())
@@ -114,18 +132,19 @@ impl Parts<'_> {
         if problems.is_empty() { Ok((buses, warnings.into_inner())) } else { Err(problems) }
     }
 
-    /// Returns warnings about inputs of the drives on these buses, which are those of the cell, that are not read.
+    /// Returns warnings about limit switches that do not stop the axis because the master does not read them. The buses
+    /// must be those of the cell.
     ///
     /// # Errors
-    /// Returns an error if homing needs an input that is not read.
-    pub(super) fn unread(&self, buses: &[BusConfig], file: Option<&Path>) -> Result<Vec<String>, Problems> {
+    /// Returns an error if homing needs switches or index pulses that are not read.
+    pub fn unread(&self, buses: &[BusConfig], file: Option<&Path>) -> Result<Vec<String>, Problems> {
         let name = file.map_or("the cell".to_owned(), |file| file.display().to_string());
         let (problems, mut warnings) = (Problems::new(&name), Vec::new());
-        let drives = self.hardware.iter().zip(self.machine.drives()).zip(self.on_can).enumerate();
+        let drives = self.hardware.iter().zip(self.machine.drives()).zip(self.drives()).enumerate();
         for (place, ((hardware, (object, axis, _)), described)) in drives {
             let backend = self.backends.get(hardware.backend).map(|backend| &backend.name);
             let bus = buses.iter().find(|bus| Some(&bus.name) == backend);
-            let Some((bus, described)) = bus.zip(described.as_ref()) else { continue };
+            let Some((bus, described)) = bus.zip(described) else { continue };
             let Some(device) = bus.devices.iter().find(|device| device.node == described.device.node) else { continue };
             let is_second = self.machine.second_drive(object) == Some(place);
             let drive = Unread { axis, is_second, encoders: self.machine.encoders.len(), described, device };
@@ -139,17 +158,40 @@ impl Parts<'_> {
         if problems.is_empty() { Ok(warnings) } else { Err(problems) }
     }
 
+    /// Returns remarks and warnings about the buses, their devices and the files of these.
+    ///
+    /// # Errors
+    /// Same errors as [`Self::buses`] and [`Self::unread`].
+    pub(super) fn findings(&self, file: Option<&Path>) -> Result<DeviceFindings, Problems> {
+        let (buses, mut warnings) = self.buses_and_warnings(file)?;
+        warnings.extend(self.unread(&buses, file)?);
+        let of_devices = buses.iter().flat_map(left_out_of).chain(buses.iter().flat_map(mode_by_sdo_of));
+        Ok(DeviceFindings { remarks: buses.iter().filter_map(load_of).chain(of_devices).collect(), warnings })
+    }
+
     /// Returns the object dictionaries from the files of the devices at one backend, by node.
-    pub(super) fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
+    ///
+    /// # Errors
+    /// Returns an error for the first file with a problem.
+    pub fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let is_at = |at: usize| self.backends.get(at).is_some_and(|known| known.name == backend);
-        let drives = self.hardware.iter().zip(self.on_can).filter(|(hardware, _)| is_at(hardware.backend));
-        let drives = drives.filter_map(|(_, drive)| drive.as_ref().map(|drive| &drive.device));
+        let drives = self.hardware.iter().zip(self.drives()).filter(|(hardware, _)| is_at(hardware.backend));
+        let drives = drives.filter_map(|(_, drive)| drive.map(|drive| &drive.device));
         let buses = self.backends.iter().filter(|known| known.name == backend).filter_map(|known| known.bus.as_ref());
         let devices = drives.chain(buses.flat_map(|bus| &bus.nodes));
         let named = devices.filter_map(|device| Some((device.node, &device.eds.as_ref()?.0)));
         named.map(|(node, name)| Ok((node, device_file("eds", &folder.join(name), node)?))).collect()
     }
+}
+
+/// What a cell and the files of its devices show about the devices.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DeviceFindings {
+    /// Remarks: load of the buses, values that are left out of configurations.
+    pub remarks: Vec<String>,
+    /// Warnings.
+    pub warnings: Vec<String>,
 }
 
 /// Axis of a drive, and the capabilities of the drive.
@@ -416,7 +458,7 @@ pub(crate) fn mode_by_sdo_of(bus: &BusConfig) -> Vec<String> {
 }
 
 /// Returns the bus load as text; `None` without a bit rate.
-pub(crate) fn load_of(bus: &BusConfig) -> Option<String> {
+fn load_of(bus: &BusConfig) -> Option<String> {
     let load = Load::of(bus)?;
     let (name, percent) = (&bus.name, load.share() * 100.0);
     let Load { frames, bits, rate, cycle_us } = load;

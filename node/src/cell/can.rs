@@ -15,7 +15,19 @@ use lineshaft_cia402::probe::{Probe, Probes};
 use lineshaft_core::drive::Capabilities;
 use lineshaft_core::drive::Interface;
 use lineshaft_core::unit::{Dimension, ScaleKind};
+use std::ops::RangeInclusive;
 
+/// What the objects of such a backend are on, for messages.
+pub(super) const MEDIUM: &str = "CAN";
+/// Key that numbers its devices.
+pub(super) const DEVICE_KEY: &str = "node";
+/// Numbers of its devices.
+pub(super) const NODES: RangeInclusive<u16> = 1..=NodeId::MAX as u16;
+/// Maximum address of an input or output at a node.
+pub(super) const MOST_CHANNELS: u16 = 63;
+/// Reason why a drive has no interface voltage.
+pub(super) const NO_VOLTAGE: &str =
+    "interface is voltage, for which CiA 402 has no mode; a drive on CAN has position, velocity, torque or open_loop";
 /// Number of cycles from a setpoint to the response of a CANopen drive (contract section 1).
 pub(super) const DELAY: u32 = 1;
 /// Default timeout of an SDO server, in ns.
@@ -117,6 +129,22 @@ impl CellDrive {
     /// Whether it has touch probes.
     pub(super) fn probes(&self) -> bool {
         self.probes.iter().any(Option::is_some)
+    }
+
+    /// Whether a touch probe reports index pulses.
+    pub(super) fn has_index(&self) -> bool {
+        self.probes.contains(&Some(Probe::Index))
+    }
+
+    /// Whether the cell shows that the digital inputs of the drive (60FDh) are not read: it names no file of the drive
+    /// and has no entry of `io` at the drive, or the drive has a fixed mapping.
+    pub(super) fn has_unread_inputs(&self, is_read_by_io: bool) -> bool {
+        self.drive_type.is_some() || self.device.eds.is_none() && !is_read_by_io
+    }
+
+    /// Whether the drive plans its motion itself (profile position).
+    pub(super) fn plans_motion(&self) -> bool {
+        self.mode == DriveMode::Pp
     }
 }
 
@@ -236,7 +264,7 @@ fn listed(numbers: impl Iterator<Item = u32>) -> String {
 }
 
 /// Reads a time in whole milliseconds; returns it in ns.
-fn ms(value: &Value<'_>, range: std::ops::RangeInclusive<u64>) -> Option<u64> {
+fn ms(value: &Value<'_>, range: RangeInclusive<u64>) -> Option<u64> {
     let (low, high) = (range.start(), range.end());
     let allowed = format!("{low} ms to {high} ms in whole milliseconds");
     let time = time_within(value, low * 1_000_000..=high * 1_000_000, &allowed)?;

@@ -1,6 +1,6 @@
 //! Reads sections `io`, `memory` and `encoders`.
 
-use super::backends::{Backend, Context, ENCODER, Hardware, address};
+use super::backends::{Backend, Context, ENCODER, Hardware, TakenAddresses, WITH_FULL_SCALES, address};
 use super::encoders;
 use super::marks;
 use super::names::{Entry, Section, UsedOnce, limit, quote};
@@ -47,10 +47,11 @@ pub(super) struct Io<'d> {
     pub entries: Vec<Option<IoConfig>>,
     /// Location of each entry; `None` if it has none or has problems.
     pub terminals: Vec<Option<Hardware>>,
-    pub on_can: Vec<CellTerminal>,
+    /// Entries at the devices of backends that have devices.
+    pub at_devices: Vec<CellTerminal>,
     pub filters: Vec<FilterConfig>,
     pub virtual_inputs: Vec<VirtualInput>,
-    /// Full scales of analog entries on CAN.
+    /// Full scales of analog entries that have one.
     pub full_scales: Vec<FullScale>,
     /// Printed marks that digital inputs detect in the simulation.
     pub marks: Vec<marks::Given<'d>>,
@@ -76,14 +77,14 @@ pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
     let (mut filters, mut outputs, mut full_scales, mut inputs) = (Vec::new(), Vec::new(), Vec::new(), 0);
     let mut marks = Vec::new();
     let mut terminals = Vec::with_capacity(entries.len());
-    let (mut on_can, mut counts) = (Vec::new(), [0; IO_KINDS.len()]);
+    let (mut at_devices, mut counts) = (Vec::new(), [0; IO_KINDS.len()]);
     let read = entries.iter().enumerate().map(|(place, entry)| {
         let terminal = one_io(entry, cx, &mut taken);
         terminals.push(terminal.as_ref().and_then(|terminal| terminal.at));
         let Terminal { io, filter, output, at, full_scale, sim } = terminal?;
         let count = IO_KINDS.iter().zip(&mut counts).find(|((_, kind), _)| *kind == io.kind).map(|(_, count)| count)?;
         let index = std::mem::replace(count, *count + 1);
-        on_can.extend(at.filter(|at| is_on_can(*at, cx)).map(|at| CellTerminal {
+        at_devices.extend(at.filter(|at| is_at_device(*at, cx)).map(|at| CellTerminal {
             name: io.name.clone(),
             place: entry.value.place(),
             kind: Kind::Io { kind: io.kind, full_scale },
@@ -91,7 +92,7 @@ pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
             index,
         }));
         let is_analog = matches!(io.kind, IoKind::AnalogInput | IoKind::AnalogOutput);
-        if is_analog && at.is_some_and(|at| is_on_can(at, cx)) {
+        if is_analog && at.and_then(|at| cx.backend(at)).is_some_and(Backend::has_full_scales) {
             full_scales.extend(u16::try_from(place).map(|entry| FullScale { entry, volts: full_scale }));
         }
         filters.extend(filter.filter(|time_ns| *time_ns > 0).map(|time_ns| FilterConfig { input: inputs, time_ns }));
@@ -109,11 +110,11 @@ pub(super) fn io<'d>(cx: &Context<'d>) -> Io<'d> {
         }
         read
     });
-    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, on_can, filters, marks, full_scales }
+    Io { virtual_inputs: virtual_inputs.collect(), entries, terminals, at_devices, filters, marks, full_scales }
 }
 
-fn is_on_can(at: Hardware, cx: &Context<'_>) -> bool {
-    cx.backends.get(at.backend).copied().flatten() == Some(Backend::Can)
+fn is_at_device(at: Hardware, cx: &Context<'_>) -> bool {
+    cx.backend(at).is_some_and(|backend| backend.devices().is_some())
 }
 
 /// Whether an entry without problems reads an output.
@@ -122,11 +123,7 @@ pub(super) fn reads_output(place: usize, cx: &Context<'_>) -> bool {
     map.is_some_and(|map| map.has("output"))
 }
 
-fn one_io<'d>(
-    entry: &Entry<'d>,
-    cx: &Context<'d>,
-    taken: &mut UsedOnce<(usize, &'static str, u16)>,
-) -> Option<Terminal<'d>> {
+fn one_io<'d>(entry: &Entry<'d>, cx: &Context<'d>, taken: &mut TakenAddresses) -> Option<Terminal<'d>> {
     let mut map = entry.value.map(format!("io `{}`", entry.name()))?;
     let kind = map.required("type").and_then(|value| value.choice(&IO_KINDS.map(|(name, kind)| (name, (name, kind)))));
     let reads_output = map.has("output");
@@ -137,11 +134,13 @@ fn one_io<'d>(
         address(&mut map, cx, kind.map(|(name, _)| name), taken).map(|at| (None, Some(at)))
     };
     let at = wire.as_ref().and_then(|(_, at)| *at);
-    let is_on_can = |otherwise| at.map_or(otherwise, |at| is_on_can(at, cx));
-    let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind, reads_output, is_on_can(false)));
+    let backend = at.and_then(|at| cx.backend(at));
+    let latch = map.optional("latch").map_or(Some(false), |value| latch(&value, kind, reads_output, backend));
+    // Without a backend it is unknown whether the key is allowed.
+    let may_have = backend.is_none_or(Backend::has_full_scales);
     let full_scale = map
         .optional("full_scale")
-        .map_or(Some(FULL_SCALE), |value| full_scale(&value, kind.map(|(_, kind)| kind), is_on_can(true)));
+        .map_or(Some(FULL_SCALE), |value| full_scale(&value, kind.map(|(_, kind)| kind), may_have));
     let filter = map.optional("filter").map_or(Some(None), |value| filter(&value, kind).map(Some));
     let sim = map.optional("sim").map_or(Some(None), |value| sim(value, kind).map(Some));
     map.finish();
@@ -150,10 +149,11 @@ fn one_io<'d>(
     Some(Terminal { io, filter: filter?, output, at, full_scale: full_scale?, sim: sim? })
 }
 
-/// Reads the voltage of an analog channel on CAN at 7FFFh, in V.
-fn full_scale(value: &Value<'_>, kind: Option<IoKind>, is_on_can: bool) -> Option<f64> {
-    if !is_on_can || matches!(kind, Some(IoKind::DigitalInput | IoKind::DigitalOutput)) {
-        value.refuse("full_scale is for an ai or ao on CAN", Some("leave it out".to_owned()));
+/// Reads the voltage of an analog channel at its full scale (7FFFh), in V.
+fn full_scale(value: &Value<'_>, kind: Option<IoKind>, may_have: bool) -> Option<f64> {
+    if !may_have || matches!(kind, Some(IoKind::DigitalInput | IoKind::DigitalOutput)) {
+        let sentence = format!("full_scale is for an ai or ao on {WITH_FULL_SCALES}");
+        value.refuse(sentence, Some("leave it out".to_owned()));
         return None;
     }
     Some(value.quantity(&[Dimension::Voltage], &Allowed::Positive)?.si())
@@ -177,14 +177,21 @@ fn output<'d>(map: &mut Map<'d>, kind: Option<(&str, IoKind)>, cx: &Context<'d>)
     Some((u16::try_from(place).ok()?, value))
 }
 
-fn latch(value: &Value<'_>, kind: Option<(&str, IoKind)>, reads_output: bool, is_on_can: bool) -> Option<bool> {
+fn latch(
+    value: &Value<'_>,
+    kind: Option<(&str, IoKind)>,
+    reads_output: bool,
+    backend: Option<Backend>,
+) -> Option<bool> {
     let latch = value.boolean()?;
+    if let Some(backend) = backend.filter(|backend| latch && !backend.latches_inputs()) {
+        let medium = backend.medium();
+        let sentence =
+            format!("latch is true for an input on {medium}, which tells no edges; the touch probes of a drive do");
+        value.refuse(sentence, None);
+        return None;
+    }
     match kind {
-        _ if latch && is_on_can => {
-            let sentence = "latch is true for an input on CAN, which tells no edges; the touch probes of a drive do";
-            value.refuse(sentence, None);
-            None
-        }
         _ if latch && reads_output => {
             value.refuse(
                 "latch is true for an input that reads an output; only the edges at a terminal are latched",
@@ -249,14 +256,14 @@ fn initial(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
     }
 }
 
-/// Reads the entries of `encoders` and their locations, `None` for one with problems; and those that are on CAN.
+/// Reads the entries of `encoders` and their locations, `None` for one with problems; and those that are at devices.
 pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Option<Hardware>>, Vec<CellTerminal>) {
     let entries = cx.names.section(Section::Encoders);
     limit(entries, MOST);
     let mut taken = UsedOnce::new();
     let read: Vec<_> = entries.iter().map(|entry| one_encoder(entry, cx, &mut taken)).collect();
     let terminals = entries.iter().zip(&read).enumerate().filter_map(|(index, (entry, read))| {
-        let (config, at) = read.as_ref().filter(|(_, at)| is_on_can(*at, cx))?;
+        let (config, at) = read.as_ref().filter(|(_, at)| is_at_device(*at, cx))?;
         Some(CellTerminal {
             name: config.name.clone(),
             place: entry.value.place(),
@@ -273,17 +280,15 @@ pub(super) fn encoders(cx: &Context<'_>) -> (Vec<Option<EncoderConfig>>, Vec<Opt
 fn one_encoder<'d>(
     entry: &Entry<'d>,
     cx: &Context<'d>,
-    taken: &mut UsedOnce<(usize, &'static str, u16)>,
+    taken: &mut TakenAddresses,
 ) -> Option<(EncoderConfig, Hardware)> {
     let mut map = entry.value.map(format!("encoder `{}`", entry.name()))?;
     let address = address(&mut map, cx, Some(ENCODER), taken);
     let travel = Travel::read(&mut map);
-    let index = address.filter(|at| is_on_can(*at, cx)).and_then(|_| map.optional("index"));
-    if let Some(index) = &index {
-        index.refuse(
-            "index is for an encoder that tells its pulses; one on CAN does not",
-            Some("leave it out".to_owned()),
-        );
+    let without_index = address.and_then(|at| cx.backend(at)).filter(|backend| !backend.reports_index());
+    if let Some((backend, index)) = without_index.and_then(|backend| Some((backend, map.optional("index")?))) {
+        let sentence = format!("index is for an encoder that tells its pulses; one on {} does not", backend.medium());
+        index.refuse(sentence, Some("leave it out".to_owned()));
     }
     let check = encoders::check(&mut map, &travel);
     let form = encoders::form(&mut map, &travel, 32);

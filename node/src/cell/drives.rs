@@ -4,24 +4,22 @@
 //! Refuses  two drives that differ in their interface, control loop or timing
 
 use super::analog::{self, Analog, Outputs};
-use super::backends::{Backend, Context, Hardware, backend_of, name_of};
-use super::can::{self, CellDrive};
+use super::backends::{Backend, Context, DriveKeys, Hardware, allow_drive_keys, backend_of, drive_number};
 use super::names::{UsedOnce, quote};
 use super::regulator::law;
 use super::scale::Travel;
 use super::times::time_within;
 use crate::document::{Map, Value};
-use lineshaft_cia402::mode::DriveMode;
 use lineshaft_core::axis::{ENABLE_TIMEOUT_NS, MISSED_CYCLES};
-use lineshaft_core::drive::{AnalogWiring, Interface};
+use lineshaft_core::drive::{AnalogWiring, Interface, ObjectAddress};
 use lineshaft_core::regulator::Law;
 use lineshaft_core::sim::Model;
 
 /// Addresses of drives, with the name of the address key, by backend.
 pub(super) type Taken = UsedOnce<(usize, &'static str, u16)>;
 
-/// Key `drive`, and its description of a drive on CAN.
-pub(super) type Described = (Drive, Option<CellDrive>);
+/// Key `drive`, and the keys in it that only the backend of the drive has.
+pub(super) type Described = (Drive, Option<DriveKeys>);
 
 /// Key `drive`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,13 +124,13 @@ fn two<'d>(both: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, take
         Some(read)
     });
     let (one, other) = (one?, other?);
-    if other.1.as_ref().is_some_and(CellDrive::probes) {
+    if other.1.as_ref().is_some_and(DriveKeys::probes) {
         second.refuse("a touch probe is for the first of two drives, which tells the position", None);
         return None;
     }
-    let mode = |(_, on_can): &Described| on_can.as_ref().map(CellDrive::mode);
-    for (value, read) in [(first, &one), (second, &other)] {
-        if mode(read) == Some(DriveMode::Pp) {
+    let mode = |(_, keys): &Described| keys.as_ref().map(DriveKeys::mode_name);
+    for (value, (_, keys)) in [(first, &one), (second, &other)] {
+        if keys.as_ref().is_some_and(DriveKeys::plans_motion) {
             let sentence =
                 "mode is pp, in which each drive has a profile of its own; two drives of one axis have csp or ip";
             value.refuse(sentence, None);
@@ -140,13 +138,12 @@ fn two<'d>(both: &Value<'d>, axis: &str, travel: &Travel, cx: &Context<'d>, take
         }
     }
     if let Some((before, behind)) = mode(&one).zip(mode(&other)).filter(|(before, behind)| before != behind) {
-        let sentence =
-            format!("mode is {}, that of the first drive {}; the same mode is expected", behind.name(), before.name());
+        let sentence = format!("mode is {behind}, that of the first drive {before}; the same mode is expected");
         second.refuse(sentence, None);
         return None;
     }
-    let delay = |(drive, on_can): &Described| match drive {
-        Drive::Real { kind, interface, .. } => kind.offers(*interface, Model::Ideal, on_can.as_ref()).delay,
+    let delay = |(drive, keys): &Described| match drive {
+        Drive::Real { kind, interface, .. } => kind.offers(*interface, Model::Ideal, keys.as_ref()).delay,
         Drive::Virtual => 0,
     };
     let (before, behind) = (delay(&one), delay(&other));
@@ -193,24 +190,20 @@ pub(super) fn drive<'d>(
     let enable = map
         .optional("enable_timeout")
         .map_or(Some(ENABLE_TIMEOUT_NS), |value| time_within(&value, ENABLE_TIMES_NS, "100 ms to 600 s"));
-    let (number, on_can) = match (place, backend) {
-        (Some(place), Some(Backend::Sim { .. })) => {
-            (take(&mut map, place, "address", 0..=u16::MAX, cx, taken), Some(None))
-        }
-        (Some(place), Some(Backend::Can)) => {
-            let node = take(&mut map, place, "node", 1..=127, cx, taken);
-            (node, can::drive(&mut map, node, interface, travel).map(Some))
+    let (number, keys) = match place.zip(backend) {
+        Some((place, backend)) => {
+            let number = drive_number(&mut map, place, backend, cx, taken);
+            (number, backend.drive_keys(&mut map, number, interface, travel))
         }
         // The keys depend on a backend that is unknown.
-        (None, _) | (_, None) => {
-            map.allow(&["address", "node"]);
-            map.allow(&can::DRIVE_KEYS);
+        None => {
+            allow_drive_keys(&mut map);
             (None, None)
         }
     };
     map.finish();
-    let number = number?;
-    let (at, kind) = (Hardware { backend: place?, number }, backend?);
+    let address = ObjectAddress::of_device(number?);
+    let (at, kind) = (Hardware { backend: place?, address }, backend?);
     let drive = Drive::Real {
         at,
         kind,
@@ -220,29 +213,13 @@ pub(super) fn drive<'d>(
         enable_timeout_ns: enable?,
         analog: None,
     };
-    Some((drive, on_can?))
-}
-
-/// Reads key `key`, the number of a drive at a backend.
-fn take(
-    map: &mut Map<'_>,
-    backend: usize,
-    key: &'static str,
-    range: std::ops::RangeInclusive<u16>,
-    cx: &Context<'_>,
-    taken: &mut Taken,
-) -> Option<u16> {
-    let value = map.required(key)?;
-    let number = value.integer(range)?;
-    let what = || format!("drive {key} {number} of backend {}", name_of(backend, &cx.names));
-    taken.take((backend, key, number), &value, what).then_some(number)
+    Some((drive, keys?))
 }
 
 /// Reads key `interface`; `backend` is that of the drive, if known.
 fn interface(value: &Value<'_>, backend: Option<Backend>) -> Option<Interface> {
     let interface = value.choice(&Interface::ALL.map(|interface| (interface.name(), interface)))?;
-    if interface == Interface::Voltage && matches!(backend, Some(Backend::Can)) {
-        let sentence = "interface is voltage, for which CiA 402 has no mode; a drive on CAN has position, velocity, torque or open_loop";
+    if let Some(sentence) = backend.and_then(|backend| backend.refuses(interface)) {
         value.refuse(sentence, None);
         return None;
     }

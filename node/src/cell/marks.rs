@@ -62,8 +62,7 @@ fn one<'d>(given: &Given<'d>, cx: &Context<'d>, machine: &MachineConfig, hung: &
     map.finish();
     let marks = marks?;
     let backend = at.map(|at| at.backend);
-    let is_simulated =
-        |backend: usize| matches!(cx.backends.get(backend).copied().flatten(), Some(Backend::Sim { .. }));
+    let is_simulated = |backend: usize| cx.backends.get(backend).copied().flatten().is_some_and(Backend::is_simulated);
     let Some(backend) = backend.filter(|backend| is_simulated(*backend)) else {
         value.refuse("sim is for an input on a backend of type sim", Some("leave it out".to_owned()));
         return None;

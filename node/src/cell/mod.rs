@@ -55,18 +55,17 @@ mod wiring;
 #[cfg(test)]
 use crate::document::Observer;
 use crate::document::{Document, Problems, Value};
+pub(crate) use backends::WITH_OBJECTS;
 use backends::{Backend, Context};
-pub use backends::{BackendKind, CellBackend, Hardware};
-pub(crate) use buses::{device_file, left_out_of, load_of, mode_by_sdo_of, passed_over};
+pub use backends::{BackendKind, CellBackend, DriveKeys, Hardware};
+pub use buses::{CanBuses, DeviceFindings};
+pub(crate) use buses::{device_file, left_out_of, mode_by_sdo_of, passed_over};
 pub(crate) use can::owner;
 pub use can::{CellBus, CellDrive};
 pub(crate) use groups::trajectory_limits;
-use lineshaft_can::NodeId;
-use lineshaft_can::config::BusConfig;
-use lineshaft_can::eds::Dictionary;
 use lineshaft_core::axis::Safety;
 use lineshaft_core::config::{AxisConfig, GlobalConfig, MachineConfig, ProgramConfig};
-use lineshaft_core::drive::{Objects, Terminal};
+use lineshaft_core::drive::{BackendObject, Objects};
 use lineshaft_core::object::Object;
 use lineshaft_core::sim::{Mechanics, Model, Plant};
 use lineshaft_ros::surface::{Group, JointNames};
@@ -109,10 +108,10 @@ pub struct Cell {
     pub hardware: Vec<Option<Hardware>>,
     /// Location of the second drive of each axis, in the order of the file; `None` for an axis with one drive.
     pub second_hardware: Vec<Option<Hardware>>,
-    /// Keys of the drives on CAN, in the order of the drives; `None` for a drive that is not on CAN.
-    pub on_can: Vec<Option<CellDrive>>,
-    /// Inputs, outputs and encoders on CAN.
-    pub terminals_on_can: Vec<CellTerminal>,
+    /// Keys of the drives that only their backends have, in the order of the drives; `None` for a drive without.
+    pub drive_keys: Vec<Option<DriveKeys>>,
+    /// Inputs, outputs and encoders at devices.
+    pub terminals: Vec<CellTerminal>,
     /// Options of the ROS 2 node.
     pub ros: RosOptions,
     /// Groups of axes, in the order of the file.
@@ -208,7 +207,7 @@ impl Cell {
         let is_at_simulated = |at: Hardware| self.backends.get(at.backend).is_some_and(&is_simulated);
         let models = self.drives().zip(&self.models);
         let models: Vec<_> = models.map(|(at, model)| is_at_simulated(at).then_some(*model)).collect();
-        // Drives that are on no CAN bus: modules of the bus give them their voltage reference.
+        // Drives that are on no bus: modules of the bus give them their voltage reference.
         let analog = || {
             self.drives().zip(self.machine.drives()).enumerate().filter(|(_, (_, (_, axis, _)))| axis.analog.is_some())
         };
@@ -218,7 +217,7 @@ impl Cell {
             }
             let mut objects = backend.objects.clone();
             let here = analog().filter(|(_, (at, _))| at.backend == place && !backend.is_simulated());
-            objects.drives.extend(here.map(|(drive, (at, _))| Terminal { place: drive, address: at.number }));
+            objects.drives.extend(here.map(|(place, (at, _))| BackendObject { place, address: at.address }));
             objects
         };
         let buses = self.backends.iter().enumerate().map(objects).collect();
@@ -240,8 +239,9 @@ impl Cell {
     /// Returns the name of the drive of each axis: `backend:address`; `backend:address, backend:address` for two
     /// drives; the ao for a drive with voltage reference; `None` for a virtual axis.
     pub fn hardware_names(&self) -> Vec<Option<String>> {
-        let name =
-            |at: Hardware| format!("{}:{}", self.backends.get(at.backend).map_or("", |found| &found.name), at.number);
+        let name = |at: Hardware| {
+            format!("{}:{}", self.backends.get(at.backend).map_or("", |found| &found.name), at.address.device)
+        };
         let reference = |axis: &AxisConfig| {
             let entry = axis.analog.map(|analog| self.machine.name(Object::Io(analog.reference)));
             entry.map(str::to_owned)
@@ -260,44 +260,19 @@ impl Cell {
         self.hardware.iter().zip(&self.second_hardware).map(of).collect()
     }
 
-    /// Returns the buses of its backends on CAN, in the order of the section. `file` is the path of the cell; the files
-    /// of devices are relative to it.
+    /// Returns remarks and warnings about the devices at its backends. `file` is the path of the cell; the files of
+    /// devices are relative to it.
     ///
     /// # Errors
-    /// Returns all errors of the files and of the bus configurations.
-    pub fn buses(&self, file: Option<&Path>) -> Result<Vec<BusConfig>, Problems> {
-        self.buses_and_warnings(file).map(|(buses, _)| buses)
+    /// Returns all errors of the files and of the devices, and an error if homing needs inputs that are not read.
+    pub fn device_findings(&self, file: Option<&Path>) -> Result<DeviceFindings, Problems> {
+        self.on_can().findings(file)
     }
 
-    /// Returns the same, and the warnings about the files.
-    ///
-    /// # Errors
-    /// Same errors as [`Self::buses`].
-    pub fn buses_and_warnings(&self, file: Option<&Path>) -> Result<(Vec<BusConfig>, Vec<String>), Problems> {
-        self.parts().buses(file)
-    }
-
-    /// Returns warnings about limit switches that do not stop the axis because the master does not read them. The buses
-    /// must be those of the cell.
-    ///
-    /// # Errors
-    /// Returns an error if homing needs switches or index pulses that are not read.
-    pub fn unread(&self, buses: &[BusConfig], file: Option<&Path>) -> Result<Vec<String>, Problems> {
-        self.parts().unread(buses, file)
-    }
-
-    /// Returns the object dictionaries of the devices at one of its backends on CAN, by node.
-    ///
-    /// # Errors
-    /// Returns an error for the first file with a problem.
-    pub fn dictionaries(&self, backend: &str, file: &Path) -> Result<BTreeMap<NodeId, Dictionary>, String> {
-        self.parts().dictionaries(backend, file)
-    }
-
-    fn parts(&self) -> buses::Parts<'_> {
-        let Self { machine, on_can, terminals_on_can, backends, .. } = self;
-        let hardware = self.drives().collect();
-        buses::Parts { machine, hardware, on_can, terminals: terminals_on_can, backends }
+    /// Returns its CAN buses.
+    pub fn on_can(&self) -> CanBuses<'_> {
+        let Self { machine, drive_keys, terminals, backends, .. } = self;
+        CanBuses { machine, hardware: self.drives().collect(), drive_keys, terminals, backends }
     }
 
     /// Does the same as [`Cell::parse_in_folder`]; also returns the values that were read.
@@ -342,7 +317,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let parameters = machine::read(&mut map, io, &mut named, cx.names.section(Section::Axes).len());
     map.finish();
     let memory = devices::memory(&cx);
-    let (encoders, encoders_at, encoders_on_can) = devices::encoders(&cx);
+    let (encoders, encoders_at, encoders_at_devices) = devices::encoders(&cx);
     let mut outputs = names::UsedOnce::new();
     let tables = tables::read(&cx, files);
     let programs = programs::read(&cx, files);
@@ -354,16 +329,8 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
     let axes = axes::read(&cx, entries, named, outputs, &slots.chains);
     let safety = contacts.map_or(Some(Safety::default()), |value| safety::read(&value, &cx, io));
     let groups = groups::read(&cx);
-    let devices::Io {
-        entries: io,
-        terminals,
-        on_can: mut terminals_on_can,
-        filters,
-        virtual_inputs,
-        full_scales,
-        marks,
-    } = of_io;
-    terminals_on_can.extend(encoders_on_can);
+    let devices::Io { entries: io, terminals, mut at_devices, filters, virtual_inputs, full_scales, marks } = of_io;
+    at_devices.extend(encoders_at_devices);
 
     let axes: Vec<_> = axes.into_iter().collect::<Option<_>>()?;
     let (mut configs, mut joints) = (Vec::new(), Vec::new());
@@ -374,7 +341,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         if first.as_ref().is_none_or(|drive| !drive.has_index()) {
             without_index.extend(u16::try_from(place).map(Object::Axis));
         }
-        if first.as_ref().is_some_and(|drive| drive.has_unread_inputs(&terminals_on_can)) {
+        if first.as_ref().is_some_and(|drive| drive.has_unread_inputs(&at_devices)) {
             without_inputs.extend(u16::try_from(place).map(Object::Axis));
         }
         configs.push(config);
@@ -433,7 +400,7 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         .map(|(((entry, kind), objects), bus)| CellBackend { name: entry.name().to_owned(), kind, objects, bus })
         .collect();
     let (models, mechanics): (_, Vec<_>) = drives.iter().map(|drive| drive.simulated).unzip();
-    let on_can = drives.into_iter().map(|drive| drive.on_can).collect();
+    let drive_keys = drives.into_iter().map(|drive| drive.keys).collect();
     let hung = marks::Locations { axes: &hardware, encoders: &encoders_at, mechanics: &mechanics };
     let marks = marks::read(&marks, &cx, &machine, &hung);
     Some(Cell {
@@ -444,8 +411,8 @@ fn read(root: &Value<'_>, text: &str, files: &Files, preset: Option<Preset>) -> 
         joint_names: JointNames::new(joints),
         hardware,
         second_hardware,
-        on_can,
-        terminals_on_can,
+        drive_keys,
+        terminals: at_devices,
         ros: ros?,
         groups,
         backends,

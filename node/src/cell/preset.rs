@@ -7,11 +7,12 @@
 //! Source   AMK-GEN-01, -04, -08, -11; AMK-SRC-02 to -07; AMK-SNK-01 to -05; AMK-INIT-03, -07 to -09; AMK-BCOM-17 to -27; AMK-CTX-12 to -21;
 //!          AMK-CAM-31, -33, -44; AMK-BINEA-11, -27; AMK-SIDIFF-09, -17; AMK-DIGDREH-04; AMK-IMES-01, -07; AMK-FGEN-09, -12; AMK-REGL-08, -19; AMK-EPOS-44, -50, -57, -58
 
-use super::backends::{Backend, Context, Hardware, node_and_channel};
+use super::backends::{Context, Hardware};
 use super::devices::memory_name;
 use super::names::{Entry, Section, quote};
 use crate::document::Value;
 use lineshaft_core::config::{Line, MachineConfig, MemoryKind, SinkConfig, SlotConfig, SourceConfig};
+use lineshaft_core::drive::ObjectAddress;
 use lineshaft_core::function::{Kind, OnAxisError};
 use lineshaft_core::object::{Leader, Object};
 use std::collections::{BTreeMap, BTreeSet};
@@ -266,9 +267,12 @@ impl Holder<'_, '_> {
             }
             let label = item.label();
             let Some((first, of_first, from)) = first else {
-                if let Some(at) = self.terminal(object).filter(|at| at.number % BITS < n) {
-                    let is =
-                        format!("{label} stands at address {}, bit {} of its byte", self.address(at), at.number % BITS);
+                if let Some(at) = self.terminal(object).filter(|at| at.address.channel % BITS < n) {
+                    let is = format!(
+                        "{label} stands at address {}, bit {} of its byte",
+                        self.address(at),
+                        at.address.channel % BITS
+                    );
                     refuse(item, &is, &format!("bits {n}..{}", BITS - 1));
                 }
                 first = Some((item, object, n));
@@ -282,9 +286,10 @@ impl Holder<'_, '_> {
                 continue;
             }
             let Some((at, of_first)) = self.terminal(object).zip(self.terminal(of_first)) else { continue };
-            let expected = Hardware { number: of_first.number.saturating_add(n - from), ..of_first };
+            let channel = of_first.address.channel.saturating_add(n - from);
+            let expected = Hardware { address: ObjectAddress { channel, ..of_first.address }, ..of_first };
             let is = format!("{label} stands at address {}", self.address(at));
-            if expected.number / BITS != of_first.number / BITS {
+            if channel / BITS != of_first.address.channel / BITS {
                 refuse(item, &is, &format!("none: the byte of {first} ends before it"));
             } else if at != expected {
                 let allowed = format!("address {} beside {first}", self.address(expected));
@@ -302,13 +307,9 @@ impl Holder<'_, '_> {
     /// Returns an address in the format of the cell, with its backend.
     fn address(&self, at: Hardware) -> String {
         let name = self.cx.names.section(Section::Backends).get(at.backend).map_or("", Entry::name);
-        match self.cx.backends.get(at.backend).copied().flatten() {
-            Some(Backend::Can) => {
-                let (node, channel) = node_and_channel(at.number);
-                format!("{channel} of node {node} of `{name}`")
-            }
-            _ => format!("{} of `{name}`", at.number),
-        }
+        let backend = self.cx.backend(at);
+        let channel = backend.map_or_else(String::new, |backend| backend.channel_text(at.address));
+        format!("{channel} of `{name}`")
     }
 
     fn tables(&self, entry: &Entry<'_>, slot: &SlotConfig) {

@@ -11,7 +11,7 @@ pub(super) use self::args::CheckArgs;
 
 use super::Exit;
 use super::command_output::Output;
-use crate::cell::{Cell, left_out_of, load_of, mode_by_sdo_of};
+use crate::cell::{Cell, DeviceFindings};
 use crate::document::Problems;
 use crate::graph;
 use crate::recording::plot::{Target, replace};
@@ -68,18 +68,16 @@ fn judge(args: &CheckArgs, output: &mut Output) -> Result<(), Wrong> {
     if !problems.is_empty() {
         return Err(problems.into());
     }
-    let (buses, passed_over) = cell.buses_and_warnings(Some(&args.cell))?;
-    let unread = cell.unread(&buses, Some(&args.cell))?;
+    let DeviceFindings { remarks, warnings: of_devices } = cell.device_findings(Some(&args.cell))?;
     output.say(&format_args!("{file}: good: {}", summary(&cell)));
     output.set("cell", object(&cell, &file.to_string()));
     if let Some(line) = joint_names(&cell) {
         output.say(&line);
     }
-    let of_devices = buses.iter().flat_map(left_out_of).chain(buses.iter().flat_map(mode_by_sdo_of));
-    for line in buses.iter().filter_map(load_of).chain(of_devices).chain(coasting::note(&cell.machine)) {
+    for line in remarks.into_iter().chain(coasting::note(&cell.machine)) {
         output.remark(&line);
     }
-    for warning in warnings(&cell).into_iter().chain(idle).chain(passed_over).chain(unread) {
+    for warning in warnings(&cell).into_iter().chain(idle).chain(of_devices) {
         output.warn(&warning);
     }
     if let Some(path) = &args.graph {

@@ -73,7 +73,7 @@ pub struct Subject {
     pub version: String,
     /// Name of the scenario that is played, for the titles of figures; `None` if none is played.
     pub scenario: Option<String>,
-    /// CAN buses whose frames are recorded.
+    /// Buses whose frames are recorded.
     pub buses: Vec<String>,
     /// Topics that the node publishes in addition to those of the cycles.
     pub published: Vec<TappedTopic>,

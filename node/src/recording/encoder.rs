@@ -14,6 +14,7 @@ use crate::cell::Cell;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Command};
 use lineshaft_core::config::MachineConfig;
+use lineshaft_core::drive::FrameKind;
 use lineshaft_core::event::Event;
 use lineshaft_core::signal::{Directory, Signal};
 use lineshaft_core::text;
@@ -131,21 +132,27 @@ pub fn sentence<'c>(event: &Event, commands: impl IntoIterator<Item = &'c Comman
     refused.unwrap_or_else(|| text::message(event, config))
 }
 
+/// LINKTYPE_CAN_SOCKETCAN, whose frames are messages of type can_msgs/Frame.
+const SOCKET_CAN: FrameKind = FrameKind(227);
+
+/// Returns a frame of this kind without its header: identifier and flags (big-endian; 11 bits here), length, three
+/// reserved bytes, data.
+fn can_frame(bytes: &[u8]) -> Option<Frame> {
+    const REMOTE: u32 = 1 << 30;
+    const ID: u32 = 0x7FF;
+    let (word, rest) = bytes.split_first_chunk()?;
+    let ([dlc, ..], rest) = rest.split_first_chunk::<4>()?;
+    let (word, data) = (u32::from_be_bytes(*word), *rest.first_chunk()?);
+    Some(Frame { id: word & ID, is_rtr: word & REMOTE != 0, dlc: *dlc, data, ..Frame::default() })
+}
+
 impl Encoded {
-    /// Adds a frame of the bus with this index, transmitted `offset_ns` after the beginning of the cycle.
-    pub fn add_frame(&mut self, bus: usize, way: FrameDirection, offset_ns: i64, frame: &lineshaft_can::Frame) {
-        let mut data = [0; 8];
-        for (to, from) in data.iter_mut().zip(frame.bytes()) {
-            *to = *from;
-        }
-        let message = Frame {
-            header: messages::header(self.time.stamp_ns.saturating_add_signed(offset_ns)),
-            id: frame.id().get().into(),
-            is_rtr: frame.is_remote(),
-            dlc: frame.length(),
-            data,
-            ..Frame::default()
-        };
+    /// Adds a frame of the bus with this index, transmitted `offset_ns` after the beginning of the cycle. Frames of a kind
+    /// without a message type are left out.
+    pub fn add_frame(&mut self, bus: usize, way: FrameDirection, offset_ns: i64, (kind, bytes): (FrameKind, &[u8])) {
+        let Some(frame) = (kind == SOCKET_CAN).then(|| can_frame(bytes)).flatten() else { return };
+        let header = messages::header(self.time.stamp_ns.saturating_add_signed(offset_ns));
+        let message = Frame { header, ..frame };
         let start = self.bytes.len();
         append_with_header(&mut self.bytes, &message);
         self.frames.push((bus, way, start..self.bytes.len()));

@@ -67,7 +67,7 @@ fn edge_number(edge: Edge) -> u8 {
 fn bus_number(state: BusState) -> u8 {
     match state {
         BusState::Active => CycleInputs::ACTIVE,
-        BusState::Passive => CycleInputs::PASSIVE,
+        BusState::Degraded => CycleInputs::PASSIVE,
         BusState::Off => CycleInputs::OFF,
     }
 }
@@ -197,7 +197,7 @@ fn drive(message: &CycleInputs, place: usize) -> Result<DriveInput, String> {
 fn bus(message: &CycleInputs, place: usize) -> Result<BusState, String> {
     match message.drive_bus.get(place).copied().unwrap_or(CycleInputs::ACTIVE) {
         CycleInputs::ACTIVE => Ok(BusState::Active),
-        CycleInputs::PASSIVE => Ok(BusState::Passive),
+        CycleInputs::PASSIVE => Ok(BusState::Degraded),
         CycleInputs::OFF => Ok(BusState::Off),
         other => Err(format!("drive_bus[{place}] is {other}; 0 (active), 1 (passive) and 2 (off) are allowed")),
     }

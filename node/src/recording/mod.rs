@@ -142,7 +142,7 @@ pub struct Encoded {
     pub parameters: Option<String>,
     /// Ranges of the messages in `bytes`.
     parts: Vec<(Topic, Range<usize>)>,
-    /// CAN frames: index of the bus, direction, and range of the message in `bytes`.
+    /// Frames of buses: index of the bus, direction, and range of the message in `bytes`.
     frames: Vec<(usize, FrameDirection, Range<usize>)>,
     /// Messages that the node published since the previous cycle: index of the topic in [`Subject`](bag::Subject), and
     /// range of the message in `bytes`.

@@ -300,7 +300,7 @@ fn drive([count, velocity, effort, epoch, flags, emergency, index]: [u64; DRIVE]
         fresh: has(41),
         bus: match flags >> 44 & 0b11 {
             0 => BusState::Active,
-            1 => BusState::Passive,
+            1 => BusState::Degraded,
             _ => BusState::Off,
         },
         emergency: has(42).then_some(Emergency::from_bytes(emergency.to_le_bytes())),

@@ -1,36 +1,85 @@
 //! Backends of a machine, with which the cycle thread exchanges inputs and outputs.
 //!
 //! Law      each backend accesses its own objects; inputs of a cycle start as absent, so the order of the backends does
-//!          not matter
+//!          not matter. At most one backend owns the clock of the cycle and shifts its deadlines
+//! Refuses  a second owner of the clock
 //! Source   contract section 8
 
-use lineshaft_core::drive::{Backend, Inputs, Outputs};
+use lineshaft_core::drive::{Backend, DeviceObjects, FrameSource, Inputs, Outputs, Service};
 use lineshaft_core::sim::Plant;
+use std::sync::Arc;
+
+/// A backend before its start.
+pub struct NewBackend {
+    /// Its name in the cell.
+    pub name: String,
+    /// Its cyclic half.
+    pub cyclic: Box<dyn Backend>,
+    /// Its service half.
+    pub service: Box<dyn Service>,
+    /// Objects of its devices, if they have some.
+    pub objects: Option<Arc<dyn DeviceObjects>>,
+    /// Frames of its bus, if they are recorded.
+    pub frames: Option<Box<dyn FrameSource>>,
+}
 
 /// Any number of backends of any kind.
 #[derive(Default)]
 pub struct Backends {
-    /// Simulated backends, on which scenarios act.
+    /// Simulated backends, on which scenarios act. They do not own the clock of the cycle.
     pub plant: Option<Plant>,
-    others: Vec<Box<dyn Backend>>,
+    others: Vec<NamedBackend>,
+    /// Index of the backend that owns the clock of the cycle.
+    clock: Option<usize>,
+}
+
+/// A backend with its name in the cell.
+struct NamedBackend {
+    name: String,
+    backend: Box<dyn Backend>,
+}
+
+/// Two backends own the clock of the cycle.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("backends {first} and {second}: both own the clock of the cycle; at most one backend of a cell may own it")]
+pub struct ClockConflict {
+    /// Name of the first owner.
+    pub first: String,
+    /// Name of the second owner.
+    pub second: String,
 }
 
 impl Backends {
     /// Creates backends that consist of a simulation only.
     pub fn simulated(plant: Plant) -> Self {
-        Self { plant: Some(plant), others: Vec::new() }
+        Self { plant: Some(plant), ..Self::default() }
     }
 
-    /// Adds a backend.
-    pub fn with(mut self, backend: Box<dyn Backend>) -> Self {
-        self.others.push(backend);
+    /// Adds a backend; `name` is its name in the cell.
+    pub fn with(mut self, name: impl Into<String>, backend: Box<dyn Backend>) -> Self {
+        if backend.owns_clock() {
+            self.clock.get_or_insert(self.others.len());
+        }
+        self.others.push(NamedBackend { name: name.into(), backend });
         self
+    }
+
+    /// Checks that at most one backend owns the clock of the cycle. Call it before they start.
+    ///
+    /// # Errors
+    /// Returns the first two owners.
+    pub fn check_clock(&self) -> Result<(), ClockConflict> {
+        let mut owners = self.others.iter().filter(|named| named.backend.owns_clock()).map(|named| named.name.clone());
+        match (owners.next(), owners.next()) {
+            (Some(first), Some(second)) => Err(ClockConflict { first, second }),
+            _ => Ok(()),
+        }
     }
 
     /// Returns all backends.
     pub fn all(&self) -> Vec<&dyn Backend> {
         let plant = self.plant.iter().map(|plant| plant as &dyn Backend);
-        plant.chain(self.others.iter().map(AsRef::as_ref)).collect()
+        plant.chain(self.others.iter().map(|named| named.backend.as_ref())).collect()
     }
 
     /// Reads the inputs of a cycle that has begun.
@@ -38,7 +87,7 @@ impl Backends {
         if let Some(plant) = &mut self.plant {
             plant.read(inputs);
         }
-        self.others.iter_mut().for_each(|backend| backend.read(inputs));
+        self.others.iter_mut().for_each(|named| named.backend.read(inputs));
     }
 
     /// Writes the outputs of the cycle.
@@ -46,7 +95,15 @@ impl Backends {
         if let Some(plant) = &mut self.plant {
             plant.write(outputs);
         }
-        self.others.iter_mut().for_each(|backend| backend.write(outputs));
+        self.others.iter_mut().for_each(|named| named.backend.write(outputs));
+    }
+
+    /// Returns by how much the next deadline of the cycle shifts, in ns, positive for later; 0 if no backend owns the
+    /// clock. `pending_ns` is the sum of the earlier shifts that is not applied yet. Call it once in each cycle, after
+    /// [`write`](Self::write).
+    pub fn clock_shift(&mut self, pending_ns: i64) -> i64 {
+        let owner = self.clock.and_then(|place| self.others.get_mut(place));
+        owner.map_or(0, |named| named.backend.clock_shift(pending_ns))
     }
 }
 
@@ -106,7 +163,7 @@ axes:
         let alone = Backends::simulated(plant.clone());
         let error = cell.machine.check_backends(&alone.all()).unwrap_err();
         assert_eq!(error.to_string(), "drive of y: no backend serves it");
-        let mut backends = Backends::simulated(plant).with(direct());
+        let mut backends = Backends::simulated(plant).with("bus0", direct());
         assert_eq!(cell.machine.check_backends(&backends.all()), Ok(()));
         let mut machine = Machine::new(cell.machine).unwrap();
         let (mut inputs, mut outputs) = (machine.inputs(), machine.outputs());
@@ -123,5 +180,51 @@ axes:
         }
         inputs.begin(40, 0);
         assert!(inputs.drive.iter().all(|drive| !drive.online), "nobody has answered yet");
+    }
+
+    /// A backend without objects that may own the clock.
+    struct Clock {
+        owns: bool,
+        shift_ns: i64,
+    }
+
+    impl Backend for Clock {
+        fn capabilities(&self, _: usize) -> Option<Capabilities> {
+            None
+        }
+
+        fn read(&mut self, _: &mut Inputs) {}
+
+        fn write(&mut self, _: &Outputs) {}
+
+        fn owns_clock(&self) -> bool {
+            self.owns
+        }
+
+        fn clock_shift(&mut self, pending_ns: i64) -> i64 {
+            self.shift_ns - pending_ns
+        }
+    }
+
+    fn clock(owns: bool, shift_ns: i64) -> Box<dyn Backend> {
+        Box::new(Clock { owns, shift_ns })
+    }
+
+    #[test]
+    fn second_owner_of_the_clock_is_refused_by_name() {
+        let one = || Backends::default().with("bus0", clock(false, 1)).with("ecat0", clock(true, 2));
+        assert_eq!(one().check_clock(), Ok(()));
+        let error = one().with("ecat1", clock(true, 3)).check_clock().unwrap_err();
+        let expected =
+            "backends ecat0 and ecat1: both own the clock of the cycle; at most one backend of a cell may own it";
+        assert_eq!(error.to_string(), expected);
+    }
+
+    #[test]
+    fn only_the_owner_of_the_clock_shifts_the_deadline() {
+        let mut backends = Backends::default().with("bus0", clock(false, 100)).with("ecat0", clock(true, 20));
+        assert_eq!([0, 5, -5].map(|pending| backends.clock_shift(pending)), [20, 15, 25]);
+        assert_eq!(Backends::default().with("bus0", clock(false, 100)).clock_shift(7), 0);
+        assert_eq!(Backends::simulated(Cell::demo().plant()).clock_shift(7), 0);
     }
 }

@@ -154,8 +154,9 @@ impl CycleClock {
         Self { base_ns: clock.base_ns(), clock }
     }
 
-    /// Returns the time of the cycle with this deadline, in ns of the monotonic clock, at least `cycle_ns` after the
-    /// previous one. Makes no system call.
+    /// Returns the time of the cycle with this deadline, in ns of the monotonic clock. It is later than that of the
+    /// previous cycle, because the deadline is at least `cycle_ns` less the [bound](super::schedule::shift_bound) after
+    /// the previous one. Makes no system call.
     pub fn at(&mut self, deadline: u64, cycle_ns: u64) -> CycleTime {
         let most = cycle_ns.cast_signed() / CYCLE_SLEW;
         let missing = self.clock.base_ns().wrapping_sub(self.base_ns);

@@ -1,6 +1,6 @@
 //! Converts the cycles sent by the cycle thread to messages of a bag.
 
-use super::frames::{Head, Taken, stream};
+use super::frames::{BusFrame, Head, Taken, stream};
 use crate::recording::encoder::Encoder;
 use crate::recording::packed::Unpacker;
 use crate::recording::{Cycle, Encoded};
@@ -34,8 +34,8 @@ impl Decoder {
             events: &extras.events,
             board: &self.unpacker.board,
         });
-        for frame in &extras.frames {
-            encoded.add_frame(frame.bus, frame.way, frame.offset_ns, &frame.frame);
+        for BusFrame { bus, way, offset_ns, kind, bytes } in extras.frames.iter() {
+            encoded.add_frame(bus, way, offset_ns, (kind, bytes));
         }
         match &head.state {
             Some(state) => encoded.with_state(state, &self.config),

@@ -7,7 +7,7 @@
 use crate::recording::packed::{Packer, Unpacker};
 use crate::recording::{CycleTime, FrameDirection, key_cycles};
 use lineshaft_core::command::{Command, Setpoint, Setpoints, Source};
-use lineshaft_core::drive::{Inputs, Latch};
+use lineshaft_core::drive::{FrameKind, Inputs, Latch, RecordedFrame};
 use lineshaft_core::event::Event;
 use lineshaft_core::machine::{Machine, State};
 use rtrb::{Consumer, Producer, PushError, RingBuffer};
@@ -120,8 +120,8 @@ pub struct Extras {
     pub latches: Vec<Latch>,
     /// New streamed setpoints.
     pub setpoints: Vec<StreamedSetpoint>,
-    /// CAN frames; the recorder adds them.
-    pub frames: Vec<BusFrame>,
+    /// Frames of the buses; the recorder adds them.
+    pub frames: BusFrames,
 }
 
 impl Extras {
@@ -139,21 +139,79 @@ impl Extras {
             + events.capacity() * size_of::<Event>()
             + latches.capacity() * size_of::<Latch>()
             + setpoints.capacity() * size_of::<StreamedSetpoint>()
-            + frames.capacity() * size_of::<BusFrame>()
+            + frames.memory()
     }
 }
 
-/// A frame of a CAN bus.
-#[derive(Clone, Copy, Debug)]
-pub struct BusFrame {
+/// A frame of a bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BusFrame<'a> {
     /// Index of the bus.
     pub bus: usize,
     /// Direction.
     pub way: FrameDirection,
     /// Time after the beginning of the cycle, in ns.
     pub offset_ns: i64,
-    /// The frame.
-    pub frame: lineshaft_can::Frame,
+    /// Kind, which defines the bytes.
+    pub kind: FrameKind,
+    /// Bytes.
+    pub bytes: &'a [u8],
+}
+
+/// Frames of buses, in their order, with their bytes one after the other.
+#[derive(Clone, Debug, Default)]
+pub struct BusFrames {
+    heads: Vec<BusFrameHead>,
+    bytes: Vec<u8>,
+}
+
+/// A frame without its bytes.
+#[derive(Clone, Copy, Debug)]
+struct BusFrameHead {
+    bus: usize,
+    way: FrameDirection,
+    kind: FrameKind,
+    offset_ns: i64,
+    /// Number of its bytes.
+    length: usize,
+}
+
+impl BusFrames {
+    /// Adds a frame of the bus with this index.
+    pub fn push(&mut self, bus: usize, kind: FrameKind, frame: RecordedFrame<'_>) {
+        let RecordedFrame { is_sent, offset_ns, bytes } = frame;
+        let way = if is_sent { FrameDirection::Sent } else { FrameDirection::Received };
+        self.heads.push(BusFrameHead { bus, way, kind, offset_ns, length: bytes.len() });
+        self.bytes.extend_from_slice(bytes);
+    }
+
+    /// Returns the frames in their order.
+    pub fn iter(&self) -> impl Iterator<Item = BusFrame<'_>> {
+        let mut rest = self.bytes.as_slice();
+        self.heads.iter().map(move |head| {
+            let BusFrameHead { bus, way, kind, offset_ns, length } = *head;
+            // The bytes of all frames are there.
+            let (bytes, after) = rest.split_at_checked(length).unwrap_or_default();
+            rest = after;
+            BusFrame { bus, way, offset_ns, kind, bytes }
+        })
+    }
+
+    /// Whether there are no frames.
+    pub fn is_empty(&self) -> bool {
+        self.heads.is_empty()
+    }
+
+    /// Removes all frames, and keeps the memory.
+    pub fn clear(&mut self) {
+        self.heads.clear();
+        self.bytes.clear();
+    }
+
+    /// Heap memory, in bytes.
+    fn memory(&self) -> usize {
+        self.heads.capacity() * size_of::<BusFrameHead>() + self.bytes.capacity()
+    }
 }
 
 /// Creates sender and receiver for one machine.
@@ -344,6 +402,25 @@ mod tests {
 
     fn machine() -> Machine {
         Machine::new(Cell::demo().machine).unwrap()
+    }
+
+    #[test]
+    fn frames_of_buses_keep_their_order_and_bytes() {
+        let mut frames = BusFrames::default();
+        let frame = |is_sent, offset_ns, bytes| RecordedFrame { is_sent, offset_ns, bytes };
+        frames.push(1, FrameKind(227), frame(true, -5, &[1, 2, 3]));
+        frames.push(0, FrameKind(1), frame(false, 9, &[]));
+        frames.push(0, FrameKind(1), frame(false, 10, &[4]));
+        let expected =
+            |bus, kind, way, offset_ns, bytes| BusFrame { bus, way, offset_ns, kind: FrameKind(kind), bytes };
+        let expected = [
+            expected(1, 227, FrameDirection::Sent, -5, &[1, 2, 3][..]),
+            expected(0, 1, FrameDirection::Received, 9, &[]),
+            expected(0, 1, FrameDirection::Received, 10, &[4]),
+        ];
+        assert_eq!(frames.iter().collect::<Vec<_>>(), expected);
+        frames.clear();
+        assert!(frames.is_empty() && frames.iter().next().is_none());
     }
 
     fn latch(cycle: u64) -> Latch {

@@ -4,10 +4,10 @@
 //! queue and a normal queue) and a mailbox with the newest setpoints; it sends events through a ring buffer and signals
 //! through a snapshot of the newest ones. No other thread can make it wait. It never writes files, sockets or logs;
 //! [`bridge`] does that.
-//! do can make it wait. It never writes files, sockets or logs: [`bridge`] does that for it.
 
 pub mod backends;
 pub mod bridge;
+pub mod can;
 pub mod clock;
 pub mod decoder;
 pub mod flight;
@@ -21,6 +21,7 @@ mod pool;
 pub mod realtime;
 pub mod recorder;
 pub mod samples;
+pub mod schedule;
 pub mod services;
 pub mod thread;
 pub mod trials;

@@ -1,25 +1,16 @@
-//! Access to objects of CAN devices by axis or node, and by name or index.
+//! Access to objects of devices by axis or node, and by name or index.
 //!
-//! Law      names of a request are resolved here; the service of its bus then executes it outside of the cycles, one
-//!          request after the other. Each request gets an answer: one that has waited for 5 s is cancelled
-//! Reads    the object dictionaries of the devices of the cell
-//! Refuses  unknown objects, accesses that the dictionary does not permit, data longer than a block; for devices of the
-//!          cell, writes to objects of the master, and to objects mapped in a PDO of a module or of an enabled drive
-//! Source   CiA 301, CiA 306-1
+//! Law      names of a request are resolved here; its backend then executes it outside of the cycles, one request after
+//!          the other. Each request gets an answer: one that has waited for 5 s is cancelled
+//! Refuses  what [`DeviceObjects`] refuses, data longer than its maximum; for devices of the cell, writes to objects with
+//!          another owner, and to objects in the cyclic data of an enabled drive
 
-use crate::cell::owner;
-use lineshaft_can::NodeId;
-use lineshaft_can::commission::{self, check_readable, decoded, encoded, label, type_of};
-use lineshaft_can::config::{BusConfig, DeviceConfig};
-use lineshaft_can::eds::Dictionary;
-use lineshaft_can::master::{Access, LONGEST, ObjectAccessError, SdoRequestQueue};
-use lineshaft_cia402::dictionary::{DataType, Value, type_name};
-use lineshaft_cia402::object::Object;
-use lineshaft_cia402::texts::hex;
+use crate::cell::WITH_OBJECTS;
+use lineshaft_core::drive::{DeviceObjects, ObjectIndex, ObjectOperation, ObjectText};
 use lineshaft_msgs::srv::{SdoReadRequest, SdoReadResponse, SdoWriteRequest, SdoWriteResponse};
 use lineshaft_ros::surface::host::{NO_BUS, PendingAnswer};
-use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::oneshot;
 
@@ -30,11 +21,11 @@ const LONGEST_NAME: usize = 256;
 /// Maximum length of a value as text, in bytes: three for each byte of the longest object, and room for spaces.
 const LONGEST_VALUE: usize = 4096;
 
-/// Access to the objects of all buses of a machine.
+/// Access to the objects of all backends of a machine.
 #[derive(Debug)]
 pub struct ObjectAccess {
-    buses: Vec<Bus>,
-    /// Names of backends on CAN that are simulated in this run.
+    buses: Vec<Arc<dyn DeviceObjects>>,
+    /// Names of backends whose devices have objects, and that are simulated in this run.
     simulated: Vec<String>,
     patience: Duration,
 }
@@ -45,39 +36,17 @@ impl Default for ObjectAccess {
     }
 }
 
-/// Data of a bus.
-#[derive(Debug)]
-struct Bus {
-    name: String,
-    objects: SdoRequestQueue,
-    /// Node ID of the program itself.
-    own: Option<NodeId>,
-    devices: Vec<Device>,
-    dictionaries: BTreeMap<NodeId, Dictionary>,
-}
-
-/// Data of a device of the cell.
-#[derive(Debug)]
-struct Device {
-    node: NodeId,
-    /// Name for messages.
-    name: String,
-    /// Name of the axis of a drive.
-    axis: Option<String>,
-    mapped: Vec<Object>,
-}
-
 /// Resolved object of a request, with its description.
 struct ResolvedObject<'a> {
-    bus: &'a Bus,
-    node: NodeId,
-    device: Option<&'a Device>,
-    object: Object,
-    given: Option<DataType>,
+    bus: &'a Arc<dyn DeviceObjects>,
+    device: u16,
+    object: ObjectIndex,
+    type_name: &'a str,
 }
 
 impl ObjectAccess {
-    /// Creates an access without a bus. `simulated` are the names of backends on CAN that are simulated.
+    /// Creates an access without a bus. `simulated` are the names of backends whose devices have objects, and that are
+    /// simulated.
     pub fn new(simulated: Vec<String>) -> Self {
         Self { simulated, ..Self::default() }
     }
@@ -87,22 +56,9 @@ impl ObjectAccess {
         self.buses.is_empty()
     }
 
-    /// Adds a bus, the access to its objects, and the object dictionaries of its devices.
-    pub fn with_bus(
-        mut self,
-        config: &BusConfig,
-        objects: SdoRequestQueue,
-        dictionaries: BTreeMap<NodeId, Dictionary>,
-    ) -> Self {
-        let device = |device: &DeviceConfig| Device {
-            node: device.node,
-            name: device.to_string(),
-            axis: device.drive().map(|drive| drive.axis.clone()),
-            mapped: device.layout.mapped().collect(),
-        };
-        let (name, own) = (config.name.clone(), config.master.map(|master| master.node));
-        let devices = config.devices.iter().map(device).collect();
-        self.buses.push(Bus { name, objects, own, devices, dictionaries });
+    /// Adds the objects of a bus.
+    pub fn with_bus(mut self, objects: Arc<dyn DeviceObjects>) -> Self {
+        self.buses.push(objects);
         self
     }
 
@@ -113,12 +69,10 @@ impl ObjectAccess {
     pub fn read(&self, request: &SdoReadRequest) -> Result<PendingAnswer<SdoReadResponse>, String> {
         let SdoReadRequest { axis, backend, node, object, r#type } = request;
         let meant = self.meant([axis, backend, object, r#type], *node)?;
-        let dictionary = meant.dictionary();
-        let refuse = |refusal: commission::Refusal| meant.sentence(refusal);
-        check_readable(meant.object, dictionary).map_err(refuse)?;
-        let kind = type_of(meant.object, meant.given, dictionary).map_err(refuse)?;
-        let (who, object, name) = (meant.who(), meant.object, label(meant.object, dictionary));
-        let asked = meant.ask(Access::Read, self.patience)?;
+        let ResolvedObject { bus, device, object, type_name } = meant;
+        bus.check_read(device, object, type_name).map_err(|refusal| meant.sentence(refusal))?;
+        let (bus, who, type_name) = (Arc::clone(bus), meant.who(), type_name.to_owned());
+        let asked = meant.ask(ObjectOperation::Read, self.patience)?;
         Ok(Box::pin(async move {
             let refused = |message: String| SdoReadResponse {
                 message: format!("{who}: {message}"),
@@ -128,19 +82,12 @@ impl ObjectAccess {
                 Ok(data) => data,
                 Err(message) => return refused(message),
             };
-            match kind.map(|kind| (kind, decoded(object, &data, kind, None))) {
-                None => SdoReadResponse { success: true, data, ..SdoReadResponse::default() },
-                Some((kind, Ok(value))) => SdoReadResponse {
-                    success: true,
-                    data,
-                    value: written(&value),
-                    r#type: type_name::name(kind),
-                    ..SdoReadResponse::default()
-                },
-                Some((_, Err(refusal))) => {
-                    let message = format!("{refusal}; {name} has answered {}", hex(&data));
-                    SdoReadResponse { data, ..refused(message) }
+            match bus.decode(device, object, &type_name, &data) {
+                Ok(None) => SdoReadResponse { success: true, data, ..SdoReadResponse::default() },
+                Ok(Some(ObjectText { value, type_name })) => {
+                    SdoReadResponse { success: true, data, value, r#type: type_name, ..SdoReadResponse::default() }
                 }
+                Err(message) => SdoReadResponse { data, ..refused(message) },
             }
         }))
     }
@@ -154,20 +101,19 @@ impl ObjectAccess {
         let meant = self.meant([axis, backend, object, r#type], *node)?;
         short("value", value, LONGEST_VALUE)?;
         let value = value.clone();
-        let (object, dictionary) = (meant.object, meant.dictionary());
-        let name = label(object, dictionary);
-        if let Some(owner) = meant.device.and_then(|device| device.owner(object)) {
+        let ResolvedObject { bus, device, object, type_name } = meant;
+        let name = bus.label(device, object);
+        if let Some(owner) = bus.owner(device, object) {
             return Err(meant.sentence(format!("{name} is not for ~/sdo_write: {owner} says what it holds")));
         }
-        let refuse = |refusal: commission::Refusal| meant.sentence(refusal);
-        let data = encoded(object, &value, meant.given, dictionary).map_err(refuse)?;
-        if data.len() > LONGEST {
-            let bytes = data.len();
-            return Err(meant.sentence(format!("{name}: the value has {bytes} bytes; {LONGEST} at most are allowed")));
+        let data = bus.encode(device, object, type_name, &value).map_err(|refusal| meant.sentence(refusal))?;
+        let (bytes, most) = (data.len(), bus.max_bytes());
+        if bytes > most {
+            return Err(meant.sentence(format!("{name}: the value has {bytes} bytes; {most} at most are allowed")));
         }
-        let without_power = meant.device.is_some_and(|device| device.mapped.contains(&object));
+        let without_power = bus.is_cyclic(device, object);
         let who = meant.who();
-        let asked = meant.ask(Access::Write { data, without_power }, self.patience)?;
+        let asked = meant.ask(ObjectOperation::Write { data, without_power }, self.patience)?;
         Ok(Box::pin(async move {
             match asked.await {
                 Ok(_) => {
@@ -180,36 +126,40 @@ impl ObjectAccess {
     }
 
     /// Resolves a request: axis, backend, object and type by their names.
-    fn meant(&self, [axis, backend, object, given]: [&str; 4], node: u8) -> Result<ResolvedObject<'_>, String> {
-        for (what, name) in [("axis", axis), ("backend", backend), ("object", object), ("type", given)] {
+    fn meant<'a>(
+        &'a self,
+        [axis, backend, object, type_name]: [&'a str; 4],
+        node: u8,
+    ) -> Result<ResolvedObject<'a>, String> {
+        for (what, name) in [("axis", axis), ("backend", backend), ("object", object), ("type", type_name)] {
             short(what, name, LONGEST_NAME)?;
         }
-        let (bus, node) = match axis {
+        let node = u16::from(node);
+        let (bus, device) = match axis {
             "" => {
                 let bus = self.bus(backend)?;
-                let node = NodeId::new(node).ok_or_else(|| {
-                    format!("node is {node}; 1 to {} is allowed, or 0 and the name of an axis", NodeId::MAX)
-                })?;
+                let numbers = bus.devices();
+                if !numbers.contains(&node) {
+                    let (low, high) = (numbers.start(), numbers.end());
+                    return Err(format!("node is {node}; {low} to {high} is allowed, or 0 and the name of an axis"));
+                }
                 (bus, node)
             }
             axis => self.drive_of(axis, backend, node)?,
         };
-        if bus.own == Some(node) {
-            return Err(format!("{}: {node} is this program, which has no objects", bus.name));
+        if bus.is_own(device) {
+            return Err(format!("{}: node {device} is this program, which has no objects", bus.backend()));
         }
-        let device = bus.devices.iter().find(|device| device.node == node);
-        let known_type = || format!("type is {given:?}; {} are allowed, or nothing", type_name::list());
-        let given = if given.is_empty() { None } else { Some(type_name::named(given).ok_or_else(known_type)?) };
-        let mut meant = ResolvedObject { bus, node, device, object: Object { index: 0, sub: 0 }, given };
-        meant.object = commission::object(object, meant.dictionary()).map_err(|error| meant.sentence(error))?;
-        Ok(meant)
+        bus.check_type(type_name)?;
+        let found = bus.find(device, object).map_err(|error| sentence(bus.as_ref(), device, error))?;
+        Ok(ResolvedObject { bus, device, object: found, type_name })
     }
 
-    fn bus(&self, name: &str) -> Result<&Bus, String> {
-        let names = || self.buses.iter().map(|bus| bus.name.as_str()).collect::<Vec<_>>().join(", ");
+    fn bus(&self, name: &str) -> Result<&Arc<dyn DeviceObjects>, String> {
+        let names = || self.buses.iter().map(|bus| bus.backend()).collect::<Vec<_>>().join(", ");
         let found = match name {
             "" => self.buses.first().filter(|_| self.buses.len() == 1),
-            name => self.buses.iter().find(|bus| bus.name == name),
+            name => self.buses.iter().find(|bus| bus.backend() == name),
         };
         let is_meant = |simulated: &&String| name.is_empty() || *simulated == name;
         match (found, self.simulated.iter().find(is_meant)) {
@@ -217,89 +167,82 @@ impl ObjectAccess {
             (None, Some(simulated)) => Err(format!("backend {simulated} is simulated: it has no bus and no objects")),
             (None, None) if self.buses.is_empty() => Err(NO_BUS.to_owned()),
             (None, None) if name.is_empty() => Err(format!("backend is empty, and there are several: {}", names())),
-            (None, None) => Err(format!("no backend on CAN is called {name:?}; there are {}", names())),
+            (None, None) => Err(format!("no backend on {WITH_OBJECTS} is called {name:?}; there are {}", names())),
         }
     }
 
-    fn drive_of(&self, axis: &str, backend: &str, node: u8) -> Result<(&Bus, NodeId), String> {
+    fn drive_of(&self, axis: &str, backend: &str, node: u16) -> Result<(&Arc<dyn DeviceObjects>, u16), String> {
         if node != 0 {
             return Err(format!("axis is {axis:?} and node is {node}; give one of them, the node then as 0"));
         }
         if !backend.is_empty() || self.buses.is_empty() {
             self.bus(backend)?;
         }
-        let devices = self.buses.iter().flat_map(|bus| bus.devices.iter().map(move |device| (bus, device)));
-        let mut devices = devices.filter(|(bus, _)| backend.is_empty() || bus.name == backend);
-        let is_it = |device: &Device| device.axis.as_deref() == Some(axis);
-        let found = devices.find(|(_, device)| is_it(device)).map(|(bus, device)| (bus, device.node));
-        if let Some((other, second)) = devices.find(|(_, device)| is_it(device)) {
-            let first = found.map_or_else(String::new, |(bus, node)| format!("{} {node}", bus.name));
-            return Err(format!(
-                "{axis} has two drives, {first} and {} {}; give backend and node of one",
-                other.name, second.node
-            ));
+        let buses = self.buses.iter().filter(|bus| backend.is_empty() || bus.backend() == backend);
+        let mut drives = buses.flat_map(|bus| bus.drives_of(axis).into_iter().map(move |device| (bus, device)));
+        match (drives.next(), drives.next()) {
+            (Some(found), None) => Ok(found),
+            (Some((first, one)), Some((second, other))) => {
+                let (first, second) = (first.backend(), second.backend());
+                Err(format!(
+                    "{axis} has two drives, {first} node {one} and {second} node {other}; give backend and node of one"
+                ))
+            }
+            (None, _) => Err(format!("no axis with a drive on {WITH_OBJECTS} is called {axis:?}")),
         }
-        found.ok_or_else(|| format!("no axis with a drive on CAN is called {axis:?}"))
     }
 }
 
-impl Device {
-    /// Returns the source of the value of an object, if it is not the client.
-    fn owner(&self, object: Object) -> Option<&'static str> {
-        let is_output = self.axis.is_none() && self.mapped.contains(&object);
-        owner(object.index).or(is_output.then_some("an output or input of the cell"))
-    }
-}
-
-impl<'a> ResolvedObject<'a> {
-    fn dictionary(&self) -> Option<&'a Dictionary> {
-        self.bus.dictionaries.get(&self.node)
-    }
-
+impl ResolvedObject<'_> {
     /// Returns bus, node and axis for a message.
     fn who(&self) -> String {
-        let name = self.device.map_or_else(|| self.node.to_string(), |device| device.name.clone());
-        format!("{}: {name}", self.bus.name)
+        who(self.bus.as_ref(), self.device)
     }
 
     fn sentence(&self, what: impl Display) -> String {
-        format!("{}: {what}", self.who())
+        sentence(self.bus.as_ref(), self.device, what)
     }
 
     /// Queues a request of the bus.
-    fn ask(&self, access: Access, patience: Duration) -> Result<PendingAnswer<Result<Vec<u8>, String>>, String> {
-        let (answer, mut answered) = oneshot::channel::<Result<Vec<u8>, ObjectAccessError>>();
-        let ticket = self.bus.objects.submit(self.node, self.object, access, move |result| {
+    fn ask(
+        &self,
+        operation: ObjectOperation,
+        patience: Duration,
+    ) -> Result<PendingAnswer<Result<Vec<u8>, String>>, String> {
+        let (answer, mut answered) = oneshot::channel::<Result<Vec<u8>, String>>();
+        let answer = Box::new(move |result| {
             // The caller may have gone.
             let _ = answer.send(result);
         });
-        let ticket = ticket.map_err(|denied| self.sentence(denied))?;
+        let request = self.bus.submit(self.device, self.object, operation, answer);
+        let request = request.map_err(|denied| self.sentence(denied))?;
         Ok(Box::pin(async move {
             let answer = match tokio::time::timeout(patience, &mut answered).await {
                 Ok(answer) => answer,
-                Err(_) if ticket.cancel() => {
+                Err(_) if request.cancel() => {
                     let s = patience.as_secs_f64();
                     return Err(format!("the bus had no time for it within {s} s; nothing was done"));
                 }
                 // It is being executed, and ends with or without an answer of the device.
                 Err(_) => answered.await,
             };
-            answer.map_err(|_| "the machine has stopped".to_owned())?.map_err(|denied| denied.to_string())
+            answer.map_err(|_| "the machine has stopped".to_owned())?
         }))
     }
+}
+
+/// Returns bus, node and axis for a message.
+fn who(bus: &dyn DeviceObjects, device: u16) -> String {
+    format!("{}: {}", bus.backend(), bus.device_name(device))
+}
+
+fn sentence(bus: &dyn DeviceObjects, device: u16, what: impl Display) -> String {
+    format!("{}: {what}", who(bus, device))
 }
 
 fn short(what: &str, text: &str, most: usize) -> Result<(), String> {
     let bytes = text.len();
     if bytes > most { Err(format!("{what} is {bytes} bytes long; {most} are allowed")) } else { Ok(()) }
-}
-
-/// Formats a value, without the zeros that pad a text on the bus.
-fn written(value: &Value) -> String {
-    match value {
-        Value::Text(text) => text.trim_end_matches('\0').to_owned(),
-        other => other.to_string(),
-    }
 }
 
 #[cfg(test)]

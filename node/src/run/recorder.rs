@@ -11,15 +11,15 @@ use super::bridge::Handle;
 use super::decoder::Decoder;
 use super::flight::folder::FlightFolder;
 use super::flight::{Flight, Segments};
-use super::frames::{BusFrame, FrameReceiver, Head, Taken};
+use super::frames::{FrameReceiver, Head, Taken};
 use super::spawn;
 use super::writer::{Failure, Writer};
+use crate::recording::Encoded;
 use crate::recording::bag::{Bag, BagError, BagOptions, Subject, Summary};
 use crate::recording::encoder::Encoder;
-use crate::recording::{Encoded, FrameDirection};
-use lineshaft_can::master::RecordedFrames;
 use lineshaft_core::code::Code;
 use lineshaft_core::command::{Action, Source};
+use lineshaft_core::drive::FrameSource;
 use lineshaft_core::event::{Event, Kind, Severity};
 use lineshaft_msgs::srv::{RecordRequest, RecordResponse};
 use lineshaft_ros::surface::host::{Host, SubmitError};
@@ -47,8 +47,8 @@ type Answer = oneshot::Sender<RecordResponse>;
 /// The flight recorder of a run: its memory and the folder of its bags.
 pub type FlightRecorder = (Flight, FlightFolder);
 
-/// Name of a CAN bus, and its frames.
-pub type BusFrames = (String, RecordedFrames);
+/// Name of a bus, and its frames.
+pub type NamedFrames = (String, Box<dyn FrameSource>);
 
 /// Recorder of a running machine.
 pub struct Recorder {
@@ -63,8 +63,8 @@ pub struct Recorder {
     /// A bag that begins with the next suitable cycle.
     waiting: Option<(BagOptions, Answer)>,
     flight: Option<FlightRecorder>,
-    /// CAN buses and their frames.
-    buses: Vec<BusFrames>,
+    /// Buses and their frames.
+    buses: Vec<NamedFrames>,
     /// Messages of the node, if bags contain them.
     published: Option<Published>,
     /// Bags that are being finished, each in its own thread.
@@ -126,7 +126,7 @@ impl Recorder {
     }
 
     /// Records frames of buses: in the bags of the flight recorder, and in bags whose [`Subject`] has the buses.
-    pub fn with_buses(self, buses: Vec<BusFrames>) -> Self {
+    pub fn with_buses(self, buses: Vec<NamedFrames>) -> Self {
         Self { buses, ..self }
     }
 
@@ -173,10 +173,8 @@ impl Recorder {
     fn take(&mut self, mut head: Head) {
         self.count_missing(head.cycle);
         for (bus, (_, frames)) in self.buses.iter_mut().enumerate() {
-            frames.take(head.cycle, |offset_ns, frame, is_sent| {
-                let way = if is_sent { FrameDirection::Sent } else { FrameDirection::Received };
-                self.taken.extras.frames.push(BusFrame { bus, way, offset_ns, frame: *frame });
-            });
+            let kind = frames.kind();
+            frames.take(head.cycle, &mut |frame| self.taken.extras.frames.push(bus, kind, frame));
         }
         let is_wanted = self.writer.is_some() || (self.waiting.is_some() && head.can_begin());
         if is_wanted {

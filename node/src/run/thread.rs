@@ -1,4 +1,5 @@
-//! Cycle thread: runs one cycle after the other at absolute deadlines, without anything that could make it wait.
+//! Cycle thread: runs one cycle after the other at absolute deadlines, without anything that could make it wait. A
+//! backend that owns the clock of the cycle shifts the deadlines.
 
 use super::backends::Backends;
 use super::clock::CycleClock;
@@ -8,6 +9,7 @@ use super::histogram::{Counts, Histogram};
 use super::lanes::{CommandQueues, Numbers};
 use super::realtime::{self, Processor};
 use super::samples::SampleSender;
+use super::schedule::Schedule;
 use super::trials::TrialSlot;
 use super::wake::Wake;
 use crate::recording::CycleTime;
@@ -203,22 +205,24 @@ impl CycleThread {
     /// the earliest time of the next cycle, in ns of the monotonic clock.
     fn cycles(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, earliest: u64) -> u64 {
         let cycle_ns = self.machine.config().cycle_ns;
-        let mut deadline = nanoseconds(ClockId::Monotonic).max(earliest);
+        let mut schedule = Schedule::new(nanoseconds(ClockId::Monotonic).max(earliest), cycle_ns);
         let mut missed = 0;
         // Commands submitted before the gate closed are still executed, so that each gets an answer.
         while !self.stop.load(Ordering::Relaxed) && (self.gate.is_wanted() || !self.lanes.are_empty()) {
-            sleep_until(deadline);
+            sleep_until(schedule.deadline());
             let woken = nanoseconds(ClockId::Monotonic);
             inputs.begin(self.machine.next_cycle(), missed);
-            let time = self.clock.at(deadline, cycle_ns);
+            let time = self.clock.at(schedule.deadline(), cycle_ns);
             self.one(inputs, outputs, time);
+            schedule.shift(self.backends.clock_shift(schedule.pending()));
             let done = nanoseconds(ClockId::Monotonic);
-            self.statistics.count(woken.saturating_sub(deadline), done.saturating_sub(woken));
-            deadline += cycle_ns;
-            missed = self.skip_missed(&mut deadline, done, cycle_ns);
+            self.statistics.count(schedule.lateness(woken), done.saturating_sub(woken));
+            let late = schedule.advance(done);
+            self.statistics.missed.fetch_add(late, Ordering::Relaxed);
+            missed = u32::try_from(late).unwrap_or(u32::MAX);
         }
         self.trials.0.give_up();
-        deadline
+        schedule.deadline()
     }
 
     fn one(&mut self, inputs: &mut Inputs, outputs: &mut Outputs, time: CycleTime) {
@@ -289,14 +293,6 @@ impl CycleThread {
             // The receiver has gone if the program is ending.
             let _ = play.report.send(play.player.finish());
         }
-    }
-
-    /// Moves the deadline past complete cycles that were missed, and returns their number.
-    fn skip_missed(&self, deadline: &mut u64, now: u64, cycle_ns: u64) -> u32 {
-        let late = now.saturating_sub(*deadline) / cycle_ns;
-        *deadline += late * cycle_ns;
-        self.statistics.missed.fetch_add(late, Ordering::Relaxed);
-        u32::try_from(late).unwrap_or(u32::MAX)
     }
 }
 

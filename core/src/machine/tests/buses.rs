@@ -5,7 +5,9 @@ use super::rig::{Rig, X, Y, config, to};
 use crate::code::Code;
 use crate::command::Action;
 use crate::config::{IoConfig, IoKind, MachineConfig};
-use crate::drive::{BusState, DriveState, Edge, Emergency, Inputs, Latch, Objects, Terminal, control};
+use crate::drive::{
+    BackendObject, BusState, DriveState, Edge, Emergency, Inputs, Latch, ObjectAddress, Objects, control,
+};
 use crate::event::{Event, Kind, Severity};
 use crate::object::{AxisSet, Object};
 use crate::sim::{Mechanics, Model, Plant, SimBrake};
@@ -19,7 +21,7 @@ fn two_buses() -> Rig {
     use IoKind::{DigitalInput, DigitalOutput};
     let io = vec![io("a", DigitalInput), io("b", DigitalInput), io("c", DigitalOutput), io("d", DigitalOutput)];
     let config = MachineConfig { io, ..config(3) };
-    let at = |place| vec![Terminal { place, address: 0 }];
+    let at = |place| vec![BackendObject { place, address: ObjectAddress::default() }];
     let bus = |place| Objects {
         digital_inputs: at(place),
         digital_outputs: at(place),
@@ -116,7 +118,7 @@ fn a_bus_with_many_errors_stops_nothing() {
     let mut rig = Rig::enabled();
     let sequence = rig.give(Action::Move(to(X, 10_000)));
     rig.run(50);
-    rig.modify_inputs = |inputs| inputs.drive[0].bus = BusState::Passive;
+    rig.modify_inputs = |inputs| inputs.drive[0].bus = BusState::Degraded;
     rig.run(1_000);
     assert_eq!((rig.done(sequence)[0].code, rig.int("x.error")), (Code::NONE, 0));
 }

@@ -6,7 +6,8 @@
 //! Writes   frames of a cycle, with the time since its beginning
 
 use super::tally::BusCounters;
-use crate::Frame;
+use crate::{CAPTURE, Frame};
+use lineshaft_core::drive::{FrameKind, FrameSource, RecordedFrame};
 use rtrb::{Consumer, Producer, RingBuffer};
 use std::sync::Arc;
 
@@ -90,10 +91,12 @@ pub struct RecordedFrames {
     begin: Option<(u64, u64)>,
 }
 
-impl RecordedFrames {
-    /// Passes the frames up to the end of this cycle that were not yet fetched to `keep`: time since the beginning of the cycle (ns;
-    /// negative before it), the frame, and whether it was sent. If the mark of the cycle had no room in the ring, the time is 0.
-    pub fn take(&mut self, cycle: u64, mut keep: impl FnMut(i64, &Frame, bool)) {
+impl FrameSource for RecordedFrames {
+    fn kind(&self) -> FrameKind {
+        CAPTURE
+    }
+
+    fn take(&mut self, cycle: u64, keep: &mut dyn FnMut(RecordedFrame<'_>)) {
         while let Ok(Mark { at_ns, what }) = self.marks.peek().copied() {
             match what {
                 What::Cycle(next) if next > cycle => break,
@@ -104,8 +107,8 @@ impl RecordedFrames {
         }
         let begin = self.begin.filter(|(begun, _)| *begun == cycle);
         for (at_ns, frame, is_sent) in self.before.drain(..) {
-            let offset = begin.map_or(0, |(_, begin_ns)| at_ns.cast_signed().wrapping_sub(begin_ns.cast_signed()));
-            keep(offset, &frame, is_sent);
+            let offset_ns = begin.map_or(0, |(_, begin_ns)| at_ns.cast_signed().wrapping_sub(begin_ns.cast_signed()));
+            keep(RecordedFrame { is_sent, offset_ns, bytes: &frame.to_capture() });
         }
     }
 }
@@ -121,7 +124,7 @@ mod tests {
 
     fn taken(frames: &mut RecordedFrames, cycle: u64) -> Vec<(i64, u8, bool)> {
         let mut taken = Vec::new();
-        frames.take(cycle, |offset, frame, is_sent| taken.push((offset, frame.bytes()[0], is_sent)));
+        frames.take(cycle, &mut |frame| taken.push((frame.offset_ns, frame.bytes[8], frame.is_sent)));
         taken
     }
 

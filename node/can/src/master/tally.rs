@@ -92,7 +92,7 @@ impl BusCounters {
     pub(super) fn controller(&self) -> String {
         let state = match self.state.load(Ordering::Relaxed) {
             state if state == BusState::Active as u8 => "active",
-            state if state == BusState::Passive as u8 => "passive: many errors",
+            state if state == BusState::Degraded as u8 => "passive: many errors",
             _ => "off",
         };
         if self.has_errors.load(Ordering::Relaxed) == 0 {
@@ -187,7 +187,7 @@ mod tests {
     fn controller_and_node_states_are_reported_as_stored() {
         let tally = BusCounters::new(2);
         assert_eq!(tally.controller(), "off");
-        tally.set_controller_state(BusState::Passive, Some((128, 3)));
+        tally.set_controller_state(BusState::Degraded, Some((128, 3)));
         let told =
             "passive: many errors; when it told them last, its error counters were 128 (transmit) and 3 (receive)";
         assert_eq!(tally.controller(), told);

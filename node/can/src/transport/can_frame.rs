@@ -76,7 +76,7 @@ fn controller(classes: u32, [_, detail, _, _, _, _, transmit, receive]: [u8; 8])
     let detail = if classes & CONTROLLER != 0 { detail } else { 0 };
     let state = match () {
         () if classes & BUS_OFF != 0 => Some(BusState::Off),
-        () if detail & PASSIVE != 0 => Some(BusState::Passive),
+        () if detail & PASSIVE != 0 => Some(BusState::Degraded),
         // Many errors, but fewer than for passive: the state when errors decrease.
         () if classes & RESTARTED != 0 || detail & (ACTIVE | WARNING) != 0 => Some(BusState::Active),
         () => None,
@@ -112,8 +112,8 @@ mod tests {
         let tells = |classes, detail| decode(&bytes(ERROR | classes, 8, [0, detail, 0, 0, 0, 0, 130, 7]));
         let state = |state| ReceivedContent::Controller { state, has_lost: false, errors: None };
         assert_eq!(tells(BUS_OFF, 0), state(Some(BusState::Off)));
-        assert_eq!(tells(CONTROLLER, 0x10), state(Some(BusState::Passive)));
-        assert_eq!(tells(CONTROLLER, 0x20 | 0x04), state(Some(BusState::Passive)));
+        assert_eq!(tells(CONTROLLER, 0x10), state(Some(BusState::Degraded)));
+        assert_eq!(tells(CONTROLLER, 0x20 | 0x04), state(Some(BusState::Degraded)));
         assert_eq!(tells(CONTROLLER, 0x08), state(Some(BusState::Active)));
         assert_eq!(tells(CONTROLLER, 0x40), state(Some(BusState::Active)));
         assert_eq!(tells(RESTARTED, 0x10), state(Some(BusState::Active)), "the detail is of another class");

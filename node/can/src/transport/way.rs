@@ -70,11 +70,11 @@ mod tests {
         for later in [ErrorKind::WouldBlock.into(), io::Error::from_raw_os_error(Errno::NOBUFS.raw_os_error())] {
             assert_eq!(way.unless_would_block::<()>(Err(later)).unwrap(), None);
         }
-        assert_eq!(way.state(BusState::Passive), BusState::Passive);
+        assert_eq!(way.state(BusState::Degraded), BusState::Degraded);
         let first = way.unless_would_block::<()>(Err(io::Error::from_raw_os_error(19))).unwrap_err().to_string();
         assert_eq!(first, "the way to the bus is lost: No such device (os error 19)");
         assert_eq!(way.mark_lost(Loss::Ended).to_string(), first);
         assert_eq!(way.check().unwrap_err().to_string(), first);
-        assert_eq!(way.state(BusState::Passive), BusState::Off);
+        assert_eq!(way.state(BusState::Degraded), BusState::Off);
     }
 }

@@ -25,7 +25,7 @@ fn file() -> std::path::PathBuf {
 }
 
 fn refused(cell: &Cell) -> String {
-    let problems = cell.buses(Some(&file())).expect_err("it has a problem").to_string();
+    let problems = cell.on_can().buses(Some(&file())).expect_err("it has a problem").to_string();
     problems.replace(&file().display().to_string(), "c.yaml").trim_end().to_owned()
 }
 
@@ -34,7 +34,7 @@ const BUS: &str = "transport: 'slcan:/dev/ttyACM0', bitrate: 1000000";
 #[test]
 fn rates_of_a_serial_adapter_reach_its_bus() {
     let rates = |bus: &str| {
-        let buses = cell("4 ms", bus, &["node: 3".to_owned()]).buses(Some(&file())).unwrap();
+        let buses = cell("4 ms", bus, &["node: 3".to_owned()]).on_can().buses(Some(&file())).unwrap();
         (buses[0].bit_rate, buses[0].serial_baudrate)
     };
     let line = "transport: 'slcan:/dev/ttyUSB0', bitrate: 800000";
@@ -53,11 +53,11 @@ fn a_cycle_that_does_not_fit_the_bit_rate_is_refused_with_the_sum() {
     let sentence = "c.yaml:4:9: backend bus0: what each cycle carries does not fit: 9 frames of 1055 bits take 1055 us at 1000000 bit/s, \
                     the cycle is 1000 us; a cycle of 1.1 ms fits, or fewer devices on this bus";
     assert_eq!(refused(&cell("1 ms", BUS, &drives)), sentence);
-    let fits = cell("2 ms", BUS, &drives).buses(None).unwrap();
+    let fits = cell("2 ms", BUS, &drives).on_can().buses(None).unwrap();
     let load = "backend bus0: 9 frames of 1055 bits at most in each cycle of 2000 us: 53 % of 1000000 bit/s";
     assert_eq!(load_of(&fits[0]).as_deref(), Some(load));
     // The bit rate of a Linux interface is unknown unless the cell gives it.
-    let unknown = cell("1 ms", "transport: 'socketcan:can0'", &drives).buses(None).unwrap();
+    let unknown = cell("1 ms", "transport: 'socketcan:can0'", &drives).on_can().buses(None).unwrap();
     assert_eq!(load_of(&unknown[0]), None);
 }
 
@@ -73,9 +73,9 @@ fn a_drive_with_the_node_of_the_master_is_refused() {
     let sentence = "c.yaml:4:9: backend bus0: node 127 (x0) has the node id of the master";
     assert_eq!(refused(&cell("4 ms", BUS, &["node: 127".to_owned()])), sentence);
     let other = format!("{BUS}, master: {{node: 1}}");
-    assert!(cell("4 ms", &other, &["node: 127".to_owned()]).buses(None).is_ok());
+    assert!(cell("4 ms", &other, &["node: 127".to_owned()]).on_can().buses(None).is_ok());
     let none = format!("{BUS}, master: none");
-    assert_eq!(cell("4 ms", &none, &["node: 127".to_owned()]).buses(None).unwrap()[0].master, None);
+    assert_eq!(cell("4 ms", &none, &["node: 127".to_owned()]).on_can().buses(None).unwrap()[0].master, None);
 }
 
 /// Vendor and product are those of the file unless the cell gives others; digital inputs and error code are mapped.
@@ -84,7 +84,7 @@ fn drive_description_comes_from_eds_and_cell() {
     let drive = "node: 3, eds: cia402_sim.eds, identity: {product: 7, serial: 9}, feed: 20 mm, heartbeat: 50 ms, \
                  velocity_factor: {numerator: 60, denominator: 10000}, startup: [{index: 0x2080, sub: 1, value: -5, type: i16}]";
     let cell = cell("4 ms", BUS, &[drive.to_owned()]);
-    let buses = cell.buses(Some(&file())).unwrap();
+    let buses = cell.on_can().buses(Some(&file())).unwrap();
     let [drive] = buses[0].devices.as_slice() else { panic!("one drive") };
     let identity = Identity { vendor: Some(0xFFFF), product: Some(7), revision: None, serial: Some(9) };
     let as_drive = drive.drive().unwrap();
@@ -130,14 +130,14 @@ fn configuration_omits_actions_and_setpoints() {
     }
     let (_folder, at) = with_file(&text);
     let drive = "node: 3, eds: x.dcf, startup: [{index: 0x60FF, value: 5, type: i32}]";
-    let buses = cell("4 ms", BUS, &[drive.to_owned()]).buses(Some(&at)).unwrap();
+    let buses = cell("4 ms", BUS, &[drive.to_owned()]).on_can().buses(Some(&at)).unwrap();
     let told: Vec<_> = buses[0].devices[0].startup.iter().map(|write| write.object.to_string()).collect();
     assert_eq!(told, ["2001h:00", "6081h:00", "60FEh:02", "60FFh:00"]);
     let line = "backend bus0: node 3 (x0): left out of its DCF, as objects that act: 1003h:00, 1010h:01, 1011h:01, 6040h:00; \
                 as setpoints: 6071h:00, 607Ah:00, 60FEh:01";
     assert_eq!(left_out_of(&buses[0]), [line]);
     // Without values there is no line.
-    let plain = cell("4 ms", BUS, &["node: 3, eds: cia402_sim.eds".to_owned()]).buses(Some(&file())).unwrap();
+    let plain = cell("4 ms", BUS, &["node: 3, eds: cia402_sim.eds".to_owned()]).on_can().buses(Some(&file())).unwrap();
     assert_eq!(left_out_of(&plain[0]), [""; 0]);
 }
 
@@ -152,7 +152,7 @@ fn mode_by_sdo_is_reported_in_one_line() {
             text = format!("{}{}", &text[..at], text[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
         }
         let (_folder, at) = with_file(&text);
-        let buses = cell("4 ms", BUS, &["node: 3, eds: x.dcf".to_owned()]).buses(Some(&at)).unwrap();
+        let buses = cell("4 ms", BUS, &["node: 3, eds: x.dcf".to_owned()]).on_can().buses(Some(&at)).unwrap();
         mode_by_sdo_of(&buses[0])
     };
     assert_eq!(lines(&[]), [""; 0]);
@@ -174,7 +174,7 @@ fn configuration_of_a_module_omits_its_outputs() {
     let text = "[DeviceInfo]\n".to_owned() + &["6003", "6200", "6206", "6411"].map(object).concat();
     let (_folder, at) = with_file(&text);
     let io = "io:\n  s: {type: di, backend: bus0, node: 10, address: 0}\n";
-    let buses = with_sections(", nodes: [{node: 10, eds: x.dcf}]", io).buses(Some(&at)).unwrap();
+    let buses = with_sections(", nodes: [{node: 10, eds: x.dcf}]", io).on_can().buses(Some(&at)).unwrap();
     let [_, module] = buses[0].devices.as_slice() else { panic!("{:?}", buses[0].devices) };
     let told: Vec<_> = module.startup.iter().map(|write| write.object.to_string()).collect();
     assert_eq!(told, ["6003h:00", "6206h:00"]);
@@ -190,7 +190,7 @@ fn a_drive_by_number_has_its_watch_and_its_units() {
     let device = |drive: &str| {
         let cell = cell("4 ms", BUS, &[format!("node: 3, interface: velocity, {drive}")]);
         assert!(!cell.machine.axes[0].drive.unwrap().homes, "it stays in its mode");
-        cell.buses(None).unwrap().remove(0).devices.remove(0)
+        cell.on_can().buses(None).unwrap().remove(0).devices.remove(0)
     };
     let guarding = |ms: u64, life_factor| Monitoring::Guarding { guard_ns: ms * 1_000_000, life_factor };
     assert_eq!(device("drivetype: 2").watching, guarding(100, 3));
@@ -216,7 +216,7 @@ fn times_of_a_bus_reach_the_ends_of_their_ranges() {
     let described = cell.backends[0].bus.as_ref().expect("a bus");
     assert_eq!(described.time_ns, Some(3_600_000_000_000));
     assert_eq!(described.master.as_ref().map(|master| master.heartbeat_ns), Some(21_000_000_000));
-    let watching: Vec<_> = cell.on_can.iter().flatten().map(|drive| drive.device.watching).collect();
+    let watching: Vec<_> = cell.on_can().drives().flatten().map(|drive| drive.device.watching).collect();
     let guarding = Monitoring::Guarding { guard_ns: 65_535_000_000, life_factor: 1 };
     assert_eq!(watching, [Monitoring::Heartbeat { time_ns: 63_000_000_000 }, guarding]);
 }
@@ -351,7 +351,7 @@ encoders:
   e: {backend: bus0, node: 12, steps: 4096, type: rotary, scale: {increments: 4096, per: 1 rev}}
   d: {backend: bus0, node: 1, type: rotary, scale: {increments: 4096, per: 1 rev}}
 ";
-    let buses = with_sections(", nodes: [{node: 12, heartbeat: none}]", sections).buses(None).unwrap();
+    let buses = with_sections(", nodes: [{node: 12, heartbeat: none}]", sections).on_can().buses(None).unwrap();
     let [drive, module, encoder] = buses[0].devices.as_slice() else { panic!("{:?}", buses[0].devices) };
     let at = |place, address| Terminal { place, address };
     let of_drive = Terminals {
@@ -429,7 +429,10 @@ fn the_example_cells_make_buses() {
     assert!(cells.len() >= 4, "{cells:?}");
     for path in cells {
         let cell = Cell::load(&path).unwrap_or_else(|problems| panic!("{problems}"));
-        assert_eq!(cell.buses(Some(&path)).map(|buses| buses.len()).map_err(|problems| problems.to_string()), Ok(1));
+        assert_eq!(
+            cell.on_can().buses(Some(&path)).map(|buses| buses.len()).map_err(|problems| problems.to_string()),
+            Ok(1)
+        );
     }
 }
 
@@ -451,7 +454,7 @@ fn warned(changes: &[(&str, &str)], bus: &str, drives: &[&str]) -> Vec<String> {
     let (_folder, path) = beside(changes);
     let drives: Vec<_> = drives.iter().map(|drive| format!("{drive}, eds: drive.eds")).collect();
     let (_, warnings) =
-        cell("4 ms", bus, &drives).buses_and_warnings(Some(&path)).unwrap_or_else(|error| panic!("{error}"));
+        cell("4 ms", bus, &drives).on_can().buses_and_warnings(Some(&path)).unwrap_or_else(|error| panic!("{error}"));
     warnings.iter().map(|warning| warning.split_once("drive.eds`: ").expect("the file").1.to_owned()).collect()
 }
 
@@ -459,7 +462,7 @@ fn warned(changes: &[(&str, &str)], bus: &str, drives: &[&str]) -> Vec<String> {
 fn refused_by_file(changes: &[(&str, &str)], bus: &str, drive: &str) -> String {
     let (_folder, path) = beside(changes);
     let drive = format!("{drive}, eds: drive.eds");
-    let problems = cell("4 ms", bus, &[drive]).buses(Some(&path)).expect_err("it has a problem");
+    let problems = cell("4 ms", bus, &[drive]).on_can().buses(Some(&path)).expect_err("it has a problem");
     problems.to_string().split_once("drive.eds`: ").expect("the file").1.trim_end().to_owned()
 }
 
@@ -524,7 +527,7 @@ fn file_of_another_profile_is_refused_for_a_module() {
     let (_folder, path) = beside(&[]);
     let io = "io:\n  s: {type: di, backend: bus0, node: 10, address: 5}\n";
     let cell = with_sections(", nodes: [{node: 10, eds: drive.eds}]", io);
-    let said = cell.buses(Some(&path)).expect_err("it has a problem").to_string();
+    let said = cell.on_can().buses(Some(&path)).expect_err("it has a problem").to_string();
     let sentence = "drive.eds`: node 10 (module): 1000h:00 is 00020192h by the file, profile 402; entries of io need profile 401 (module)";
     assert!(said.contains(sentence), "{said}");
 }
@@ -545,8 +548,8 @@ fn bit_rate_of_the_configuration_is_compared_with_that_of_the_backend() {
 /// Returns the warnings about inputs of drives that are not read, or the problems of the cell.
 fn unread(cell: &Cell) -> Result<Vec<String>, String> {
     let named = |text: &str| text.replace(&file().display().to_string(), "c.yaml").trim_end().to_owned();
-    let buses = cell.buses(Some(&file())).unwrap_or_else(|problems| panic!("{problems}"));
-    match cell.unread(&buses, Some(&file())) {
+    let buses = cell.on_can().buses(Some(&file())).unwrap_or_else(|problems| panic!("{problems}"));
+    match cell.on_can().unread(&buses, Some(&file())) {
         Ok(warnings) => Ok(warnings.iter().map(|warning| named(warning)).collect()),
         Err(problems) => Err(named(&problems.to_string())),
     }
@@ -603,8 +606,8 @@ fn file_that_does_not_map_60fdh_is_named_in_the_warning() {
     let text = format!("{}{}", &eds[..at], eds[at..].replacen("PDOMapping=0x1", "PDOMapping=0", 1));
     let (_folder, at) = with_file(&text);
     let cell = cell("4 ms", BUS, &["node: 3, eds: x.dcf".to_owned()]);
-    let buses = cell.buses(Some(&at)).unwrap();
-    let warnings = cell.unread(&buses, Some(&at)).unwrap();
+    let buses = cell.on_can().buses(Some(&at)).unwrap();
+    let warnings = cell.on_can().unread(&buses, Some(&at)).unwrap();
     let why = "cannot stop the axis: eds `x.dcf` does not let 60FDh be mapped; correct 60FDh in that file; or assign inputs with";
     assert!(warnings.len() == 1 && warnings[0].contains(why), "{warnings:?}");
 }

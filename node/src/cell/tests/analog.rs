@@ -66,7 +66,7 @@ fn at_a_module_on_can_no_drive_is_on_the_bus() {
     assert_eq!((read.real_axes(), read.hardware_names()), (vec![true], vec![Some("c".to_owned())]));
     assert!(read.backends.iter().all(|backend| backend.objects.drives.is_empty()));
     assert_eq!(read.machine.axes[0].drive.map(|offers| (offers.delay, offers.homes)), Some((1, false)));
-    let buses = read.buses(None).unwrap();
+    let buses = read.on_can().buses(None).unwrap();
     assert_eq!(buses[0].devices.iter().map(|device| device.node.get()).collect::<Vec<_>>(), [10, 11, 12]);
 }
 

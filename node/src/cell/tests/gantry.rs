@@ -36,7 +36,7 @@ fn two_drives_make_an_axis() {
     let starts: Vec<_> = cell.mechanics.iter().map(|mechanics| mechanics.fixtures.start).collect();
     let homes: Vec<_> = cell.mechanics.iter().map(|mechanics| mechanics.fixtures.home).collect();
     assert_eq!((starts, homes), (vec![5_000, 6_000], vec![Some((0, 1_000)), None]));
-    assert_eq!(cell.drives().map(|at| at.number).collect::<Vec<_>>(), [0, 4]);
+    assert_eq!(cell.drives().map(|at| at.address.device).collect::<Vec<_>>(), [0, 4]);
     assert_eq!(cell.hardware_names(), [Some("plant:0, plant:4".to_owned())]);
     assert_eq!(cell.machine.check(), Ok(()));
 }
@@ -60,14 +60,14 @@ fn two_drives_have_the_longer_time_to_be_enabled() {
 fn the_second_drives_stand_behind_all_others() {
     let other = "  y: {type: linear, unit: mm, scale: {increments: 1000, per: 1 mm}, max_velocity: 1 m/s, max_acceleration: 1, drive: {backend: plant, address: 1}}\n";
     let cell = good(&cell(&format!("{BOTH}{LIMIT}{other}")));
-    assert_eq!(cell.drives().map(|at| at.number).collect::<Vec<_>>(), [0, 1, 4]);
+    assert_eq!(cell.drives().map(|at| at.address.device).collect::<Vec<_>>(), [0, 1, 4]);
     assert_eq!((cell.machine.second_drive(0), cell.machine.second_drive(1)), (Some(2), None));
 }
 
 #[test]
 fn both_hang_on_a_bus() {
     let cell = good(&cell(&format!("    drives: [{{backend: bus0, node: 4}}, {{backend: bus0, node: 5}}]\n{LIMIT}")));
-    let buses = cell.buses(None).unwrap();
+    let buses = cell.on_can().buses(None).unwrap();
     let devices: Vec<_> = buses[0]
         .devices
         .iter()

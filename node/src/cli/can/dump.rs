@@ -164,13 +164,13 @@ fn attached(run: &Run) -> Result<BTreeMap<String, Decoder>, Failure> {
 }
 
 fn of_cell(cell: &Cell, path: &Path) -> Result<BTreeMap<String, Decoder>, String> {
-    let found = cell.buses_and_warnings(Some(path));
+    let found = cell.on_can().buses_and_warnings(Some(path));
     let (buses, warnings) = found.map_err(|problems| problems.to_string().trim_end().to_owned())?;
     warn(warnings);
     let of = |bus: lineshaft_can::config::BusConfig| {
         let mut decoder = Decoder::default();
         bus.devices.iter().for_each(|device| carry(&mut decoder, device));
-        for (node, dictionary) in cell.dictionaries(&bus.name, path)? {
+        for (node, dictionary) in cell.on_can().dictionaries(&bus.name, path)? {
             decoder.add_dictionary(node, dictionary);
         }
         Ok((bus.name, decoder))

@@ -56,10 +56,10 @@ impl Known {
             });
         };
         let cell = Cell::load(path).map_err(Failure::Problems)?;
-        let (buses, warnings) = cell.buses_and_warnings(Some(path)).map_err(Failure::Problems)?;
+        let (buses, warnings) = cell.on_can().buses_and_warnings(Some(path)).map_err(Failure::Problems)?;
         warn(warnings);
         let config = chosen(buses, args.backend.as_deref(), path)?;
-        let dictionaries = cell.dictionaries(&config.name, path).map_err(Failure::Usage)?;
+        let dictionaries = cell.on_can().dictionaries(&config.name, path).map_err(Failure::Usage)?;
         Ok(Self {
             address: config.transport.clone(),
             bit_rate: config.bit_rate.unwrap_or(BIT_RATE),

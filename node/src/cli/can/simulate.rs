@@ -45,7 +45,7 @@ pub(in crate::cli) struct SimulateArgs {
 pub(super) fn simulate(args: &SimulateArgs) -> Result<(), Failure> {
     let problems = |problems: crate::document::Problems| Failure::Usage(problems.to_string().trim_end().to_owned());
     let cell = Cell::load(&args.cell).map_err(problems)?;
-    let (buses, warnings) = cell.buses_and_warnings(Some(&args.cell)).map_err(problems)?;
+    let (buses, warnings) = cell.on_can().buses_and_warnings(Some(&args.cell)).map_err(problems)?;
     warn(warnings);
     let config = chosen(buses, args.backend.as_deref(), &args.cell)?;
     if let Some(sentence) = unsupported(&config) {
@@ -161,7 +161,7 @@ mod tests {
     impl Rig {
         fn new() -> Self {
             let cell = Cell::parse("cell.yaml", CELL).unwrap_or_else(|problems| panic!("{problems}"));
-            let config = cell.buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
+            let config = cell.on_can().buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
             assert_eq!(unsupported(&config), None);
             let wire = Wire::default();
             let Ok(mut bus) = bus(&cell, &config, Box::new(wire.clone())) else { panic!("no machine") };
@@ -291,7 +291,7 @@ mod tests {
     fn a_bus_that_may_have_real_drives_must_be_named() {
         let text = CELL.replace("udp:239.74.163.45:43145", "socketcan:can0");
         let cell = Cell::parse("cell.yaml", &text).unwrap_or_else(|problems| panic!("{problems}"));
-        let mut config = cell.buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
+        let mut config = cell.on_can().buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
         let Err(Failure::Usage(sentence)) = address(&config, None) else { panic!("it is used unnamed") };
         assert!(
             sentence.contains("socketcan:can0 may have real drives") && sentence.contains("--transport"),
@@ -308,7 +308,7 @@ mod tests {
         for mode in ["pp", "ip", "csp"] {
             let text = CELL.replace("node: 3}", &format!("node: 3, mode: {mode}}}"));
             let cell = Cell::parse("cell.yaml", &text).unwrap_or_else(|problems| panic!("{problems}"));
-            let config = cell.buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
+            let config = cell.on_can().buses(None).unwrap_or_else(|problems| panic!("{problems}")).remove(0);
             assert_eq!(unsupported(&config), None, "{mode}");
         }
     }

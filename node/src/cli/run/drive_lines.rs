@@ -36,16 +36,16 @@ impl DriveLines {
     }
 }
 
-/// Axes and nodes of the drives at some backends.
+/// Axes and devices of the drives at some backends.
 struct Driven<'a> {
     axes: Vec<&'a str>,
-    nodes: Vec<String>,
+    devices: Vec<String>,
 }
 
 impl<'a> Driven<'a> {
-    /// Returns those at the backends with these indices; an axis with two drives is listed once, and so is a node.
+    /// Returns those at the backends with these indices; an axis with two drives is listed once, and so is a device.
     fn of(cell: &'a Cell, backends: &[usize]) -> Self {
-        let mut found = Self { axes: Vec::new(), nodes: Vec::new() };
+        let mut found = Self { axes: Vec::new(), devices: Vec::new() };
         for (at, (_, axis, _)) in cell.drives().zip(cell.machine.drives()) {
             if !backends.contains(&at.backend) {
                 continue;
@@ -53,13 +53,10 @@ impl<'a> Driven<'a> {
             if !found.axes.contains(&axis.name.as_str()) {
                 found.axes.push(&axis.name);
             }
-            // The location of a drive with voltage reference is its analog output, which has the node in the upper
-            // byte.
-            let node = if axis.analog.is_some() { at.number >> 8 } else { at.number };
-            let node = node.to_string();
-            // Drives at analog outputs may share a module.
-            if !found.nodes.contains(&node) {
-                found.nodes.push(node);
+            // The location of a drive with voltage reference is its analog output. Such drives may share a module.
+            let device = at.address.device.to_string();
+            if !found.devices.contains(&device) {
+                found.devices.push(device);
             }
         }
         found
@@ -67,13 +64,13 @@ impl<'a> Driven<'a> {
 }
 
 fn real_line(backend: &CellBackend, here: &Driven<'_>) -> String {
-    let transport = backend.transport().map_or_else(String::new, |transport| format!(" ({transport})"));
-    let bus = format!("{}{transport}", backend.name);
+    let hardware = backend.hardware().map_or_else(String::new, |hardware| format!(" ({hardware})"));
+    let bus = format!("{}{hardware}", backend.name);
     if here.axes.is_empty() {
         return format!("REAL DEVICES on {bus}, no drives");
     }
-    let nodes = if here.nodes.len() == 1 { "node" } else { "nodes" };
-    format!("REAL DRIVES on {bus}: {} ({nodes} {})", here.axes.join(", "), here.nodes.join(", "))
+    let (word, plural) = (backend.device_word(), if here.devices.len() == 1 { "" } else { "s" });
+    format!("REAL DRIVES on {bus}: {} ({word}{plural} {})", here.axes.join(", "), here.devices.join(", "))
 }
 
 #[cfg(test)]

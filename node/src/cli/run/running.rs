@@ -2,13 +2,13 @@
 
 use super::super::{Exit, store};
 use super::{FlightArgs, RunArgs};
-use crate::cell::{Cell, left_out_of, mode_by_sdo_of};
-use crate::document::Problems;
+use crate::cell::Cell;
 use crate::recording::bag::{Bag, BagOptions, Subject};
 use crate::recording::cadence::Cadence;
 use crate::recording::encoder::Encoder;
-use crate::run::backends::Backends;
+use crate::run::backends::{Backends, NewBackend};
 use crate::run::bridge::{Bridge, Handle};
+use crate::run::can;
 use crate::run::clock::{ClockWatch, CycleClock};
 use crate::run::flight::Flight;
 use crate::run::flight::folder::FlightFolder;
@@ -18,7 +18,7 @@ use crate::run::keeper::StoreWriter;
 use crate::run::lanes;
 use crate::run::objects::ObjectAccess;
 use crate::run::realtime::Processor;
-use crate::run::recorder::{Asked, BusFrames, FlightRecorder, Published, Recorder};
+use crate::run::recorder::{Asked, FlightRecorder, NamedFrames, Published, Recorder};
 use crate::run::samples::{Cadences, samples};
 use crate::run::services::Services;
 use crate::run::spawn;
@@ -27,7 +27,6 @@ use crate::run::trials::trials;
 use crate::run::wake::Wake;
 use crate::scenario::{Player, Report, Scenario};
 use crate::store::Store;
-use lineshaft_can::config::BusConfig;
 use lineshaft_core::command::{Action, Source};
 use lineshaft_core::drive::{Note, Service};
 use lineshaft_core::machine::Machine;
@@ -75,7 +74,7 @@ impl Recording {
         args: &RunArgs,
         cell: &Cell,
         name: &NodeName,
-        buses: &[BusFrames],
+        buses: &[NamedFrames],
         tap: (Tap, Receiver<TappedMessage>),
     ) -> Result<Self, String> {
         let kept = buses.iter().filter(|_| args.record_frames).map(|(name, _)| name.clone());
@@ -123,8 +122,8 @@ pub(in crate::cli) struct Hardware {
     services: Vec<Box<dyn Service>>,
     /// Access to objects of its devices.
     objects: ObjectAccess,
-    /// Frames on its CAN buses.
-    buses: Vec<BusFrames>,
+    /// Recorded frames of its buses.
+    buses: Vec<NamedFrames>,
     /// Whether each axis has a real drive, in the order of the file.
     real: Vec<bool>,
 }
@@ -136,44 +135,27 @@ impl Hardware {
     /// # Errors
     /// Returns an error if its files, or its buses and drives according to them, are wrong.
     pub(in crate::cli) fn of(cell: &Cell, file: Option<&Path>, is_sim: bool, are_kept: bool) -> Result<Self, String> {
-        let buses = if is_sim { Vec::new() } else { buses(cell, file)? };
-        let on_can = cell.backends.iter().filter(|backend| is_sim && !backend.is_simulated());
+        let real = if is_sim { Vec::new() } else { can::backends(cell, file, are_kept)? };
+        let simulated = cell.backends.iter().filter(|backend| is_sim && backend.has_objects());
         let mut found = Self {
             backends: Backends::simulated(cell.plant_of(|backend| is_sim || backend.is_simulated())),
             services: Vec::new(),
-            objects: ObjectAccess::new(on_can.map(|backend| backend.name.clone()).collect()),
+            objects: ObjectAccess::new(simulated.map(|backend| backend.name.clone()).collect()),
             buses: Vec::new(),
             real: if is_sim { vec![false; cell.machine.axes.len()] } else { cell.real_axes() },
         };
-        for bus in buses {
-            let lines = left_out_of(&bus).into_iter().chain(mode_by_sdo_of(&bus));
-            lines.for_each(|line| tracing::info!("{line}"));
-            let sheets = file.map(|file| cell.dictionaries(&bus.name, file)).transpose()?;
-            let config = bus.clone();
-            let (cyclic, mut service) = lineshaft_can::master::bus(bus);
-            found.objects = found.objects.with_bus(&config, service.objects(), sheets.unwrap_or_default());
-            if are_kept {
-                found.buses.push((config.name.clone(), service.frames()));
+        for NewBackend { name, cyclic, service, objects, frames } in real {
+            if let Some(objects) = objects {
+                found.objects = found.objects.with_bus(objects);
             }
-            found.backends = found.backends.with(Box::new(cyclic));
-            found.services.push(Box::new(service));
+            found.buses.extend(frames.map(|frames| (name.clone(), frames)));
+            found.backends = found.backends.with(name, cyclic);
+            found.services.push(service);
         }
         cell.machine.check_backends(&found.backends.all()).map_err(|error| error.to_string())?;
+        found.backends.check_clock().map_err(|error| error.to_string())?;
         Ok(found)
     }
-}
-
-/// Returns the buses of a cell that runs with real drives. Warnings about the files of its devices, and about limit
-/// switches that are not read, are logged.
-///
-/// # Errors
-/// Returns the problems of the files, or an error about inputs that homing needs and that are not read.
-fn buses(cell: &Cell, file: Option<&Path>) -> Result<Vec<BusConfig>, String> {
-    let sentences = |problems: Problems| problems.to_string().trim_end().to_owned();
-    let (buses, warnings) = cell.buses_and_warnings(file).map_err(sentences)?;
-    let unread = cell.unread(&buses, file).map_err(sentences)?;
-    warnings.iter().chain(&unread).for_each(|warning| tracing::warn!("{warning}"));
-    Ok(buses)
 }
 
 /// Initial data of a machine, in addition to its cell.
@@ -215,7 +197,7 @@ pub(in crate::cli) struct Prepared {
     encoder: Encoder,
     frames: FrameReceiver,
     asked: Receiver<Asked>,
-    pub buses: Vec<BusFrames>,
+    pub buses: Vec<NamedFrames>,
     report: Option<Receiver<Report>>,
     /// Clock of the stamps.
     pub clock: HostClock,

@@ -389,14 +389,15 @@ fn a_bag_may_live_in_another_thread() {
 fn frames_of_buses_have_topics_of_their_own() {
     use super::super::FrameDirection;
     use super::super::run::Run;
-    use lineshaft_can::{Frame as CanFrame, Id};
+    use lineshaft_can::{CAPTURE, Frame as CanFrame, Id};
     use lineshaft_msgs::foreign::can_msgs::msg::Frame;
     let folder = tempfile::tempdir().unwrap();
     let bare = &run().encoded[..20];
     let mut cycles = bare.to_vec();
-    let frame = CanFrame::data(Id::new(0x183).unwrap(), &[1, 2, 3]).unwrap();
-    cycles[3].add_frame(1, FrameDirection::Received, -250, &frame);
-    cycles[3].add_frame(0, FrameDirection::Sent, 70, &CanFrame::remote(Id::new(0x703).unwrap(), 1).unwrap());
+    let data = CanFrame::data(Id::new(0x183).unwrap(), &[1, 2, 3]).unwrap().to_capture();
+    let remote = CanFrame::remote(Id::new(0x703).unwrap(), 1).unwrap().to_capture();
+    cycles[3].add_frame(1, FrameDirection::Received, -250, (CAPTURE, &data));
+    cycles[3].add_frame(0, FrameDirection::Sent, 70, (CAPTURE, &remote));
     let buses = vec!["bus0".to_owned(), "bus1".to_owned()];
     let path = folder.path().join("kept");
     let mut bag = Bag::create(&at(path.clone()), Subject { buses, ..subject() }).unwrap();

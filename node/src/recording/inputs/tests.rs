@@ -46,7 +46,7 @@ fn drive_input() -> impl Strategy<Value = DriveInput> {
     let numbers = (any::<i64>(), any::<u32>(), real(), real(), any::<u16>(), any::<i8>(), any::<u16>());
     let flags = (any::<bool>(), any::<bool>(), any::<bool>());
     let switches = (any::<u32>(), any::<Option<i64>>());
-    let bus = prop::sample::select(vec![BusState::Active, BusState::Passive, BusState::Off]);
+    let bus = prop::sample::select(vec![BusState::Active, BusState::Degraded, BusState::Off]);
     let bus = (bus, any::<Option<[u8; 8]>>().prop_map(|sent| sent.map(Emergency::from_bytes)));
     (numbers, flags, switches, bus).prop_map(
         |(
@@ -163,7 +163,7 @@ fn inputs_of_before_have_buses_that_transmit() {
 fn inputs_of_before_have_no_setpoint_that_was_not_acknowledged() {
     let config = cell().machine;
     let mut inputs = Machine::new(config.clone()).unwrap().inputs();
-    inputs.drive[1].bus = BusState::Passive;
+    inputs.drive[1].bus = BusState::Degraded;
     let message = inputs_message(&inputs, &config);
     assert!(message.drive_unacknowledged.is_empty(), "none has missed one");
     let mut data = cdr::encode_with_header(&message);

@@ -15,7 +15,7 @@ fn change() -> impl Strategy<Value = u64> {
 prop_compose! {
     fn drive_input()(
         count: i64, epoch: u32, velocity in any::<u64>(), effort in any::<u64>(), status: u16, mode: i8, fault: u16, online: bool,
-        (fresh, unacknowledged) in any::<(bool, bool)>(), bus in prop_oneof![Just(BusState::Active), Just(BusState::Passive), Just(BusState::Off)],
+        (fresh, unacknowledged) in any::<(bool, bool)>(), bus in prop_oneof![Just(BusState::Active), Just(BusState::Degraded), Just(BusState::Off)],
         emergency in prop::option::of(any::<[u8; 8]>()), (inputs, index) in (any::<u32>(), any::<Option<i64>>()),
     ) -> DriveInput {
         let (velocity, effort) = (f64::from_bits(velocity), f64::from_bits(effort));

@@ -1,5 +1,6 @@
 use super::*;
 use crate::cell::Cell;
+use crate::run::can::CanObjects;
 use lineshaft_can::master::{CanService, MOST_WAITING};
 use std::path::Path;
 
@@ -11,10 +12,11 @@ fn desk() -> (ObjectAccess, CanService) {
 fn desk_of(name: &str) -> (ObjectAccess, CanService) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../launch-configs/can").join(name);
     let cell = Cell::load(&file).expect("it has no errors");
-    let bus = cell.buses(Some(&file)).expect("its files have none").remove(0);
-    let sheets = cell.dictionaries(&bus.name, &file).expect("the same files");
+    let bus = cell.on_can().buses(Some(&file)).expect("its files have none").remove(0);
+    let sheets = cell.on_can().dictionaries(&bus.name, &file).expect("the same files");
     let (_, service) = lineshaft_can::master::bus(bus.clone());
-    (ObjectAccess::new(Vec::new()).with_bus(&bus, service.objects(), sheets), service)
+    let objects = CanObjects::new(&bus, service.objects(), sheets);
+    (ObjectAccess::new(Vec::new()).with_bus(Arc::new(objects)), service)
 }
 
 /// Parses `axis backend node object type`; `-` is an empty text.

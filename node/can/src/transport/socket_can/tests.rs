@@ -90,7 +90,7 @@ fn the_controller_tells_how_the_bus_does() {
     let interface = Interface::up("vcan2");
     let (mut controller, mut bus) = (interface.open(), interface.open());
     let states = [
-        (ERROR | 0x04, 0x10, BusState::Passive),
+        (ERROR | 0x04, 0x10, BusState::Degraded),
         (ERROR | 0x40, 0, BusState::Off),
         (ERROR | 0x100, 0, BusState::Active),
     ];
