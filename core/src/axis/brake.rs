@@ -115,49 +115,49 @@ impl Axis {
 
     /// Returns the output of the own brake and its level.
     pub fn brake_output(&self) -> Option<(u16, bool)> {
-        self.own_brake().map(|brake| (brake.output, self.holding.closed == brake.closes_with_one))
+        self.own_brake().map(|brake| (brake.output, self.brake.closed == brake.closes_with_one))
     }
 
     /// Whether the error reaction or an abort requests the brake.
     #[inline]
     pub fn is_brake_requested(&self) -> bool {
-        self.brake
+        self.status.is_brake_requested()
     }
 
     /// Whether the brake is requested in this cycle, also if it was requested before.
     #[inline]
     pub fn is_brake_requested_now(&self) -> bool {
-        self.holding.asks_anew
+        self.brake.asks_anew
     }
 
     /// Requests the brake, for an error or its remaining reaction. Also closes a brake that was opened after the last
     /// request.
     pub(super) fn request_brake(&mut self, asks: bool) {
-        self.brake |= asks;
-        self.holding.asks_anew |= asks;
+        self.status.request_brake(asks);
+        self.brake.asks_anew |= asks;
     }
 
     /// Whether the brake is closed, as far as the axis controls it.
     pub(super) fn is_braked(&self) -> bool {
-        if self.own_brake().is_some() { self.holding.closed } else { self.brake }
+        if self.own_brake().is_some() { self.brake.closed } else { self.status.is_brake_requested() }
     }
 
     /// Whether a motion command is active.
     #[inline]
     pub fn is_commanded(&self) -> bool {
         use AxisState::{ContinuousMotion, DiscreteMotion, Homing, SynchronizedMotion};
-        matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion | Homing)
+        matches!(self.status.state(), DiscreteMotion | ContinuousMotion | SynchronizedMotion | Homing)
     }
 
     /// Stores the edges of the machine inputs of this cycle.
     pub fn set_edges(&mut self, edges: Edges) {
-        self.holding.edges = edges;
+        self.brake.edges = edges;
     }
 
     /// Called when the drive is in operation and holds: opens the brake first, if there is one.
     pub(super) fn power_is_on(&mut self, cycle: u64) -> Power {
         // The reason for the closed brake has ended: the error was reset, or the abort ended with the power.
-        self.brake = false;
+        self.status.release_brake();
         if self.own_brake().is_some() { Power::Opening { since: cycle } } else { Power::On }
     }
 
@@ -169,25 +169,25 @@ impl Axis {
 
     /// Switches off the power of an axis at rest, after the closing time of its own brake.
     pub(super) fn switch_off_after_brake(&mut self, cycle: u64) {
-        if matches!(self.power, Power::Closing { .. }) {
+        if matches!(self.status.power(), Power::Closing { .. }) {
             return;
         }
-        let since = if self.holding.closed { self.holding.closed_at } else { cycle };
+        let since = if self.brake.closed { self.brake.closed_at } else { cycle };
         let holds = self.has_brake_time_elapsed(cycle, since, |brake| brake.engage_ns);
-        self.power = if holds { Power::Off } else { Power::Closing { since } };
+        self.status.set_power(if holds { Power::Off } else { Power::Closing { since } });
     }
 
     /// Whether a drive that stops by itself has stopped, and the closing time of the brake has elapsed.
     pub(super) fn has_stopped_by_itself(&self, cycle: u64) -> bool {
-        let Power::DriveStops { since, .. } = self.power else { return true };
+        let Power::DriveStops { since, .. } = self.status.power() else { return true };
         let is_held =
-            self.holding.closed && self.has_brake_time_elapsed(cycle, self.holding.closed_at, |brake| brake.engage_ns);
+            self.brake.closed && self.has_brake_time_elapsed(cycle, self.brake.closed_at, |brake| brake.engage_ns);
         self.has_drive_stopped(cycle, since) && (self.own_brake().is_none() || is_held)
     }
 
     /// Whether the drive is at rest, has switched itself off, or has exceeded the time for stopping.
     fn has_drive_stopped(&self, cycle: u64, since: u64) -> bool {
-        let stops = matches!(self.shown.state(), DriveState::QuickStop | DriveState::Enabled);
+        let stops = matches!(self.drive_data.shown().state(), DriveState::QuickStop | DriveState::Enabled);
         // A drive that has not received the command yet is at rest for another reason. A slow motion has no counts in
         // some cycles.
         let has_heard = cycle.saturating_sub(since) > self.delay().saturating_add(1);
@@ -197,25 +197,25 @@ impl Axis {
 
     /// Commands the brake according to the power state of this cycle.
     pub(super) fn command_brake(&mut self, cycle: u64) {
-        let holds = match self.power {
+        let holds = match self.status.power() {
             // An error reaction closes it although the power is on.
-            Power::On | Power::SwitchingOff | Power::Opening { .. } => !self.brake,
+            Power::On | Power::SwitchingOff | Power::Opening { .. } => !self.status.is_brake_requested(),
             // The drive stops by itself and then switches itself off.
-            Power::DriveStops { since, .. } => !self.holding.closed && !self.has_drive_stopped(cycle, since),
+            Power::DriveStops { since, .. } => !self.brake.closed && !self.has_drive_stopped(cycle, since),
             _ => false,
         };
-        if !holds && !self.holding.closed {
-            self.holding.closed_at = cycle;
+        if !holds && !self.brake.closed {
+            self.brake.closed_at = cycle;
         }
-        self.holding.closed = !holds;
+        self.brake.closed = !holds;
     }
 
     /// Whether a reset that `is_due` may be executed: the motor no longer coasts without power, or the time for waiting
     /// has elapsed.
     pub(super) fn may_reset(&mut self, cycle: u64, is_due: bool) -> bool {
-        let coasts = is_due && self.power == Power::Off && !self.is_virtual() && self.turns(cycle);
-        let since = self.holding.coasts_since.unwrap_or(cycle);
-        self.holding.coasts_since = coasts.then_some(since);
+        let coasts = is_due && self.status.power() == Power::Off && !self.is_virtual() && self.turns(cycle);
+        let since = self.brake.coasts_since.unwrap_or(cycle);
+        self.brake.coasts_since = coasts.then_some(since);
         is_due && (!coasts || self.has_timed_out(cycle, since))
     }
 
@@ -223,7 +223,7 @@ impl Axis {
     /// closed. The wait is limited like that of a reset for a coasting motor. There is no wait if the axis runs away.
     /// In open loop the wait has ended before.
     pub(super) fn has_settled_or_timed_out(&mut self, cycle: u64) -> bool {
-        let since = *self.holding.settles_since.get_or_insert(cycle);
+        let since = *self.brake.settles_since.get_or_insert(cycle);
         let is_led = !self.is_virtual() && !self.is_open_loop();
         let settles = is_led && (self.moves() || !self.is_compensated()) && !self.runs_away();
         !settles || self.has_timed_out(cycle, since)
@@ -231,41 +231,41 @@ impl Axis {
 
     /// Whether its encoder and that of the second drive are at rest.
     pub(super) fn encoder_is_at_rest(&self) -> bool {
-        self.actual.velocity == 0.0 && self.actual.change == Position::ZERO && self.holding.second_change == 0
+        self.feedback.velocity() == 0.0 && self.feedback.change() == Position::ZERO && self.brake.second_change == 0
     }
 
     /// Executes the edges of the machine inputs.
     pub(super) fn execute_inputs(&mut self, cx: &mut Context<'_>) {
-        let edges = std::mem::take(&mut self.holding.edges);
+        let edges = std::mem::take(&mut self.brake.edges);
         if edges.clears && (!self.alarm.is_none() || self.drive_fails(cx)) {
-            self.holding.clears = true;
+            self.brake.clears = true;
         }
         if edges.interrupts {
             self.stop_simulated_master(cx);
             self.interrupt(cx);
         }
-        if self.state != AxisState::Stopping {
-            self.holding.interrupted = false;
+        if self.status.state() != AxisState::Stopping {
+            self.brake.interrupted = false;
         }
-        self.holding.resumes |= edges.resumes;
-        self.holding.resumes &= self.holding.interrupted && self.alarm.is_none();
+        self.brake.resumes |= edges.resumes;
+        self.brake.resumes &= self.brake.interrupted && self.alarm.is_none();
     }
 
     /// Whether I_BREAK has stopped the axis.
     pub(super) fn is_interrupted(&self) -> bool {
-        self.holding.interrupted
+        self.brake.interrupted
     }
 
     /// Ends the active motion, stops, and locks the axis until it is resumed or reset.
     fn interrupt(&mut self, cx: &mut Context<'_>) {
         // An axis that is already locked remains so: only reset_errors unlocks it.
-        let is_locked = matches!(self.state, AxisState::ErrorStop | AxisState::Stopping);
+        let is_locked = matches!(self.status.state(), AxisState::ErrorStop | AxisState::Stopping);
         let was_on = self.is_on();
         self.stop_and_lock(cx, Code::INTERRUPTED);
         if was_on && !is_locked {
-            self.holding.interrupted = true;
+            self.brake.interrupted = true;
             // As after an error: with ERRCOND 1 and 3 the brake closes once the axis is at rest.
-            self.judge.after_stop = if matches!(self.parameters.error_reaction, 1 | 3) { 3 } else { -1 };
+            self.supervision.after_stop = if matches!(self.parameters.error_reaction, 1 | 3) { 3 } else { -1 };
         }
     }
 }

@@ -108,7 +108,7 @@ impl Axis {
         request: &Move,
         limits: Limits,
     ) -> Result<(), Refusal> {
-        if matches!(self.generator, Generator::Follow(_)) {
+        if matches!(*self.motion.generator(), Generator::Follow(_)) {
             return Err(Refusal::new(Code::NOTHING_TO_WAIT_FOR, self.object()));
         }
         let next = Next { sequence, request: *request, limits };
@@ -124,18 +124,18 @@ impl Axis {
             let (down, up) = self.overlay_ahead();
             self.check_range(end + down, end + up)?;
         }
-        if !self.buffer.push(next) {
+        if !self.pending.buffer_mut().push(next) {
             return Err(Refusal::new(Code::TOO_MANY_WAITING, self.object()));
         }
         self.accepted(cx, sequence);
         // The first waiting goal may change how the active goal ends.
-        if let (Generator::Plan(course), true) = (&self.generator, self.buffer.iter().count() == 1)
+        if let (Generator::Plan(course), true) = (self.motion.generator(), self.pending.buffer().iter().count() == 1)
             && let (Aim::Target(target), limits) = (course.aim, course.limits)
-            && self.goal.is_none_or(|goal| goal.ending.is_none())
+            && self.task.goal().is_none_or(|goal| goal.ending.is_none())
         {
             let course = self.course_to(cx.cycle, self.base(), target, limits);
             if course.pass != 0.0 {
-                self.generator = Generator::Plan(course);
+                self.motion.plan(course);
             }
         }
         Ok(())
@@ -153,13 +153,13 @@ impl Axis {
 
     /// Returns the end of the active goal before rounding. None: it searches, or has no end.
     fn known_end(&self) -> Option<Position> {
-        self.goal.filter(|_| !self.searches()).and_then(|goal| goal.target)
+        self.task.goal().filter(|_| !self.searches()).and_then(|goal| goal.target)
     }
 
     /// Returns the end of each waiting goal.
     pub(super) fn waiting_ends(&self) -> impl Iterator<Item = Option<Position>> {
         let first = self.known_end();
-        self.buffer.iter().scan(first, |before, next| {
+        self.pending.buffer().iter().scan(first, |before, next| {
             *before = self.end_of(next, *before);
             Some(*before)
         })
@@ -167,13 +167,13 @@ impl Axis {
 
     /// Removes a goal from the buffer. The active goal may then need another end.
     pub(super) fn cancel_waiting(&mut self, cx: &mut Context<'_>, sequence: u64) -> bool {
-        let was_first = self.buffer.first().is_some_and(|next| next.sequence == sequence);
-        let removed = self.buffer.remove(sequence);
+        let was_first = self.pending.buffer().first().is_some_and(|next| next.sequence == sequence);
+        let removed = self.pending.buffer_mut().remove(sequence);
         if removed {
-            cx.events.push(Event::done(self.object(), sequence, Code::CANCELLED, self.command.position));
+            cx.events.push(Event::done(self.object(), sequence, Code::CANCELLED, self.command.position()));
         }
         if was_first
-            && let Generator::Plan(course) = self.generator
+            && let Generator::Plan(course) = *self.motion.generator()
             && course.pass != 0.0
         {
             // If the deceleration of the goal would pass a limit now, the largest deceleration or a profile without
@@ -195,7 +195,7 @@ impl Axis {
 
     /// Begins the next goal at `from`, which was `lead` seconds ago, after the end of the goal before.
     pub(super) fn begin_next(&mut self, cx: &mut Context<'_>, from: Motion, lead: f64, before: Option<Position>) {
-        let Some(next) = self.buffer.pop() else { return };
+        let Some(next) = self.pending.buffer_mut().pop() else { return };
         let exact = before.filter(|exact| Position::whole(exact.nearest()) == from.position);
         let target = match next.request.mode {
             MoveMode::Velocity => None,
@@ -218,30 +218,36 @@ impl Axis {
         match result {
             Ok(course) => {
                 let sequence = next.sequence;
-                self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None, before: None });
-                self.judge.rested_at = None;
+                self.task.begin(Goal { sequence, ending: None, target, search: None, track: None, before: None });
+                self.supervision.rested_at = None;
                 let moves_on = matches!(course.aim, Aim::Velocity(_));
                 let state = if moves_on { AxisState::ContinuousMotion } else { AxisState::DiscreteMotion };
                 let generator = Generator::Plan(course.with_lead(lead));
                 self.begin_motion(cx, state, next.request.mode.reference(), generator);
             }
             Err(refusal) => {
-                let event = Event::done(self.object(), next.sequence, refusal.code, self.command.position);
+                let event = Event::done(self.object(), next.sequence, refusal.code, self.command.position());
                 cx.events.push(event.with(refusal.asked, refusal.limit));
-                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
+                self.pending.buffer_mut().end(
+                    cx.events,
+                    self.setup.index,
+                    Code::NOT_REACHED,
+                    self.command.position(),
+                    NO_NUMBERS,
+                );
                 let plan = self.plan_stop(from, &self.parameters.largest_limits());
                 let course = PlannedMotion::new(plan, cx.cycle, Aim::Stop, self.parameters.largest_limits());
-                self.generator = Generator::Plan(course.with_lead(lead));
+                self.motion.plan(course.with_lead(lead));
             }
         }
     }
 
     /// Ends a velocity goal at its velocity if another goal waits.
     pub(super) fn leave_velocity(&mut self, cx: &mut Context<'_>) {
-        if let Generator::Plan(course) = &self.generator
+        if let Generator::Plan(course) = self.motion.generator()
             && let Aim::Velocity(_) = course.aim
-            && self.goal.is_some()
-            && !self.buffer.is_empty()
+            && self.task.goal().is_some()
+            && !self.pending.buffer().is_empty()
             && course.has_ended(cx.cycle)
             && !course.is_held()
         {
@@ -283,13 +289,13 @@ impl Axis {
     /// Returns the velocity with which the active goal passes its target into the next goal; 0 if it has to stop.
     fn passing_velocity(&self, from: Motion, target: Position, limits: &Limits, own: f64) -> f64 {
         // A search has no end to pass. The axis stops at the position that it found.
-        let Some(next) = self.buffer.first().filter(|_| !self.probes()) else { return 0.0 };
+        let Some(next) = self.pending.buffer().first().filter(|_| !self.probes()) else { return 0.0 };
         let at_target = Motion::at_rest(target);
         let cap = self.override_velocity();
         let (after, follower) = match next.request.mode {
             MoveMode::Velocity => (None, next.request.velocity),
             _ => {
-                let exact = self.goal.and_then(|goal| goal.target);
+                let exact = self.task.goal().and_then(|goal| goal.target);
                 let exact = exact.filter(|exact| Position::whole(exact.nearest()) == target);
                 let end = self.target(&next.request, next.limits, at_target, exact);
                 // If the goal before had no end, the end of this goal was unknown when it was accepted. It will be

@@ -21,7 +21,8 @@ impl Axis {
     #[inline]
     pub fn sense_reduced(&mut self, input: Option<&DriveInput>) {
         let Some(input) = input else { return };
-        self.shown.read_effort(self.reported_effort(input.effort));
+        let effort = self.reported_effort(input.effort);
+        self.drive_data.shown_mut().read_effort(effort);
         if !self.read_counts(input) {
             self.require_full_cycle();
         }
@@ -45,10 +46,12 @@ impl Axis {
         if standing.is_some_and(|standing| self.is_standstill_too_long(standing)) {
             return None;
         }
-        if self.has_supervision_report() || !self.is_virtual() && !self.judge.stays_within(error, &self.parameters) {
+        if self.has_supervision_report()
+            || !self.is_virtual() && !self.supervision.stays_within(error, &self.parameters)
+        {
             return None;
         }
-        let next = match &self.generator {
+        let next = match self.motion.generator() {
             Generator::Plan(course) => {
                 let next = course.continued(cycle)?;
                 self.may_continue(next, course.needs_limit_check()).then_some(())?;
@@ -68,17 +71,17 @@ impl Axis {
         if let Some(standing) = standing {
             self.store_standstill(standing);
         }
-        self.is_led = matches!(self.generator, Generator::Follow(_));
-        self.at_limits.note_within();
-        self.command = next;
+        self.status.set_led(matches!(*self.motion.generator(), Generator::Follow(_)));
+        self.travel.at_limits_mut().note_within();
+        self.command.execute(next);
         self.note_direction();
-        self.judge.note_step(cycle, self.actual.change, self.rest_tolerance());
+        self.supervision.note_step(cycle, self.feedback.change(), self.rest_tolerance());
         if !self.is_virtual() {
-            self.judge.following_error = error;
+            self.supervision.following_error = error;
         }
-        self.streamed.pass();
+        self.command.streamed_mut().pass();
         let asked = self.commanded_increment();
-        self.judge.keep(asked);
+        self.supervision.keep(asked);
         self.set_drive_outputs(asked);
         self.show_virtual(Position::ZERO);
         Some(())
@@ -88,10 +91,10 @@ impl Axis {
     #[inline]
     fn follow_reduced(&mut self, lead: Lead, (change, behind): (Position, impl Stepped)) -> Option<Motion> {
         let rule = self.parameters.reversing().rule;
-        let follower = self.generator.follower()?;
-        let following = follower.follow(self.command, (lead, change), &behind, self.cycle_s(), rule)?;
+        let follower = self.motion.follower()?;
+        let following = follower.follow(self.command.motion(), (lead, change), &behind, self.cycle_s(), rule)?;
         self.may_continue(following.motion, true).then_some(())?;
-        self.generator.follower_mut()?.keep(&following, behind);
+        self.motion.follower_mut()?.keep(&following, behind);
         Some(following.motion)
     }
 
@@ -101,10 +104,10 @@ impl Axis {
         // False for NaN.
         let leads_on = next.velocity >= 0.0
             || next.velocity < 0.0
-                && (self.command.velocity < 0.0 || self.parameters.reversing().rule == ReversingRule::Always);
+                && (self.command.velocity() < 0.0 || self.parameters.reversing().rule == ReversingRule::Always);
         leads_on
-            && self.at_limits.is_free()
-            && self.is_inside(self.command.position)
+            && self.travel.at_limits().is_free()
+            && self.is_inside(self.command.position())
             && (!is_watched || self.is_far_from_limits(next))
     }
 

@@ -109,15 +109,15 @@ impl Axis {
 
     /// Ends the goal of a cam at the end of the table, once the slave is there and rests, or continues from there.
     pub(super) fn end_cam(&mut self, cx: &mut Context<'_>) {
-        let Generator::Follow(Coupling { disengage, follower, leader, .. }) = &self.generator else { return };
+        let Generator::Follow(Coupling { disengage, follower, leader, .. }) = self.motion.generator() else { return };
         let Some(cam) = follower.transmission().cam() else { return };
         // A cam started by the selector holds its slave there.
-        if !cam.has_ended(cx.tables) || self.goal.is_none() {
+        if !cam.has_ended(cx.tables) || self.task.goal().is_none() {
             return;
         }
         let limits = self.parameters.default_goal_limits();
         let is_there = follower.phase() == Phase::Synchronized;
-        let is_barred = follower.error(self.command.position) < Position::ZERO && !self.reverses_alone();
+        let is_barred = follower.error(self.command.position()) < Position::ZERO && !self.reverses_alone();
         if *disengage == Disengage::KeepVelocity && is_there {
             let lead = cx.leads.get(*leader);
             let led = if lead.uneven == 0.0 { lead.velocity } else { cam.mean() / self.cycle_s() };
@@ -127,8 +127,8 @@ impl Axis {
             self.end_goal(cx, Code::NONE);
             let course = self.course(cx.cycle, self.base(), Aim::velocity(velocity.clamp(-most, most)), limits);
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
-        } else if self.command.velocity == 0.0 && (is_there || is_barred) {
-            if let Some(goal) = self.goal.as_mut().filter(|_| !is_there) {
+        } else if self.command.velocity() == 0.0 && (is_there || is_barred) {
+            if let Some(goal) = self.task.goal_mut().filter(|_| !is_there) {
                 // It must not move backwards to the end.
                 goal.ending = Some(Code::REVERSE_FORBIDDEN);
             }

@@ -228,7 +228,7 @@ impl Axis {
         let [of_master, of_slave] = seen;
         let (sync, marks) = self.check_parameters_of_cam(path, side.period);
         let (seen, changes, lost) = if path.mode == SyncMode::SlaveMarker {
-            let change = self.actual.change;
+            let change = self.feedback.change();
             let (of_slave, lost) = path.cam.delayed(of_slave, change, &side, now_ns);
             ([of_cam, of_slave], [side.change, change], [0, lost])
         } else {

@@ -28,12 +28,12 @@ impl Axis {
     /// Subtracts from the counts, before those of this cycle are read, the compensation that they contain. Returns the
     /// motion of the load in addition to its counts (inc, in the direction of the encoder).
     pub(super) fn subtract_compensation(&mut self) -> i64 {
-        if self.compensation.is_idle() {
+        if self.loops.compensation().is_idle() {
             return 0;
         }
-        let by = self.compensation.advance_counts().saturating_neg();
+        let by = self.loops.compensation_mut().advance_counts().saturating_neg();
         if by != 0 {
-            self.counter.shift(by);
+            self.feedback.counter_mut().shift(by);
             // The index pulses of a simulated encoder follow the command.
             if !self.is_simulated() {
                 self.shift_pulses(by);
@@ -45,8 +45,8 @@ impl Axis {
     /// Adds a motion of the load to that of its counts (inc, in the direction of the encoder).
     pub(super) fn add_load_motion(&mut self, by: i64) {
         if by != 0 {
-            self.actual.change += Position::whole(self.turn_counts(by));
-            self.actual.velocity += self.convert_direction(by as f64 / self.cycle_s());
+            let change = Position::whole(self.turn_counts(by));
+            self.feedback.add_motion(change, self.convert_direction(by as f64 / self.cycle_s()));
         }
     }
 
@@ -68,61 +68,64 @@ impl Axis {
         let p = self.parameters.compensation;
         let pitch = self.setup.pitch_error.and_then(|place| tables.get(usize::from(place)));
         let is_wanted = p.backlash != 0 || self.setup.pitch_error.is_some();
-        if self.compensation.is_idle() && !is_wanted {
+        if self.loops.compensation().is_idle() && !is_wanted {
             return;
         }
         let is_own = self.is_on() && !self.homing.is_in_drive();
-        let place = self.turn_counts(if is_own { self.commanded_increment() } else { self.actual.position.floor() });
-        if self.compensation.is_idle() {
-            self.compensation.begin_at(place);
+        let place =
+            self.turn_counts(if is_own { self.commanded_increment() } else { self.feedback.position().floor() });
+        if self.loops.compensation().is_idle() {
+            self.loops.compensation_mut().begin_at(place);
         }
-        self.compensation.set_command_position(place, is_own);
+        self.loops.compensation_mut().set_command_position(place, is_own);
         // The motor must not turn against its brake, nor while the brake opens or closes.
-        let is_held = is_own && self.is_braked() || matches!(self.power, Power::Opening { .. } | Power::Closing { .. });
+        let is_held =
+            is_own && self.is_braked() || matches!(self.status.power(), Power::Opening { .. } | Power::Closing { .. });
         // Nothing moves the motor to a new compensation while its position loop is open.
         let is_held = is_held || self.out_an().is_some();
         let target = if self.homing.is_running() || is_held {
-            self.compensation.commanded_compensation()
+            self.loops.compensation().commanded_compensation()
         } else if self.is_referenced() {
             let place = place.saturating_sub(self.turn_counts(self.homing.limit_shift()));
             let turn = self.setup.modulo.map(Modulo::length);
             let within = |modulo: Modulo| modulo.split(Position::whole(place)).1.floor();
             let place = self.setup.modulo.map_or(place, within);
-            let target =
-                pitch.map_or(0, |table| table.pitch_at(place, turn)).saturating_add(self.compensation.gap(p.backlash));
+            let target = pitch
+                .map_or(0, |table| table.pitch_at(place, turn))
+                .saturating_add(self.loops.compensation().gap(p.backlash));
             // The position of an axis without power depends on the compensation: a change of one increment could repeat
             // for ever.
-            let asked = self.compensation.commanded_compensation();
+            let asked = self.loops.compensation().commanded_compensation();
             if !is_own && target.abs_diff(asked) <= 1 { asked } else { target }
         } else {
             0
         };
         let most = p.usual_velocity(self.parameters.max_velocity) * self.cycle_s();
-        self.compensation.step(target, most, is_wanted);
+        self.loops.compensation_mut().step(target, most, is_wanted);
     }
 
     /// Sets c to 0 at a new reference. `way`: direction of the last approach in that of the axis; with 0 the direction
     /// of the last motion counts. `is_own`: whether the axis moved there by its command.
     pub(super) fn compensate_from_zero(&mut self, way: i8, is_own: bool) {
         let way = self.turn_counts(way.into()).signum() as i8;
-        self.compensation.begin_from_zero(way, is_own);
+        self.loops.compensation_mut().begin_from_zero(way, is_own);
     }
 
     /// Whether compensation is complete. Otherwise the motor is still moving to the compensated position.
     pub(super) fn is_compensated(&self) -> bool {
-        self.compensation.is_idle() || self.compensation.is_settled()
+        self.loops.compensation().is_idle() || self.loops.compensation().is_settled()
     }
 
     /// Returns the motion of the motor in this cycle (inc, in the direction of the axis).
     pub(super) fn motor_change(&self) -> Position {
-        if self.compensation.is_idle() {
-            return self.actual.change;
+        if self.loops.compensation().is_idle() {
+            return self.feedback.change();
         }
-        self.actual.change + Position::whole(self.turn_counts(self.compensation.change()))
+        self.feedback.change() + Position::whole(self.turn_counts(self.loops.compensation().change()))
     }
 
     /// Returns the value added to the command of the drive (inc, in the direction of the axis).
     pub(super) fn compensated(&self) -> i64 {
-        self.turn_counts(self.compensation.commanded_compensation())
+        self.turn_counts(self.loops.compensation().commanded_compensation())
     }
 }

@@ -198,7 +198,7 @@ fn apply_step(shift: &mut Option<Shift>, rates: Option<OffsetRates>, most: f64) 
 impl Axis {
     /// Whether the coupling is one to which the parameters of MACS apply.
     fn conditions(&self) -> bool {
-        self.owner == Owner::Native && matches!(self.reference, Reference::Gear | Reference::Cam)
+        self.status.owner() == Owner::Native && matches!(self.status.reference(), Reference::Gear | Reference::Cam)
     }
 
     /// Whether the motion of the master is changed before the gear, or a motion is added to the slave.
@@ -209,11 +209,11 @@ impl Axis {
         let p = &self.parameters;
         let by_position = follower.mode().keeps_position();
         let is_gear = follower.transmission().cam().is_none();
-        self.conditioning.keeps_backward
+        self.coupling.conditioning().keeps_backward
             || by_position && (p.sync.feed_forward != 0 || p.sync.velocity_band != 0)
             || is_gear && p.master_tau(by_position).is_some()
-            || is_gear && by_position && p.sync.offset != self.conditioning.offset
-            || !self.conditioning.is_empty()
+            || is_gear && by_position && p.sync.offset != self.coupling.conditioning().offset
+            || !self.coupling.conditioning().is_empty()
     }
 
     /// Returns the filter settings for the master of a gear. None: no filter.
@@ -231,7 +231,9 @@ impl Axis {
 
     /// Returns the active time constant of the filter of the master (us); 0 without a filter.
     pub(super) fn filter_tau(&self) -> f64 {
-        let (Some(filter), Some(coupling)) = (&self.conditioning.filter, self.coupling()) else { return 0.0 };
+        let (Some(filter), Some(coupling)) = (&self.coupling.conditioning().filter, self.coupling()) else {
+            return 0.0;
+        };
         self.filtering(&coupling.follower).map_or(0.0, |filtering| filter.tau(&filtering))
     }
 
@@ -249,7 +251,7 @@ impl Axis {
         let filtering = self.filtering(follower);
         let tau = filtering.map(|filtering| filtering.tau);
         let fastest = follower.catch_up_velocity() * cycle_s;
-        let state = &mut self.conditioning;
+        let state = self.coupling.conditioning_mut();
 
         let mut next = lead;
         if state.keeps_backward {
@@ -283,7 +285,7 @@ impl Axis {
         let of_master = if slope == 0.0 { f64::INFINITY } else { most / slope.abs() };
         let most_of_marks = if mode == SyncMode::MasterMarker { of_master } else { most };
         let marks = self.step_marks(cx, (lead, passed_on), tau, most_of_marks).unwrap_or_default();
-        let state = &mut self.conditioning;
+        let state = self.coupling.conditioning_mut();
         if marks.holds {
             // The master counts from there on.
             state.backward = Position::ZERO;
@@ -313,52 +315,52 @@ impl Axis {
     /// Makes up for prevented backward motion of the slave at `position` within syncofftime, if that is set.
     pub(super) fn schedule_make_up(&mut self, position: Position) {
         let (conditions, cycle_s) = (self.conditions(), self.cycle_s());
-        let Some(follower) = self.generator.follower_mut() else { return };
+        let Some(follower) = self.motion.follower_mut() else { return };
         let is_barred = follower.is_reverse_prevented() && follower.mode().keeps_position();
-        let silent = &mut self.conditioning.silent;
+        let silent = &mut self.coupling.conditioning_mut().silent;
         *silent = if is_barred { SILENCE } else { silent.saturating_sub(1) };
         if !is_barred || !conditions {
             return;
         }
         let is_gear = follower.transmission().cam().is_none();
-        let rates = self.conditioning.rates(&self.parameters.sync, is_gear);
+        let rates = self.coupling.conditioning().rates(&self.parameters.sync, is_gear);
         let Some(OffsetRates { velocity, acceleration }) = rates else { return };
         // Marks of a slave are in its own increments.
         let is_own = follower.mode() == SyncMode::SlaveMarker;
         let slope = if is_own { 1.0 } else { follower.transmission().slope() };
         let rates = OffsetRates { velocity: velocity * slope, acceleration: acceleration * slope };
         let lacked = follower.settle(position);
-        let late = &mut self.conditioning.late;
+        let state = self.coupling.conditioning_mut();
         // The part of this cycle that was prevented has not been moved: the trapezoid begins at the actual speed of the
         // slave.
-        let before = late.map(|late| late.limited_to(late.speed() - lacked.to_f64()));
+        let before = state.late.map(|late| late.limited_to(late.speed() - lacked.to_f64()));
         let whole = before.map_or(Position::ZERO, |late| late.left()) + lacked;
         // Nothing is left to make up for.
-        *late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, before.as_ref()));
-        self.conditioning.late_slope = slope;
-        self.conditioning.by_rule = late.is_some();
+        state.late = (whole != Position::ZERO).then(|| shift(whole, rates, cycle_s, before.as_ref()));
+        state.late_slope = slope;
+        state.by_rule = state.late.is_some();
     }
 
     /// Whether prevented backward motion was reported recently.
     pub(super) fn was_reverse_prevented(&self) -> bool {
-        self.conditioning.silent > 0
+        self.coupling.conditioning().silent > 0
     }
 
     /// Whether the slave makes up for prevented backward motion.
     pub(super) fn is_late(&self) -> bool {
-        self.conditioning.by_rule
+        self.coupling.conditioning().by_rule
     }
 
     /// Returns the distance that the slave lacks in addition to the error of its follower.
     pub(super) fn missing_distance(&self) -> Position {
-        if self.conditioning.is_empty() {
+        if self.coupling.conditioning().is_empty() {
             return Position::ZERO;
         }
         let slope = self.coupling().map_or(0.0, |coupling| coupling.follower.transmission().signed_slope());
-        let late = self.conditioning.late.map_or(Position::ZERO, |late| late.left());
-        let owed = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.lag_distance());
-        let spread = self.conditioning.marks.map_or(Position::ZERO, |marks| marks.remaining_corrections());
-        let of_master = self.conditioning.marks.is_some_and(|marks| marks.mode == SyncMode::MasterMarker);
+        let late = self.coupling.conditioning().late.map_or(Position::ZERO, |late| late.left());
+        let owed = self.coupling.conditioning().filter.map_or(Position::ZERO, |filter| filter.lag_distance());
+        let spread = self.coupling.conditioning().marks.map_or(Position::ZERO, |marks| marks.remaining_corrections());
+        let of_master = self.coupling.conditioning().marks.is_some_and(|marks| marks.mode == SyncMode::MasterMarker);
         let spread = if of_master { Position::from_f64(spread.to_f64() * slope) } else { spread };
         Position::from_f64(owed.to_f64() * slope) + late + spread
     }
@@ -366,40 +368,40 @@ impl Axis {
     /// Returns the commanded distance that the slave has not moved yet, without distances spread for marks.
     pub(super) fn pending_distance(&self) -> Position {
         let Some(follower) = self.coupling().map(|coupling| &coupling.follower) else { return Position::ZERO };
-        let Conditioning { late, shift, .. } = &self.conditioning;
+        let Conditioning { late, shift, .. } = self.coupling.conditioning();
         let late = late.map_or(Position::ZERO, |late| late.left());
         let shift = shift.map_or(0.0, |shift| shift.left().to_f64() * follower.transmission().signed_slope());
-        follower.error(self.command.position) + late + Position::from_f64(shift)
+        follower.error(self.command.position()) + late + Position::from_f64(shift)
     }
 
     /// Returns the stored backward motion of the master, and the lag of its filter (inc of the master).
     pub(super) fn stored_of_master(&self) -> (Position, Position) {
-        let lacked = self.conditioning.filter.map_or(Position::ZERO, |filter| filter.error());
-        (self.conditioning.backward, lacked)
+        let lacked = self.coupling.conditioning().filter.map_or(Position::ZERO, |filter| filter.error());
+        (self.coupling.conditioning().backward, lacked)
     }
 
     /// Begins for a coupling to that lead.
     pub(super) fn begin_conditioning(&mut self, mode: SyncMode, lead: Lead) {
         let velocity = lead.velocity * self.cycle_s();
         let marks = mode.has_marks().then(|| MarkPath::new(mode, &self.parameters.marks, velocity));
-        self.conditioning = Conditioning::begin(&self.parameters.sync, marks);
+        *self.coupling.conditioning_mut() = Conditioning::begin(&self.parameters.sync, marks);
     }
 
     /// Continues with another gear of the same leader.
     pub(super) fn continue_conditioning(&mut self) {
-        self.conditioning.keeps_backward = self.parameters.sync.keeps_backward();
+        self.coupling.conditioning_mut().keeps_backward = self.parameters.sync.keeps_backward();
     }
 
     /// Treats the offset as already moved: a pair of positions includes it, and a later offset shifts the slave by the
     /// difference.
     pub(super) fn treat_offset_as_moved(&mut self) {
-        self.conditioning.offset = self.parameters.sync.offset;
+        self.coupling.conditioning_mut().offset = self.parameters.sync.offset;
     }
 
     /// Clears the state when the coupling has ended.
     pub(super) fn settle_conditioning(&mut self) {
-        if (self.coupling().is_none() || !self.conditions()) && !self.conditioning.is_empty() {
-            self.conditioning = Conditioning::default();
+        if (self.coupling().is_none() || !self.conditions()) && !self.coupling.conditioning().is_empty() {
+            *self.coupling.conditioning_mut() = Conditioning::default();
         }
     }
 }

@@ -26,7 +26,7 @@ impl Axis {
     /// Returns the coupling to a leader, if there is one.
     #[inline]
     pub(super) fn coupling(&self) -> Option<&Coupling> {
-        match &self.generator {
+        match self.motion.generator() {
             Generator::Follow(coupling) => Some(coupling),
             _ => None,
         }
@@ -58,7 +58,7 @@ impl Axis {
         let led = self.leading_distance(request.mode);
         // With the same leader the filter continues with the distance that it holds.
         let by_gear = request.mode == SyncMode::Position && request.cam.is_none();
-        let filter = self.follows_by_position(leader).filter(|_| by_gear).and(self.conditioning.filter());
+        let filter = self.follows_by_position(leader).filter(|_| by_gear).and(self.coupling.conditioning().filter());
         let begins = match &request.cam {
             Some(cam) => {
                 let start = cam.start;
@@ -74,7 +74,7 @@ impl Axis {
         let coupling = self.coupling_by(leader, request, follower);
         self.begin_goal(cx, sequence, None);
         self.begin_conditioning(request.mode, lead);
-        self.conditioning.continue_filter(filter);
+        self.coupling.conditioning_mut().continue_filter(filter);
         let reference = if request.cam.is_some() { Reference::Cam } else { Reference::Gear };
         self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
         Ok(())
@@ -171,7 +171,7 @@ impl Axis {
     pub(super) fn follow(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
         let (slave, cycle_s, reserve) = (self.underlying(), self.cycle_s(), self.reserve());
         let rule = self.parameters.reversing().rule;
-        let Generator::Follow(Coupling { leader, .. }) = &self.generator else { return None };
+        let Generator::Follow(Coupling { leader, .. }) = self.motion.generator() else { return None };
         let lead = cx.leads.get(*leader);
         let bound = Position::whole(Gear::MAX_CHANGE);
         if !lead.valid || lead.change > bound || lead.change < -bound {
@@ -191,16 +191,16 @@ impl Axis {
         let change = lead.change + shift;
         if change.raw().abs() > 2 * bound.raw() {
             let change = Number::Position(change.floor());
-            self.report_phase(cx, ended, self.command.position);
+            self.report_phase(cx, ended, self.command.position());
             self.raise(cx, Failure::of(Code::ENCODER_JUMP).with(change, Number::None).before_motion());
             return None;
         }
         let lead = Lead { change, ..lead };
-        let Generator::Follow(Coupling { follower, .. }) = &mut self.generator else { return None };
+        let follower = self.motion.coupled_mut()?;
         if follower.transmission().cam().is_some_and(|cam| !cam.allows_change(change, cx.tables)) {
             let most = follower.transmission().cam().map_or(0, |cam| cam.largest_change(cx.tables) as i64);
             let numbers = (Number::Count(change.floor().saturating_abs()), Number::Count(most));
-            self.report_phase(cx, ended, self.command.position);
+            self.report_phase(cx, ended, self.command.position());
             self.raise(cx, Failure::of(Code::CAM_MASTER_TOO_FAST).with(numbers.0, numbers.1).before_motion());
             return None;
         }
@@ -221,7 +221,7 @@ impl Axis {
 
     /// Returns the velocity with which the axis continues after the coupling.
     pub(super) fn steady_velocity(&self) -> f64 {
-        let present = self.command.velocity;
+        let present = self.command.velocity();
         self.coupling().map_or(present, |coupling| coupling.follower.steady_velocity(present, self.cycle_s()))
     }
 }

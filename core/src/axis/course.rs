@@ -210,10 +210,10 @@ impl Axis {
 
     /// Returns the end of the active motion. None: no end or no motion.
     pub(super) fn course_end(&self) -> Option<Position> {
-        if let Some(goal) = self.goal.as_ref().filter(|goal| goal.track.is_some()) {
+        if let Some(goal) = self.task.goal().as_ref().filter(|goal| goal.track.is_some()) {
             return goal.target;
         }
-        let super::Generator::Plan(course) = &self.generator else { return None };
+        let super::Generator::Plan(course) = self.motion.generator() else { return None };
         match course.aim {
             Aim::Target(target) => Some(target),
             Aim::Stop => Some(course.end()),
@@ -225,10 +225,10 @@ impl Axis {
     pub(super) fn follow_override(&mut self, cx: &mut Context<'_>) {
         let share = self.parameters.velocity_override;
         self.override_overlay(cx.cycle);
-        if self.override_seen == share {
+        if self.observed.override_seen() == share {
             return;
         }
-        if let super::Generator::Plan(course) = self.generator
+        if let super::Generator::Plan(course) = *self.motion.generator()
             && course.aim != Aim::Stop
         {
             let mut next = self.course_for(cx.cycle, course.aim, course.limits);
@@ -241,7 +241,7 @@ impl Axis {
             // An S-ramp first reduces its acceleration to 0, and so might pass the target. Then the old plan, which
             // already slows down, is kept, and the change is tried again in the next cycle. The same applies to a goal
             // that passes its target into the next goal without enough distance to slow down before.
-            let (now, here) = (self.base(), self.command.position);
+            let (now, here) = (self.base(), self.command.position());
             let brakes = now.velocity * now.acceleration < 0.0 && now.velocity.abs() <= self.override_velocity();
             let keeps = course.pass != 0.0 || brakes && course.end_velocity() == 0.0;
             let turns = keeps && course.passes_further(&next, here);
@@ -251,14 +251,14 @@ impl Axis {
             if turns || !fits || self.check_course(&next, now, course.limits).is_err() {
                 return;
             }
-            self.generator = super::Generator::Plan(next);
+            self.motion.plan(next);
         }
-        self.override_seen = share;
+        self.observed.see_override(share);
     }
 
     /// Plans the active motion again from the present motion.
     pub(super) fn replan(&mut self, cx: &mut Context<'_>, aim: Aim, limits: Limits) {
-        self.generator = super::Generator::Plan(self.course_for(cx.cycle, aim, limits));
+        self.motion.plan(self.course_for(cx.cycle, aim, limits));
     }
 
     fn course_for(&self, cycle: u64, aim: Aim, limits: Limits) -> PlannedMotion {

@@ -49,7 +49,7 @@ impl Axis {
 
     /// Returns the outputs that give the sign of the reference: number and level (MACS-DIR-08, MACS-DIR-09).
     pub fn sign_outputs(&self) -> [Option<(u8, bool)>; 2] {
-        let backwards = self.is_backwards;
+        let backwards = self.status.is_backwards();
         match self.parameters.reversing().polarity {
             Polarity::Bipolar => [None, None],
             Polarity::Direction(output) => [Some((output, backwards)), None],
@@ -96,7 +96,7 @@ impl Axis {
     /// Returns the whole increment for the drive in this cycle, in the direction of the axis.
     #[inline]
     pub(super) fn commanded_increment(&self) -> i64 {
-        self.commanded_increment_at(self.command.position)
+        self.commanded_increment_at(self.command.position())
     }
 
     /// Returns the rest of an axis that stops at `position`: at the increment that the drive already has.
@@ -133,13 +133,13 @@ impl Axis {
 
     /// Mirrors all stored positions of the axis, which is off and stays where it is.
     fn mirror(&mut self) {
-        self.command = Motion::at_rest(-self.command.position);
-        self.actual.position = -self.actual.position;
-        self.last_direction = 0.0 - self.last_direction;
-        self.index.1 = -self.index.1;
+        self.command.rest_at(-self.command.position());
+        self.feedback.mirror();
+        self.travel.mirror();
+        self.observed.mirror();
         self.homing.turn_over();
-        self.touch_probes.note_new_coordinate();
-        self.judge.fill(self.command.position.floor());
+        self.pending.touch_probes_mut().note_new_coordinate();
+        self.supervision.fill(self.command.position().floor());
         self.vocabularies.notice(Notice::Turned);
     }
 
@@ -238,25 +238,31 @@ impl Axis {
     /// instead of turning back, and continues from there if its target is ahead.
     pub(super) fn forward(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
         // An axis that moves backward with its master may still slow down.
-        if next.velocity >= 0.0 || self.command.velocity < 0.0 || self.may_reverse() {
+        if next.velocity >= 0.0 || self.command.velocity() < 0.0 || self.may_reverse() {
             return next;
         }
-        let here = self.resting(self.command.position);
-        if let Generator::Plan(course) = self.generator {
+        let here = self.resting(self.command.position());
+        if let Generator::Plan(course) = *self.motion.generator() {
             let goes_on = match course.aim {
                 Aim::Target(target) => target >= here.position,
                 Aim::Velocity(velocity) => velocity > 0.0,
                 Aim::Stop => false,
             };
             if goes_on {
-                self.generator = Generator::Plan(self.course(cx.cycle, here, course.aim, course.limits));
+                self.motion.plan(self.course(cx.cycle, here, course.aim, course.limits));
             } else {
                 // Homing ends with the reference that it has found, wherever the axis stops.
                 if course.aim != Aim::Stop && !self.homing.is_running() {
                     self.end_goal(cx, Code::REVERSE_FORBIDDEN);
-                    self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, here.position, NO_NUMBERS);
+                    self.pending.buffer_mut().end(
+                        cx.events,
+                        self.setup.index,
+                        Code::NOT_REACHED,
+                        here.position,
+                        NO_NUMBERS,
+                    );
                 }
-                self.generator = Generator::Rest;
+                self.motion.rest();
             }
         }
         here

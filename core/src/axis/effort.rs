@@ -73,14 +73,14 @@ impl Axis {
     /// `asked` of the position loop. With `is_done` no loop advances.
     pub(super) fn close_effort(&mut self, asked: f64, is_done: bool) -> f64 {
         if !self.has_loops() {
-            self.effort_loops.clear();
+            self.loops.effort_mut().clear();
             return 0.0;
         }
         let (full, _) = self.full_reference();
         let (full, moved) = (self.full_of_loop(full), self.velocity_change());
         let (most, has_current_loop) = (self.most_output(), self.closes_current_loop());
-        let told = self.shown.effort();
-        let (p, stage, loops) = (&self.parameters.amplifier, &self.parameters.power_stage, &mut self.effort_loops);
+        let told = self.drive_data.shown().effort();
+        let (p, stage, loops) = (&self.parameters.amplifier, &self.parameters.power_stage, self.loops.effort_mut());
         if is_done {
             return loops.output * p.max_effort.unwrap_or_default();
         }
@@ -90,7 +90,7 @@ impl Axis {
             loops.estimator = p.estimator(self.setup.cycle_ns).ok();
         }
         let velocity = loops.estimator.as_mut().map_or(0.0, |estimator| estimator.step(loops.way));
-        let passes_by = self.generator.asks_effort();
+        let passes_by = self.motion.generator().asks_effort();
         let output = if passes_by {
             loops.velocity = VelocityLoop::default();
             asked
@@ -116,14 +116,14 @@ impl Axis {
     fn closes_current_loop(&self) -> bool {
         self.setup.interface == Interface::Voltage
             && self.parameters.amplifier.has_current_loop()
-            && !self.generator.asks_effort()
+            && !self.motion.generator().asks_effort()
     }
 
     /// Returns the largest input of the drive, or of the current loop here, as a fraction of its full value, 0 to 1.
     fn most_output(&self) -> f64 {
         let p = &self.parameters;
         match self.setup.interface {
-            Interface::Voltage if self.generator.asks_effort() => 1.0,
+            Interface::Voltage if self.motion.generator().asks_effort() => 1.0,
             Interface::Voltage => p.power_stage.most(&p.amplifier),
             _ => p.amplifier.max_output(),
         }
@@ -131,7 +131,7 @@ impl Axis {
 
     /// Whether that part of the largest effort, or of the largest current, is commanded.
     pub(super) fn is_at_largest_effort(&self, part: f64) -> bool {
-        let (loops, p) = (&self.effort_loops, &self.parameters);
+        let (loops, p) = (self.loops.effort(), &self.parameters);
         if !self.closes_current_loop() {
             let most = self.most_output();
             return most > 0.0 && loops.output.abs() >= part * most;
@@ -142,7 +142,7 @@ impl Axis {
 
     /// Returns the setpoint of the current loop (mA); 0 without one.
     pub(super) fn current_setpoint(&self) -> f64 {
-        self.effort_loops.current.setpoint() * 1000.0
+        self.loops.effort().current.setpoint() * 1000.0
     }
 
     /// Converts the effort that the drive reports to the direction in which it is commanded.
@@ -154,18 +154,18 @@ impl Axis {
     /// Returns the velocity in the velocity loop (inc/s of the axis, converted if the loop has an encoder of its own);
     /// 0 without one.
     pub(super) fn estimated_velocity(&self) -> f64 {
-        let velocity = self.effort_loops.estimator.map_or(0.0, |estimator| estimator.velocity());
+        let velocity = self.loops.effort().estimator.map_or(0.0, |estimator| estimator.velocity());
         if self.has_velocity_encoder() { velocity * self.per_velocity_encoder() } else { velocity }
     }
 
     /// Returns the commanded effort as a fraction of the full one, -1 to 1.
     pub(super) fn effort_output(&self) -> f64 {
-        self.effort_loops.output
+        self.loops.effort().output
     }
 
     /// Returns AMP_GETCUR (mA) and AMP_I2TVALUE (A^2/1000).
     pub(super) fn shown_current(&self) -> (f64, f64) {
-        (self.effort_loops.heat.current(), self.effort_loops.heat.value())
+        (self.loops.effort().heat.current(), self.loops.effort().heat.value())
     }
 
     /// Whether the current has to be supervised at rest, too.
@@ -178,11 +178,11 @@ impl Axis {
         if !self.watches_current() {
             return;
         }
-        let (p, loops) = (&self.parameters.amplifier, &mut self.effort_loops);
+        let (p, loops) = (&self.parameters.amplifier, self.loops.effort_mut());
         let settings = p.i2t_settings(self.setup.cycle_ns);
         let watch = loops.watch.filter(|watch| watch.settings() == settings).unwrap_or_else(|| I2t::new(settings));
         loops.watch = Some(watch);
-        let current = self.shown.effort() / p.torque_constant * 1000.0;
+        let current = self.drive_data.shown().effort() / p.torque_constant * 1000.0;
         let heat = loops.heat.step(&watch, current);
         let (value, limit) = (Number::Real(loops.heat.value()), Number::Real(f64::from(settings.limit)));
         let was_told = loops.is_told;
@@ -194,7 +194,7 @@ impl Axis {
             }
             Heat::Warning if !was_told => {
                 let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::I2T_NEAR);
-                cx.events.push(Event { position: self.actual.position, ..event.with(value, limit) });
+                cx.events.push(Event { position: self.feedback.position(), ..event.with(value, limit) });
             }
             _ => {}
         }

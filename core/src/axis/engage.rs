@@ -25,7 +25,7 @@ use crate::object::Leader;
 use crate::position::Position;
 use crate::sync::cam::Cam;
 use crate::sync::follower::Follower;
-use crate::sync::{CamStart, Disengage, SyncMode, Transmission};
+use crate::sync::{CamStart, SyncMode, Transmission};
 use crate::table::Table;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -100,7 +100,7 @@ enum Due {
 impl Axis {
     /// Returns the leader that the axis will follow once it has engaged.
     pub fn engaging_leader(&self) -> Option<Leader> {
-        self.engagement.map(|engagement| engagement.leader)
+        self.coupling.engagement().map(|engagement| engagement.leader)
     }
 
     /// Lets a coupling wait to engage.
@@ -133,7 +133,7 @@ impl Axis {
             self.check_pair(pair, &request, lead)?;
         }
         self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
-        self.engagement = Some(engagement);
+        self.coupling.set_engagement(Some(engagement));
         // A cam that takes over at the end needs no rest there.
         self.rest_at_end(request.engage != Engage::AtEnd);
         self.accepted(cx, sequence);
@@ -161,28 +161,26 @@ impl Axis {
 
     /// Sets whether the slave of the active cam rests at its end.
     fn rest_at_end(&mut self, rests: bool) {
-        if let Generator::Follow(Coupling { disengage, follower, .. }) = &mut self.generator {
-            follower.rest_at_end(rests && *disengage == Disengage::Stop);
-        }
+        self.motion.rest_at_end(rests);
     }
 
     /// Returns the number of the command that waits to engage; 0 for none.
     pub(super) fn engaging(&self) -> u64 {
-        self.engagement.map_or(0, |engagement| engagement.sequence)
+        self.coupling.engagement().map_or(0, |engagement| engagement.sequence)
     }
 
     /// Ends the wait.
     pub(super) fn end_engagement(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
-        if let Some(engagement) = self.engagement.take() {
+        if let Some(engagement) = self.coupling.take_engagement() {
             self.rest_at_end(true);
-            let done = Event::done(self.object(), engagement.sequence, code, self.command.position);
+            let done = Event::done(self.object(), engagement.sequence, code, self.command.position());
             cx.events.push(done.with(numbers.0, numbers.1));
         }
     }
 
     /// Engages the waiting coupling if its event occurs in this cycle.
     pub(super) fn engage(&mut self, cx: &mut Context<'_>) {
-        let Some(engagement) = self.engagement else { return };
+        let Some(engagement) = *self.coupling.engagement() else { return };
         let lead = cx.leads.get(engagement.leader);
         if !lead.valid {
             return self.end_engagement(cx, Code::LEADER_LOST, NO_NUMBERS);
@@ -194,14 +192,14 @@ impl Axis {
         let moment = match self.moment_of(cx, &engagement, lead) {
             Ok(Some(moment)) => moment,
             Ok(None) => {
-                self.engagement = Some(Engagement { seen: lead.position, ..engagement });
+                self.coupling.set_engagement(Some(Engagement { seen: lead.position, ..engagement }));
                 return;
             }
             Err(refusal) => return self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
         };
         match self.engaged(cx.tables, (&engagement, lead), moment) {
             Ok(coupling) => {
-                self.engagement = None;
+                self.coupling.set_engagement(None);
                 if matches!(moment, Due::End) {
                     // The goal of its cam has reached its end.
                     self.end_goal(cx, Code::NONE);
@@ -210,7 +208,8 @@ impl Axis {
                 // slave.
                 let is_same = self.follows_by_position(engagement.leader).is_some();
                 let goes_on = is_same && Pair::of(engagement.request.engage).is_none();
-                let shifts = if goes_on { (self.overlay.take(), self.phasing.take()) } else { (None, None) };
+                let shifts =
+                    if goes_on { (self.coupling.take_overlay(), self.coupling.take_phasing()) } else { (None, None) };
                 self.take_over(cx, engagement.sequence, None);
                 if goes_on && engagement.request.cam.is_none() {
                     self.continue_conditioning();
@@ -220,7 +219,8 @@ impl Axis {
                 if Pair::of(engagement.request.engage).is_some() {
                     self.treat_offset_as_moved();
                 }
-                (self.overlay, self.phasing) = shifts;
+                self.coupling.set_overlay(shifts.0);
+                self.coupling.set_phasing(shifts.1);
                 let reference = if engagement.request.cam.is_some() { Reference::Cam } else { Reference::Gear };
                 self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
             }
@@ -231,8 +231,8 @@ impl Axis {
     /// Advances a coupling that waits for a smooth start by marks.
     fn engage_smoothly(&mut self, cx: &mut Context<'_>, engagement: &Engagement, lead: Lead) {
         match self.start_smoothly(cx, engagement, lead) {
-            Ok(None) => self.engagement = None,
-            Ok(smooth) => self.engagement = Some(Engagement { smooth, ..*engagement }),
+            Ok(None) => self.coupling.set_engagement(None),
+            Ok(smooth) => self.coupling.set_engagement(Some(Engagement { smooth, ..*engagement })),
             Err(refusal) => self.end_engagement(cx, refusal.code, (refusal.asked, refusal.limit)),
         }
     }

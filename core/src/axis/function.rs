@@ -42,7 +42,7 @@ impl MovedBy {
 impl Axis {
     /// Whether the sink of a function commands the axis.
     pub fn is_led_by_function(&self) -> bool {
-        self.reference == Reference::Function
+        self.status.reference() == Reference::Function
     }
 
     /// Checks whether a function with this axis as sink may start. An axis that is off follows once it is on.
@@ -51,7 +51,7 @@ impl Axis {
     /// The reason why not.
     pub fn check_function(&self) -> Result<(), Refusal> {
         self.check_closed_loop()?;
-        match self.state {
+        match self.status.state() {
             AxisState::Disabled => self.check_settled(),
             _ => self.check_free(),
         }
@@ -63,24 +63,25 @@ impl Axis {
         if let Err(refusal) = self.check_function() {
             return self.warn_of(cx, refusal);
         }
-        if self.state == AxisState::Disabled {
-            (self.function, self.reference) = (Some(by), Reference::Function);
+        if self.status.state() == AxisState::Disabled {
+            self.task.follow(by);
+            self.status.refer_to(Reference::Function);
             return;
         }
         self.end_all_motion(cx, Code::REPLACED);
         self.homing.forget_end();
-        self.judge.rested_at = None;
-        self.function = Some(by);
+        self.supervision.rested_at = None;
+        self.task.follow(by);
         self.begin_function(cx, by);
     }
 
     /// The function is back in RESET: the axis stops following its sink.
     pub fn stop_following_function(&mut self, cx: &mut Context<'_>, sink: Leader) {
-        if self.function.take_if(|by| by.sink == sink).is_none() || self.reference != Reference::Function {
+        if !self.task.leave_sink(sink) || self.status.reference() != Reference::Function {
             return;
         }
-        if matches!(self.state, AxisState::Disabled | AxisState::Standstill) {
-            self.reference = Reference::Stop;
+        if matches!(self.status.state(), AxisState::Disabled | AxisState::Standstill) {
+            self.status.end_reference();
         } else {
             self.brake_to_rest(cx, &self.parameters.default_goal_limits());
         }
@@ -100,7 +101,7 @@ impl Axis {
 
     /// Returns the reason why no goal of a function can move the axis: its error, if it has one.
     fn goal_failure(&self) -> Option<Code> {
-        match self.state {
+        match self.status.state() {
             _ if !self.error().is_none() => Some(self.error()),
             AxisState::Disabled => Some(Code::NOT_ENABLED),
             _ => None,
@@ -109,33 +110,36 @@ impl Axis {
 
     /// Returns the reason why the function of that sink no longer moves the axis.
     pub fn function_failure(&self, sink: Leader) -> Option<Code> {
-        let is_moved = self.reference == Reference::Function && self.function.is_some_and(|by| by.sink == sink);
+        let is_moved =
+            self.status.reference() == Reference::Function && self.task.function().is_some_and(|by| by.sink == sink);
         self.goal_failure().or((!is_moved).then_some(Code::FUNCTION_LEFT))
     }
 
     /// Returns the distance from the index pulse of this cycle to the command, if the encoder had one.
     pub fn distance_from_index_to_command(&self) -> Option<Position> {
-        Some(self.command.position - self.index_of_cycle()?)
+        Some(self.command.position() - self.index_of_cycle()?)
     }
 
     /// Ends a function that cannot continue: the axis gets the error and is no longer moved by the function.
     pub fn fail_function(&mut self, cx: &mut Context<'_>, sink: Leader, code: Code, limit: Number) {
-        if self.function.take_if(|by| by.sink == sink).is_some() && self.reference == Reference::Function {
+        if self.task.leave_sink(sink) && self.status.reference() == Reference::Function {
             self.raise(cx, Failure::of(code).with(Number::None, limit));
         }
     }
 
     /// Follows again once the axis is on, and follows a speed when it changes.
     pub(super) fn follow_function(&mut self, cx: &mut Context<'_>) {
-        let Some(by) = self.function else { return };
-        if self.state == AxisState::Disabled {
-            self.reference = Reference::Function;
+        let Some(by) = self.task.function() else { return };
+        if self.status.state() == AxisState::Disabled {
+            self.status.refer_to(Reference::Function);
         }
-        let rests = self.state == AxisState::Standstill && self.power == Power::On && self.goal.is_none();
+        let rests = self.status.state() == AxisState::Standstill
+            && self.status.power() == Power::On
+            && self.task.goal().is_none();
         if rests && self.check_free().is_ok() {
             self.begin_function(cx, by);
-        } else if self.reference == Reference::Function
-            && let (Some(speed), Generator::Plan(course)) = (by.speed, &self.generator)
+        } else if self.status.reference() == Reference::Function
+            && let (Some(speed), Generator::Plan(course)) = (by.speed, self.motion.generator())
             && course.aim != Aim::velocity(asked(cx, by.sink, speed))
         {
             self.run_at(cx, by.sink, speed);
@@ -143,11 +147,11 @@ impl Axis {
     }
 
     fn begin_function(&mut self, cx: &mut Context<'_>, by: MovedBy) {
-        self.owner = Owner::Native;
+        self.status.set_owner(Owner::Native);
         if let Some(speed) = by.speed {
-            if self.state == AxisState::Standstill && asked(cx, by.sink, speed) == 0.0 {
+            if self.status.state() == AxisState::Standstill && asked(cx, by.sink, speed) == 0.0 {
                 // The axis rests, as commanded, until the speed changes.
-                self.reference = Reference::Function;
+                self.status.refer_to(Reference::Function);
                 return;
             }
             return self.run_at(cx, by.sink, speed);
@@ -189,7 +193,7 @@ impl Axis {
     pub(super) fn check_sink(&self, change: Position, uneven: f64) -> Result<(), Failure> {
         let velocity = change.to_f64() / self.cycle_s();
         let most = self.parameters.max_velocity;
-        if self.reference != Reference::Function || velocity.abs() <= most + uneven / self.cycle_s() {
+        if self.status.reference() != Reference::Function || velocity.abs() <= most + uneven / self.cycle_s() {
             return Ok(());
         }
         Err(Failure::of(Code::FUNCTION_TOO_FAST).with(Number::Velocity(velocity), Number::Velocity(most)))

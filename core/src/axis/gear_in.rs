@@ -49,10 +49,14 @@ impl Axis {
         self.passed_start(pair, lead)?;
         // One change of a counted leader does not give its speed.
         let is_even = lead.uneven == 0.0;
-        if pair.distance == 0 || !is_even || !pair.is_ahead(lead) || !matches!(self.generator, Generator::Rest) {
+        if pair.distance == 0
+            || !is_even
+            || !pair.is_ahead(lead)
+            || !matches!(*self.motion.generator(), Generator::Rest)
+        {
             return Ok(());
         }
-        let from = Begin { place: self.command.position, slope: 0.0, bend: 0.0 };
+        let from = Begin { place: self.command.position(), slope: 0.0, bend: 0.0 };
         let (ratio, bounds) = (self.ratio_of(request)?, self.bounds_of(request)?);
         self.approach(pair, CurveData { ratio, speed: lead.change.to_f64(), from, bounds }).map(|_| ())
     }

@@ -6,7 +6,6 @@
 use super::course::PlannedMotion;
 use crate::command::Level;
 use crate::object::Leader;
-use crate::position::Position;
 use crate::sync::Disengage;
 use crate::sync::follower::Follower;
 use serde::{Deserialize, Serialize};
@@ -42,17 +41,6 @@ impl Generator {
         }
     }
 
-    /// Shifts the positions of the motion with the coordinate; the axis does not move. A cam and a trajectory are not
-    /// shifted, because the coordinate does not change while they are active.
-    pub(super) fn shift(&mut self, by: Position) {
-        match self {
-            Generator::Plan(course) => course.shift(by),
-            Generator::Follow(Coupling { follower, .. }) => follower.shift(by),
-            Generator::Rest | Generator::Track(_) | Generator::Open { .. } => {}
-            Generator::OutAn { .. } | Generator::Coast { .. } => {}
-        }
-    }
-
     /// Whether OUTAN commands an effort, without the velocity loop.
     pub(super) fn asks_effort(&self) -> bool {
         matches!(self, Generator::OutAn { level: Level::Effort, .. })
@@ -63,15 +51,6 @@ impl Generator {
     pub(super) fn follower(&self) -> Option<&Follower> {
         match self {
             Generator::Follow(coupling) => Some(&coupling.follower),
-            Generator::Track(follower) => Some(follower),
-            _ => None,
-        }
-    }
-
-    /// As [`follower`](Self::follower), mutable.
-    pub(super) fn follower_mut(&mut self) -> Option<&mut Follower> {
-        match self {
-            Generator::Follow(coupling) => Some(&mut coupling.follower),
             Generator::Track(follower) => Some(follower),
             _ => None,
         }

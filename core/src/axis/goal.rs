@@ -47,16 +47,16 @@ impl Axis {
     }
 
     fn end_goal_with(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
-        if let Some(goal) = self.goal.take() {
+        if let Some(goal) = self.task.take_goal() {
             let taken_over =
                 matches!(code, Code::REPLACED | Code::HALTED | Code::QUICK_STOP | Code::DISABLED | Code::ABORTED);
             let code = goal.ending.filter(|_| taken_over).unwrap_or(code);
             if goal.track.is_some() {
                 // The machine ends it for all its axes at once.
-                self.left = Some((goal.sequence, code, numbers));
+                self.task.leave_track((goal.sequence, code, numbers));
                 return;
             }
-            let done = Event::done(self.object(), goal.sequence, code, self.command.position);
+            let done = Event::done(self.object(), goal.sequence, code, self.command.position());
             cx.events.push(done.with(numbers.0, numbers.1));
         }
     }
@@ -75,11 +75,11 @@ impl Axis {
         self.end_phase(cx, code, numbers);
         self.end_engagement(cx, code, numbers);
         self.end_leaving(cx, code, numbers);
-        self.buffer.end(cx.events, self.setup.index, code, self.command.position, numbers);
-        self.owner = Owner::Native;
+        self.pending.buffer_mut().end(cx.events, self.setup.index, code, self.command.position(), numbers);
+        self.status.set_owner(Owner::Native);
         // After power off and on the axis follows its function again.
         if code != Code::DISABLED {
-            self.function = None;
+            self.task.leave_function();
         }
         self.homing.stop();
     }
@@ -93,8 +93,8 @@ impl Axis {
     pub(super) fn take_over(&mut self, cx: &mut Context<'_>, sequence: u64, target: Option<Position>) {
         self.end_all_motion(cx, Code::REPLACED);
         self.homing.forget_end();
-        self.goal = Some(Goal { sequence, ending: None, target, search: None, track: None, before: None });
-        self.judge.rested_at = None;
+        self.task.begin(Goal { sequence, ending: None, target, search: None, track: None, before: None });
+        self.supervision.rested_at = None;
     }
 
     pub(super) fn accepted(&self, cx: &mut Context<'_>, sequence: u64) {
@@ -108,7 +108,8 @@ impl Axis {
     /// Returns the refusal of a command that needs an axis at rest, with the state of the axis. No state: it is
     /// stopping.
     pub fn not_at_standstill(&self) -> Refusal {
-        let state = if self.is_virtual() || self.power == Power::On { Some(self.state) } else { None };
+        let state =
+            if self.is_virtual() || self.status.power() == Power::On { Some(self.status.state()) } else { None };
         let number = state.map_or(Number::None, |state| Number::Count(state as i64));
         self.refuse(Code::NOT_AT_STANDSTILL).with(number, Number::None)
     }
@@ -136,8 +137,8 @@ impl Axis {
     /// Checks that the axis is on, without error and without lock.
     pub(super) fn check_ready(&self) -> Result<(), Refusal> {
         self.check_lock()?;
-        match self.power {
-            _ if !self.active => Err(self.refuse(Code::NOT_ACTIVE)),
+        match self.status.power() {
+            _ if !self.observed.is_active() => Err(self.refuse(Code::NOT_ACTIVE)),
             Power::On => self.check_contacts(),
             _ => Err(self.refuse(Code::NOT_ENABLED)),
         }
@@ -145,10 +146,10 @@ impl Axis {
 
     /// Checks that the axis has neither an error nor the lock of a stop.
     pub(super) fn check_lock(&self) -> Result<(), Refusal> {
-        match self.state {
+        match self.status.state() {
             AxisState::ErrorStop => Err(self.refuse(Code::IN_ERROR)),
             AxisState::Stopping if self.is_interrupted() => Err(self.refuse(Code::INTERRUPTED)),
-            AxisState::Stopping if self.holding.aborted => Err(self.refuse(Code::ABORTED)),
+            AxisState::Stopping if self.brake.aborted => Err(self.refuse(Code::ABORTED)),
             AxisState::Stopping => Err(self.refuse(Code::QUICK_STOPPED)),
             _ => Ok(()),
         }
@@ -216,7 +217,7 @@ impl Axis {
             return self.start_superimposed(cx, sequence, request, end);
         }
         let limits = self.check_limits(request)?;
-        if request.buffer_mode != BufferMode::Aborting && self.goal.is_some() {
+        if request.buffer_mode != BufferMode::Aborting && self.task.goal().is_some() {
             return self.wait_in_buffer(cx, sequence, request, limits);
         }
         let from = self.present_motion();
@@ -257,7 +258,7 @@ impl Axis {
                 // At rest the exact end of its goal counts, which may be half an increment away.
                 let now = if from.velocity == 0.0 { rest_of_goal } else { now };
                 let stop = now + Position::from_f64(certain);
-                let direction = if from.velocity == 0.0 { self.last_direction } else { from.velocity };
+                let direction = if from.velocity == 0.0 { self.travel.last_direction() } else { from.velocity };
                 modulo.target(request.target.exact(), now, stop, request.direction, direction)
             }
             _ => request.target.exact(),
@@ -265,7 +266,7 @@ impl Axis {
     }
 
     fn goal_target(&self) -> Option<Position> {
-        self.goal.and_then(|goal| goal.target).or(self.judge.rested_at)
+        self.task.goal().and_then(|goal| goal.target).or(self.supervision.rested_at)
     }
 
     /// Checks that a target is within all position limits of `p`.
@@ -291,7 +292,7 @@ impl Axis {
     pub(super) fn check_velocity(&self, velocity: f64) -> Result<(), Refusal> {
         self.check_forward(velocity)?;
         self.check_velocity_switches(velocity)?;
-        let now = self.command.position;
+        let now = self.command.position();
         let limit = self.limit(velocity > 0.0);
         let at_limit = match velocity {
             v if v > 0.0 => now >= Position::whole(limit),
@@ -327,7 +328,7 @@ impl Axis {
     }
 
     fn check_extent(&self, (lowest, highest): (Position, Position), limits: Limits) -> Result<(), Refusal> {
-        let now = self.command.position;
+        let now = self.command.position();
         let asked = Number::Acceleration(limits.deceleration);
         let beyond = |code, reached: Position| Err(self.refuse(code).with(asked, Number::Position(reached.floor())));
         if highest > Position::whole(self.limit(true)).max(now) {

@@ -193,9 +193,9 @@ impl Axis {
     /// Checks for errors from the inputs of this cycle. They are known before the commands of the cycle, and to the
     /// vocabularies.
     pub(super) fn check_errors(&mut self, cx: &mut Context<'_>) {
-        self.judge.note_step(cx.cycle, self.actual.change, self.rest_tolerance());
+        self.supervision.note_step(cx.cycle, self.feedback.change(), self.rest_tolerance());
         if !self.is_on() {
-            self.judge.following_error = 0;
+            self.supervision.following_error = 0;
             return;
         }
         self.judge_jump(cx);
@@ -203,7 +203,7 @@ impl Axis {
             return;
         }
         if self.is_open_loop() || self.out_an().is_some() {
-            self.judge.following_error = 0;
+            self.supervision.following_error = 0;
         } else if !self.is_virtual() {
             self.check_following(cx, self.following_error());
         }
@@ -211,13 +211,13 @@ impl Axis {
 
     /// Checks for arrival at the target, after the commands of the cycle.
     pub(super) fn check_arrival(&mut self, cx: &mut Context<'_>) {
-        self.judge.keep(self.commanded_increment());
+        self.supervision.keep(self.commanded_increment());
         if !self.is_on() {
-            self.holding.settles_since = None;
-            self.judge.following_error = 0;
-            self.judge.leave_window();
-            self.judge.waits_since = None;
-            self.judge.in_position = false;
+            self.brake.settles_since = None;
+            self.supervision.following_error = 0;
+            self.supervision.leave_window();
+            self.supervision.waits_since = None;
+            self.supervision.in_position = false;
         } else if self.rests() {
             self.check_rest(cx);
         } else {
@@ -227,27 +227,31 @@ impl Axis {
 
     /// Clears the state of a rest when the axis moves.
     fn leave_rest(&mut self) {
-        self.holding.settles_since = None;
-        self.judge.leave_window();
-        self.judge.waits_since = None;
-        self.judge.in_position = false;
+        self.brake.settles_since = None;
+        self.supervision.leave_window();
+        self.supervision.waits_since = None;
+        self.supervision.in_position = false;
     }
 
     /// Returns the command to which the actual position of this cycle responds, minus that position (inc).
     #[inline]
     pub(super) fn following_error(&self) -> i64 {
         // A simulated encoder shows the command itself.
-        if self.is_simulated() { 0 } else { self.judge.answered_command().saturating_sub(self.actual.position.floor()) }
+        if self.is_simulated() {
+            0
+        } else {
+            self.supervision.answered_command().saturating_sub(self.feedback.position().floor())
+        }
     }
 
     fn check_following(&mut self, cx: &mut Context<'_>, error: i64) {
-        self.judge.following_error = error;
+        self.supervision.following_error = error;
         let is_within = error.unsigned_abs() <= self.parameters.max_following_error.unsigned_abs();
         let lasts = match self.parameters.supervision.following_error_check {
             1 => self.exceeds_tolerated_checks(cx.cycle, is_within),
             _ => self.exceeds_for_long(cx.cycle, is_within),
         };
-        if !lasts || self.state == AxisState::ErrorStop {
+        if !lasts || self.status.state() == AxisState::ErrorStop {
             return;
         }
         let (error, allowed) = (Number::Position(error), Number::Position(self.parameters.max_following_error));
@@ -264,25 +268,25 @@ impl Axis {
 
     /// Raises a following error.
     pub(super) fn raise_following_error(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
-        self.judge.told = Some(cx.cycle);
+        self.supervision.told = Some(cx.cycle);
         self.raise(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
     }
 
     /// Whether the axis moves away from its command, beyond the allowed following error.
     pub(super) fn runs_away(&self) -> bool {
-        let (error, most) = (self.judge.following_error, self.parameters.max_following_error);
+        let (error, most) = (self.supervision.following_error, self.parameters.max_following_error);
         let leads_off =
-            if error > 0 { self.actual.change < Position::ZERO } else { self.actual.change > Position::ZERO };
+            if error > 0 { self.feedback.change() < Position::ZERO } else { self.feedback.change() > Position::ZERO };
         error.unsigned_abs() > most.unsigned_abs() && leads_off
     }
 
     /// Returns the following error if it still lasts longer than tolerated.
     pub(super) fn lasting_following_error(&self, cycle: u64) -> Option<(Number, Number)> {
         let lasts = match self.parameters.supervision.following_error_check {
-            1 => self.judge.exceeded_times > self.tolerated_times(),
-            _ => self.judge.exceeded_since.is_some_and(|since| self.is_too_long(cycle, since)),
+            1 => self.supervision.exceeded_times > self.tolerated_times(),
+            _ => self.supervision.exceeded_since.is_some_and(|since| self.is_too_long(cycle, since)),
         };
-        let error = Number::Position(self.judge.following_error);
+        let error = Number::Position(self.supervision.following_error);
         (lasts && self.is_on()).then_some((error, Number::Position(self.parameters.max_following_error)))
     }
 
@@ -296,26 +300,26 @@ impl Axis {
     /// cycle counts as moving.
     pub(super) fn turns(&self, cycle: u64) -> bool {
         let age = |drifted| cycle.saturating_sub(drifted).saturating_mul(self.setup.cycle_ns);
-        self.shown.is_awaited(self.setup.missed_cycles)
-            || self.judge.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
+        self.drive_data.shown().is_awaited(self.setup.missed_cycles)
+            || self.supervision.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
     }
 
     /// Whether the encoder moved in this cycle, faster than an encoder at rest may creep. One cycle is enough here,
     /// while a reset waits: an axis that its drive stops does not coast.
     pub(super) fn moves(&self) -> bool {
-        let change = self.actual.change.to_f64().abs().max(self.holding.second_change.saturating_abs() as f64);
+        let change = self.feedback.change().to_f64().abs().max(self.brake.second_change.saturating_abs() as f64);
         let moved = change * STILL_NS as f64;
-        self.shown.is_awaited(self.setup.missed_cycles)
+        self.drive_data.shown().is_awaited(self.setup.missed_cycles)
             || moved > self.rest_tolerance().to_f64() * self.setup.cycle_ns as f64
     }
 
     /// Whether the following error is exceeded for too long, checked in each cycle.
     fn exceeds_for_long(&mut self, cycle: u64, is_within: bool) -> bool {
         if is_within {
-            self.judge.keep_within();
+            self.supervision.keep_within();
             return false;
         }
-        let since = *self.judge.exceeded_since.get_or_insert(cycle);
+        let since = *self.supervision.exceeded_since.get_or_insert(cycle);
         self.is_too_long(cycle, since)
     }
 
@@ -340,16 +344,16 @@ impl Axis {
         if !is_new || turn(cycle) % count != place {
             return false;
         }
-        self.judge.exceeded_times = if is_within { 0 } else { self.judge.exceeded_times.saturating_add(1) };
-        self.judge.exceeded_times > self.tolerated_times()
+        self.supervision.exceeded_times = if is_within { 0 } else { self.supervision.exceeded_times.saturating_add(1) };
+        self.supervision.exceeded_times > self.tolerated_times()
     }
 
     /// Reports a following error without reaction again as long as it lasts (MACS-ERR-03), also in addition to another
     /// error.
     fn repeat(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
-        let age = self.judge.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
+        let age = self.supervision.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
         if age.is_none_or(|age| age >= REPEAT_NS) {
-            self.judge.told = Some(cx.cycle);
+            self.supervision.told = Some(cx.cycle);
             self.report_error(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
         }
     }
@@ -357,35 +361,41 @@ impl Axis {
     /// Handles the end of the generator: the goal is reached, or the reaction that ended it is complete.
     fn check_rest(&mut self, cx: &mut Context<'_>) {
         self.finish_stop(cx.cycle);
-        self.judge.in_position = self.is_in_window(cx) && self.is_compensated();
+        self.supervision.in_position = self.is_in_window(cx) && self.is_compensated();
         if self.homing.is_running() {
             return self.settle_homing(cx);
         }
         use AxisState::{ContinuousMotion, DiscreteMotion, Homing};
-        let is_moving_state = matches!(self.state, DiscreteMotion | ContinuousMotion | Homing);
+        let is_moving_state = matches!(self.status.state(), DiscreteMotion | ContinuousMotion | Homing);
         // A trajectory ends for all its axes at once.
-        if !is_moving_state || self.power != Power::On || self.has_track() {
+        if !is_moving_state || self.status.power() != Power::On || self.has_track() {
             return;
         }
         let missed = self.searches();
-        let ending = if missed { Some(Code::PROBE_MISSED) } else { self.goal.and_then(|goal| goal.ending) };
-        let reached = self.judge.in_position || self.goal.is_none() || (ending.is_some() && !missed);
+        let ending = if missed { Some(Code::PROBE_MISSED) } else { self.task.goal().and_then(|goal| goal.ending) };
+        let reached = self.supervision.in_position || self.task.goal().is_none() || (ending.is_some() && !missed);
         if !reached {
             self.report_long_wait(cx);
         }
         if reached {
             if ending.is_none() {
-                self.judge.rested_at = self.goal.and_then(|goal| goal.target);
+                self.supervision.rested_at = self.task.goal().and_then(|goal| goal.target);
             }
             self.end_goal(cx, ending.unwrap_or(Code::NONE));
             if missed {
-                self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
+                self.pending.buffer_mut().end(
+                    cx.events,
+                    self.setup.index,
+                    Code::NOT_REACHED,
+                    self.command.position(),
+                    NO_NUMBERS,
+                );
             }
-            if self.buffer.is_empty() {
+            if self.pending.buffer().is_empty() {
                 self.set_state(cx, AxisState::Standstill);
             } else {
-                let before = self.judge.rested_at;
-                self.begin_next(cx, self.command, 0.0, before);
+                let before = self.supervision.rested_at;
+                self.begin_next(cx, self.command.motion(), 0.0, before);
             }
         }
     }
@@ -393,17 +403,17 @@ impl Axis {
     /// Reports once that a goal waits too long for its target window (MACS-TGT-06).
     pub(super) fn report_long_wait(&mut self, cx: &mut Context<'_>) {
         let patience = self.parameters.supervision.in_position_timeout.unsigned_abs();
-        let since = *self.judge.waits_since.get_or_insert(cx.cycle);
+        let since = *self.supervision.waits_since.get_or_insert(cx.cycle);
         let waited = cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
         if patience == 0 || since == LONG_WAIT_REPORTED || waited < patience {
             return;
         }
-        self.judge.waits_since = Some(LONG_WAIT_REPORTED);
-        let distance = self.commanded_increment().saturating_sub(self.actual.position.floor());
+        self.supervision.waits_since = Some(LONG_WAIT_REPORTED);
+        let distance = self.commanded_increment().saturating_sub(self.feedback.position().floor());
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::IN_POSITION_TIMEOUT);
         let window = Number::Position(self.parameters.in_position_window);
         let event = event.with(Number::Position(distance), window);
-        cx.events.push(Event { position: self.actual.position, ..event });
+        cx.events.push(Event { position: self.feedback.position(), ..event });
     }
 
     /// MACS-TGT-01: without a window the command is enough. MACS-TGT-03: with a time and testval, two readings close to
@@ -411,9 +421,9 @@ impl Axis {
     fn is_in_window(&mut self, cx: &Context<'_>) -> bool {
         let window = self.parameters.in_position_window;
         if window > 0 && !self.is_virtual() {
-            let distance = self.commanded_increment().saturating_sub(self.actual.position.floor());
+            let distance = self.commanded_increment().saturating_sub(self.feedback.position().floor());
             if distance.unsigned_abs() > window.unsigned_abs() {
-                self.judge.leave_window();
+                self.supervision.leave_window();
                 return false;
             }
         }
@@ -421,7 +431,7 @@ impl Axis {
         if window > 0 && most > 0 && self.parameters.in_position_time > 0 && !self.is_virtual() {
             return self.reads_the_same_twice(cx.cycle, most);
         }
-        let since = *self.judge.inside_since.get_or_insert(cx.cycle);
+        let since = *self.supervision.inside_since.get_or_insert(cx.cycle);
         let time = self.parameters.in_position_time.unsigned_abs();
         window == 0 || time == 0 || cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > time
     }
@@ -429,16 +439,16 @@ impl Axis {
     /// Whether two readings in the window, in_position_time apart, differ by less than `most`. Once they do, the result
     /// stays true.
     fn reads_the_same_twice(&mut self, cycle: u64, most: i64) -> bool {
-        let here = self.actual.position.floor();
-        let (since, before) = *self.judge.reading.get_or_insert((cycle, here));
-        if self.judge.in_position {
+        let here = self.feedback.position().floor();
+        let (since, before) = *self.supervision.reading.get_or_insert((cycle, here));
+        if self.supervision.in_position {
             return true;
         }
         let waited = cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
         if waited < self.parameters.in_position_time.unsigned_abs() {
             return false;
         }
-        self.judge.reading = Some((cycle, here));
+        self.supervision.reading = Some((cycle, here));
         here.abs_diff(before) < most.unsigned_abs()
     }
 }

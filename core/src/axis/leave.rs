@@ -50,10 +50,10 @@ impl Axis {
         match self.leaving_of(cx, sequence, request, turn) {
             Ok(leaving) => {
                 self.end_leaving(cx, Code::REPLACED, NO_NUMBERS);
-                self.leaving = Some(leaving);
+                self.coupling.set_leaving(Some(leaving));
                 self.accepted(cx, sequence);
             }
-            Err(refusal) => cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) }),
+            Err(refusal) => cx.events.push(Event { position: self.command.position(), ..refusal.event(sequence) }),
         }
     }
 
@@ -65,7 +65,7 @@ impl Axis {
         turn: Option<Modulo>,
     ) -> Result<Leaving, Refusal> {
         let GearOut { at, disengage, .. } = request;
-        let coupling = self.coupling().filter(|_| self.goal.is_some());
+        let coupling = self.coupling().filter(|_| self.task.goal().is_some());
         let coupling = coupling.ok_or_else(|| self.refuse(Code::NOT_COUPLED))?;
         let lead = cx.leads.get(self.left_by(at, coupling.leader));
         let turn = turn.filter(|_| matches!(at, DisengageAt::Leader(_)));
@@ -84,32 +84,32 @@ impl Axis {
 
     /// Returns the number of the command that waits to leave the coupling; 0 for none.
     pub(super) fn leaving(&self) -> u64 {
-        self.leaving.map_or(0, |leaving| leaving.sequence)
+        self.coupling.leaving().map_or(0, |leaving| leaving.sequence)
     }
 
     /// Returns true if the command waits for a position of the axis itself.
     pub(super) fn leaves_at_own_place(&self) -> bool {
-        self.leaving.is_some_and(|leaving| matches!(leaving.at, DisengageAt::Axis(_)))
+        self.coupling.leaving().is_some_and(|leaving| matches!(leaving.at, DisengageAt::Axis(_)))
     }
 
     /// Ends the wait.
     pub(super) fn end_leaving(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
-        if let Some(leaving) = self.leaving.take() {
-            let done = Event::done(self.object(), leaving.sequence, code, self.command.position);
+        if let Some(leaving) = self.coupling.take_leaving() {
+            let done = Event::done(self.object(), leaving.sequence, code, self.command.position());
             cx.events.push(done.with(numbers.0, numbers.1));
         }
     }
 
     /// Ends the wait when the coupling has ended in any other way.
     pub(super) fn settle_leaving(&mut self, cx: &mut Context<'_>) {
-        if self.leaving.is_some() && self.coupling().is_none() {
+        if self.coupling.leaving().is_some() && self.coupling().is_none() {
             self.end_leaving(cx, Code::NOT_REACHED, NO_NUMBERS);
         }
     }
 
     /// Leaves the coupling if its position is reached in this cycle.
     pub(super) fn leave(&mut self, cx: &mut Context<'_>) {
-        let (Some(leaving), Some(coupling)) = (self.leaving, self.coupling()) else { return };
+        let (Some(leaving), Some(coupling)) = (*self.coupling.leaving(), self.coupling()) else { return };
         let lead = cx.leads.get(self.left_by(leaving.at, coupling.leader));
         let (place, turn) = match leaving.at {
             DisengageAt::Now => (None, None),
@@ -122,7 +122,7 @@ impl Axis {
             passed(place, lead, leaving.seen).is_some()
         });
         if !is_there {
-            self.leaving = Some(Leaving { seen: lead.position, ..leaving });
+            self.coupling.set_leaving(Some(Leaving { seen: lead.position, ..leaving }));
             return;
         }
         self.end_leaving(cx, Code::NONE, NO_NUMBERS);

@@ -25,7 +25,7 @@ impl Axis {
     /// the end of rising counts, whatever the direction of the axis.
     fn switch(&self, up: bool) -> (bool, bool) {
         let rising = up == (self.turn_counts(1) > 0);
-        let (now, before) = (self.switches, self.switches_before);
+        let (now, before) = (self.observed.switches(), self.observed.switches_before());
         let (now, before) = if rising { (now.positive, before.positive) } else { (now.negative, before.negative) };
         (now, now && !before)
     }
@@ -63,15 +63,15 @@ impl Axis {
 
     /// Stops the axis at a switch instead of the motion `next`. Returns true if it does.
     pub(super) fn stop_at_switch(&mut self, cx: &mut Context<'_>, next: Motion) -> bool {
-        if !self.limits_apply() || self.state == AxisState::ErrorStop {
+        if !self.limits_apply() || self.status.state() == AxisState::ErrorStop {
             return false;
         }
-        if !(self.switches.positive || self.switches.negative || self.homing.is_ending()) {
+        if !(self.observed.switches().positive || self.observed.switches().negative || self.homing.is_ending()) {
             return false;
         }
-        let change = next.position - self.command.position;
+        let change = next.position - self.command.position();
         let way = if change == Position::ZERO { next.velocity } else { change.to_f64() };
-        let slows = way != 0.0 && next.velocity.abs() <= self.command.velocity.abs();
+        let slows = way != 0.0 && next.velocity.abs() <= self.command.velocity().abs();
         let Some(code) = self.switch_error(cx, way) else {
             if !slows {
                 self.homing.forget_end();
@@ -87,17 +87,17 @@ impl Axis {
 
     /// Whether the motion of this cycle is only that of a stop.
     fn only_stops(&self) -> bool {
-        let stops = match &self.generator {
+        let stops = match self.motion.generator() {
             Generator::Plan(course) => course.aim == Aim::Stop,
             // A stop that ends in this cycle.
             generator => matches!(generator, Generator::Rest),
         };
-        stops && self.overlay.is_none()
+        stops && self.coupling.overlay().is_none()
     }
 
     /// Reports switches while an error already stops the axis, in addition to that error.
     pub(super) fn report_switches(&mut self, cx: &mut Context<'_>) {
-        if self.state != AxisState::ErrorStop {
+        if self.status.state() != AxisState::ErrorStop {
             return;
         }
         let ((upper, upper_edge), (lower, lower_edge)) = (self.switch(true), self.switch(false));
@@ -110,7 +110,7 @@ impl Axis {
 
     /// Returns the error of the switches for a motion in this direction (0 at rest).
     fn switch_error(&self, cx: &mut Context<'_>, way: f64) -> Option<Code> {
-        if !self.switches.positive && !self.switches.negative {
+        if !self.observed.switches().positive && !self.observed.switches().negative {
             // Neither level nor edge.
             return None;
         }
@@ -129,7 +129,7 @@ impl Axis {
             if edge {
                 // The axis moves away, as from a switch on which it rested: this is allowed.
                 let event = Event::new(Severity::Warn, Kind::Limit, self.object(), self.switch_code(up));
-                cx.events.push(Event { position: self.actual.position, ..event });
+                cx.events.push(Event { position: self.feedback.position(), ..event });
             }
         }
         None

@@ -8,7 +8,7 @@
 
 use super::course::{self, Aim, PlannedMotion};
 use super::reaction::Failure;
-use super::{Axis, AxisState, Context, Generator, Reference};
+use super::{Axis, AxisState, Context, Generator};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
 use crate::position::Position;
@@ -120,7 +120,7 @@ impl Axis {
     /// were planned, except for motions added since.
     #[inline]
     pub(super) fn stop_at_limit(&mut self, cx: &mut Context<'_>, next: Motion, is_added: bool) -> bool {
-        let watched = match &self.generator {
+        let watched = match self.motion.generator() {
             Generator::Plan(course) => course.needs_limit_check(),
             Generator::Follow(_) => true,
             Generator::Track(_) => !self.stays_within_limits(),
@@ -140,20 +140,20 @@ impl Axis {
     /// Called when the power is removed, or the command starts again at the actual position. The rest of the stop at a
     /// limit that was not executed does not count as leaving the limit (MACS-LIM-05).
     pub(super) fn note_stop_given_up(&mut self) {
-        let Some(stopped) = self.at_limits.stopped.filter(|stopped| stopped.is_error) else { return };
-        let room = self.room(stopped.up, self.actual.position).max(stopped.room);
+        let Some(stopped) = self.travel.at_limits().stopped.filter(|stopped| stopped.is_error) else { return };
+        let room = self.room(stopped.up, self.feedback.position()).max(stopped.room);
         // From a larger distance a stream may move it again.
         let is_told = stopped.is_told && room == stopped.room;
-        self.at_limits.stopped = Some(Stopped { room, is_told, ..stopped });
+        self.travel.at_limits_mut().stopped = Some(Stopped { room, is_told, ..stopped });
     }
 
     fn check_limit(&mut self, cx: &mut Context<'_>, next: Motion, watched: bool, is_added: bool) -> bool {
         let crossed = self.crossed_limit(next, is_added);
         let Some(up) = crossed.or_else(|| self.passed_limit(next).filter(|_| watched)) else { return false };
         let course = self.limit_stop(cx.cycle, up);
-        self.command = course.at(cx.cycle);
-        self.generator = Generator::Plan(course);
-        let stopped = self.at_limits.stopped_at(up);
+        self.command.execute(course.at(cx.cycle));
+        self.motion.plan(course);
+        let stopped = self.travel.at_limits().stopped_at(up);
         let is_stream = self.streams() && self.stops_streams();
         let code = if up { Code::SOFTWARE_LIMIT_POSITIVE } else { Code::SOFTWARE_LIMIT_NEGATIVE };
         let limit = self.limit(up);
@@ -172,21 +172,22 @@ impl Axis {
                 true => (Code::LIMIT_VIOLATION, Number::Velocity(next.velocity)),
                 false => (code, Number::None),
             };
-            self.reference = Reference::Stop;
+            self.status.end_reference();
             self.raise(cx, Failure::of(raised).with(asked, place).at_limit());
         }
         let room = self.room(up, course.end());
-        self.at_limits.stopped = Some(Stopped { up, room, is_error: is_anew || !is_stream, is_told: is_stream });
+        self.travel.at_limits_mut().stopped =
+            Some(Stopped { up, room, is_error: is_anew || !is_stream, is_told: is_stream });
         true
     }
 
     /// Returns the stop at a limit, from the last motion.
     fn limit_stop(&self, cycle: u64, up: bool) -> PlannedMotion {
         let limit = Position::whole(self.limit(up));
-        let ahead = is_towards(up, self.command.velocity);
-        let is_within = if up { self.command.position < limit } else { self.command.position > limit };
+        let ahead = is_towards(up, self.command.velocity());
+        let is_within = if up { self.command.position() < limit } else { self.command.position() > limit };
         // The motion of the cycle before could still stop in time. The stop starts there.
-        let before = Motion { acceleration: self.present_motion().acceleration, ..self.command };
+        let before = Motion { acceleration: self.present_motion().acceleration, ..self.command.motion() };
         let limits = self.with_raised_jerk(before, self.stop_limits());
         let stop = profile::stop(before, &limits, self.setup.cycle_ns).duration() + 2.0 * self.cycle_s();
         // An axis that hardly moves would approach the limit slowly for a long time: it stops where it is.
@@ -214,7 +215,7 @@ impl Axis {
     /// At the end of the step it may be lower by half the largest change per cycle, so that the deceleration need not
     /// exceed its limit. The ripple that single counts add to the speed of its leader is left out.
     fn eased(&self, before: Motion, limit: Position, limits: &Limits) -> Motion {
-        let ripple = match &self.generator {
+        let ripple = match self.motion.generator() {
             Generator::Follow(coupling) => coupling.follower.ripple(before.velocity),
             Generator::Track(_) if !self.is_on_track() => 0.0,
             _ => return before,
@@ -229,7 +230,7 @@ impl Axis {
     /// would not fit. With a higher deceleration its followers might not keep up. The distance in steps is shorter by
     /// up to an eighth of the change per cycle.
     fn fits_in_steps(&self, from: Motion, limit: Position, limits: &Limits) -> bool {
-        let steps_whole = match &self.generator {
+        let steps_whole = match self.motion.generator() {
             Generator::Follow(_) => true,
             Generator::Track(_) => !self.is_on_track(),
             _ => false,
@@ -248,7 +249,7 @@ impl Axis {
     /// turns back was checked as a whole, and so was a trajectory that is followed exactly: they are checked here only
     /// for rounding and added motions.
     fn crossed_limit(&self, next: Motion, is_added: bool) -> Option<bool> {
-        let is_exact = |up: bool| match &self.generator {
+        let is_exact = |up: bool| match self.motion.generator() {
             Generator::Plan(course) if is_added => course.end_velocity() != 0.0,
             Generator::Plan(course) => is_towards(up, course.end_velocity()),
             Generator::Follow(_) => true,
@@ -258,13 +259,14 @@ impl Axis {
         [true, false].into_iter().find(|up| {
             let outwards = |place: Position| if *up { place } else { -place };
             let limit = outwards(Position::whole(self.limit(*up)));
-            let (now, next) = (outwards(self.command.position), outwards(next.position));
+            let (now, next) = (outwards(self.command.position()), outwards(next.position));
             let bound = limit + Position::from_f64(course::ROUNDING);
             if !is_exact(*up) {
                 return next > now && next > bound && now <= bound;
             }
             // An axis that is moved back from beyond a limit may jitter with its leader, but not creep further out.
-            let inmost = self.at_limits.beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
+            let inmost =
+                self.travel.at_limits().beyond.filter(|beyond| beyond.up == *up).map(|beyond| outwards(beyond.inmost));
             let bound = inmost.map_or(limit, |inmost| inmost + Position::from_f64(1.0 + self.uneven()));
             next > now && next > bound
         })
@@ -273,7 +275,7 @@ impl Axis {
     /// Whether no stop after `next` can lead beyond a limit. An axis beyond a limit needs the detailed check.
     #[inline]
     fn is_clear_of_limits(&self, next: Motion) -> bool {
-        self.at_limits.beyond.is_none() && self.is_far_from_limits(next)
+        self.travel.at_limits().beyond.is_none() && self.is_far_from_limits(next)
     }
 
     /// Whether `next` is so far within the limits that no stop after it can lead beyond one. A stop with constant
@@ -283,7 +285,7 @@ impl Axis {
         let limits = &self.parameters.derived.largest;
         // A follower stops in whole steps, whatever its profile. Any other motion, also a superimposed motion at rest,
         // uses its profile.
-        let is_constant = self.generator.follower().is_some() || limits.shape == Shape::Trapezoid;
+        let is_constant = self.motion.follower().is_some() || limits.shape == Shape::Trapezoid;
         let most = next.velocity * next.velocity / limits.deceleration * 1.01 + 2.0;
         let here = next.position.floor();
         // Room to an increment.
@@ -297,43 +299,47 @@ impl Axis {
 
     /// Returns the difference between steps at constant speed of the leader (inc).
     fn uneven(&self) -> f64 {
-        self.generator.follower().map_or(0.0, Follower::uneven)
+        self.motion.follower().map_or(0.0, Follower::uneven)
     }
 
     /// Updates the state of an axis beyond a limit, and whether it is still at the limit that has stopped it.
     #[inline]
     fn watch_beyond(&mut self, cycle: u64) {
-        if self.at_limits.stopped.is_none() && self.is_within_limits(self.command.position) {
-            self.at_limits.beyond = None;
+        if self.travel.at_limits().stopped.is_none() && self.is_within_limits(self.command.position()) {
+            self.travel.at_limits_mut().beyond = None;
         } else {
             self.note_beyond(cycle);
         }
     }
 
     fn note_beyond(&mut self, cycle: u64) {
-        let now = self.command.position;
+        let now = self.command.position();
         let stays = |stopped: Stopped, place| self.room(stopped.up, place) <= stopped.room + self.rest_tolerance();
-        self.at_limits.stopped = self.at_limits.stopped.and_then(|stopped| match &self.generator {
-            // The stop is still active, and its end has changed or is closer to the limit than the axis is now.
-            Generator::Plan(course) if self.state == AxisState::ErrorStop && stopped.is_error => {
-                Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
-            }
-            Generator::Plan(course) if stopped.is_told && self.streams() && course.end_velocity() == 0.0 => {
-                stays(stopped, course.end()).then_some(stopped)
-            }
-            _ => stays(stopped, now).then_some(stopped),
-        });
+        self.travel.at_limits_mut().stopped =
+            self.travel.at_limits().stopped.and_then(|stopped| match self.motion.generator() {
+                // The stop is still active, and its end has changed or is closer to the limit than the axis is now.
+                Generator::Plan(course) if self.status.state() == AxisState::ErrorStop && stopped.is_error => {
+                    Some(Stopped { room: self.room(stopped.up, course.end()), ..stopped })
+                }
+                Generator::Plan(course) if stopped.is_told && self.streams() && course.end_velocity() == 0.0 => {
+                    stays(stopped, course.end()).then_some(stopped)
+                }
+                _ => stays(stopped, now).then_some(stopped),
+            });
         let up = match () {
             () if now > Position::whole(self.limit(true)) => Some(true),
             () if now < Position::whole(self.limit(false)) => Some(false),
             () => {
-                self.at_limits.beyond = None;
+                self.travel.at_limits_mut().beyond = None;
                 return;
             }
         };
-        let before =
-            self.at_limits.beyond.filter(|beyond| Some(beyond.up) == up && beyond.cycle.saturating_add(1) == cycle);
-        self.at_limits.beyond = up.map(|up| {
+        let before = self
+            .travel
+            .at_limits()
+            .beyond
+            .filter(|beyond| Some(beyond.up) == up && beyond.cycle.saturating_add(1) == cycle);
+        self.travel.at_limits_mut().beyond = up.map(|up| {
             let inmost = before.map_or(now, |beyond| if up { beyond.inmost.min(now) } else { beyond.inmost.max(now) });
             Beyond { cycle, up, inmost }
         });
@@ -381,7 +387,7 @@ impl Axis {
     /// Returns the limits of immediate stops (MACS-PROF-13). A coupling has no profile (MACS-PROF-07).
     pub(super) fn stop_limits(&self) -> Limits {
         let limits = self.parameters.largest_limits();
-        match &self.generator {
+        match self.motion.generator() {
             Generator::Follow(_) | Generator::Track(_) => Limits { shape: Shape::Trapezoid, ..limits },
             // Maxima that were lowered during the motion apply from the next motion on.
             Generator::Plan(course) => limits.at_least(&course.limits),
@@ -394,7 +400,7 @@ impl Axis {
     /// surely has counts.
     fn stopping_distance(&self, next: Motion) -> f64 {
         let limits = self.stop_limits();
-        match self.generator.follower() {
+        match self.motion.follower() {
             Some(follower) if !self.is_on_track() => {
                 let cycle_s = self.cycle_s();
                 let less = limits.deceleration * cycle_s * cycle_s;
@@ -447,11 +453,11 @@ impl Axis {
         if self.homing.is_running() {
             return None;
         }
-        let now = self.command.position;
-        let stopping = match &self.generator {
+        let now = self.command.position();
+        let stopping = match self.motion.generator() {
             Generator::Plan(course) if course.end_velocity() != 0.0 => Some(self.earliest_rest()),
             Generator::Follow(_) | Generator::Track(_) => Some(self.earliest_rest()),
-            Generator::Rest if self.overlay.is_some() => Some(now),
+            Generator::Rest if self.coupling.overlay().is_some() => Some(now),
             // The end of a coasting axis is unknown.
             _ => None,
         };
@@ -465,7 +471,7 @@ impl Axis {
     /// Returns lowest and highest position of the plan and of the waiting goals, without superimposed motion. None: no
     /// position is known.
     pub(super) fn known_reach(&self) -> Option<(Position, Position)> {
-        let (way, target) = match &self.generator {
+        let (way, target) = match self.motion.generator() {
             Generator::Plan(course) => {
                 let ends = course.end_velocity() == 0.0;
                 // A goal that passes its target with a velocity needs room to stop.
@@ -475,7 +481,7 @@ impl Axis {
                     Aim::Target(target) => Some((target.min(target + way), target.max(target + way))),
                     Aim::Velocity(_) | Aim::Stop => None,
                 };
-                (ends.then(|| course.extent_from(self.command.position)), target)
+                (ends.then(|| course.extent_from(self.command.position())), target)
             }
             _ => (None, None),
         };

@@ -325,7 +325,7 @@ impl Axis {
             _ => None,
         };
         let of_master = self.seen(cx, master, (number_of(leader), lead), index);
-        [of_master, self.seen(cx, slave, (Some(self.setup.index), self.actual), self.index_of_cycle())]
+        [of_master, self.seen(cx, slave, (Some(self.setup.index), self.feedback.lead()), self.index_of_cycle())]
     }
 
     /// Returns the distances of master and axis since their last marks of this cycle.
@@ -347,7 +347,7 @@ impl Axis {
         tau: Option<f64>,
         most: f64,
     ) -> Option<MarkStep> {
-        let mut path = self.conditioning.marks?;
+        let mut path = self.coupling.conditioning().marks?;
         let coupling = self.coupling()?;
         let (runs, accuracy) = (coupling.follower.is_in_sync(), coupling.accuracy);
         let cycle_ms = self.cycle_s() * 1e3;
@@ -356,7 +356,7 @@ impl Axis {
             let [mut of_master, _] = seen;
             let since = of_master.sorted().first().map(|(before, _)| *before);
             path.cam.holds = since.is_none();
-            self.conditioning.marks = Some(path);
+            self.coupling.conditioning_mut().marks = Some(path);
             return Some(MarkStep { holds: true, master: since.unwrap_or_default(), ..MarkStep::default() });
         }
         let Sides { mut seen, changes, lost, sync, marks, ratio } = match path.mode {
@@ -367,14 +367,14 @@ impl Axis {
                     gear => gear.signed_slope(),
                 };
                 let marks = Marks { start: path.start, ..self.parameters.marks };
-                let changes = [lead.change, self.actual.change];
+                let changes = [lead.change, self.feedback.change()];
                 Sides { seen, changes, lost: [0; 2], sync: self.parameters.sync, marks, ratio }
             }
             _ => match self.sides_of_cam(cx, &mut path, seen, (lead, passed_on)) {
                 Some(sides) => sides,
                 None => {
                     path.cam.forget();
-                    self.conditioning.marks = Some(path);
+                    self.coupling.conditioning_mut().marks = Some(path);
                     return None;
                 }
             },
@@ -420,7 +420,7 @@ impl Axis {
         let mut at_once = Position::ZERO;
         loop {
             let under_way = (self.ordered_of(&path) + path.remaining_corrections() + at_once).to_f64();
-            let offset = self.conditioning.offset_given() as f64;
+            let offset = self.coupling.conditioning().offset_given() as f64;
             let sense = if path.velocity * ratio < 0.0 { -1.0 } else { 1.0 };
             let situation = Situation { asked, offset, under_way, runs, sense };
             let had_begun = path.marker.has_begun();
@@ -436,7 +436,7 @@ impl Axis {
             path.ordered += correction;
             if let Some(rates) = sync.offset_rates() {
                 if path.mode == SyncMode::MasterMarker {
-                    self.conditioning.shift_master(correction, rates, cycle_ms / 1e3);
+                    self.coupling.conditioning_mut().shift_master(correction, rates, cycle_ms / 1e3);
                 } else {
                     self.add_late(correction, rates, ratio.abs());
                 }
@@ -446,7 +446,7 @@ impl Axis {
                 at_once += correction;
             }
             let event = Event::new(Severity::Info, Kind::Mark, self.object(), Code::NONE);
-            let event = Event { position: self.actual.position, ..event };
+            let event = Event { position: self.feedback.position(), ..event };
             cx.events.push(event.with(Number::Real(pair.error), Number::Real(pair.correction)));
             if path.marker.is_faulty(&marks) && !was_faulty {
                 let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::MARK_FAULT);
@@ -463,13 +463,17 @@ impl Axis {
         if path.marker.has_begun() && is_done {
             path.offset_waits = false;
         }
-        self.conditioning.marks = Some(path);
+        self.coupling.conditioning_mut().marks = Some(path);
         Some(step)
     }
 
     /// Returns the commanded distance of the corrected side that has not been moved yet, without spread corrections.
     fn ordered_of(&self, path: &MarkPath) -> Position {
-        if path.mode == SyncMode::MasterMarker { self.conditioning.shift_left() } else { self.pending_distance() }
+        if path.mode == SyncMode::MasterMarker {
+            self.coupling.conditioning().shift_left()
+        } else {
+            self.pending_distance()
+        }
     }
 
     /// Checks that nothing but marks may shift the axis against its leader; marks would remove the shift again.
@@ -483,7 +487,7 @@ impl Axis {
 
     /// Returns the bits of SYNCSTAT that depend on marks.
     pub(super) fn status_of_marks(&self) -> u64 {
-        let Some(path) = &self.conditioning.marks else { return 0 };
+        let Some(path) = &self.coupling.conditioning().marks else { return 0 };
         let (marker, marks) = (&path.marker, &self.parameters.marks);
         let bits = [
             (marker.is_ready(marks), status::READY),
@@ -496,12 +500,12 @@ impl Axis {
 
     /// Whether the first pair of marks was corrected, or the axis is not coupled by marks.
     pub(super) fn has_marks(&self) -> bool {
-        self.conditioning.marks.as_ref().is_none_or(|path| path.marker.has_begun())
+        self.coupling.conditioning().marks.as_ref().is_none_or(|path| path.marker.has_begun())
     }
 
     /// Returns the displayed values of its marks.
     pub(super) fn shown_marks(&self) -> ShownMarks {
-        let Some(MarkPath { marker, .. }) = &self.conditioning.marks else { return ShownMarks::default() };
+        let Some(MarkPath { marker, .. }) = &self.coupling.conditioning().marks else { return ShownMarks::default() };
         let (error, correction) = marker.last();
         let [master, slave] = [MarkSide::Master, MarkSide::Slave].map(|of| marker.side(of).counts());
         let asked = LawInputs { sync: &self.parameters.sync, marks: &self.parameters.marks, speed: 0.0, ratio: 1.0 };
@@ -524,29 +528,29 @@ impl Axis {
     /// Returns the positions of the axis and its leader at their last marks (inc); 0 before the first mark, and without
     /// a coupling by marks.
     pub(super) fn positions_of_marks(&self, leads: &Leads) -> (Position, Position) {
-        let (Some(path), Some(coupling)) = (&self.conditioning.marks, self.coupling()) else {
+        let (Some(path), Some(coupling)) = (&self.coupling.conditioning().marks, self.coupling()) else {
             return (Position::ZERO, Position::ZERO);
         };
         let place = |of, now: Position| path.marker.side(of).since_mark().map_or(Position::ZERO, |since| now - since);
         let leader = leads.get(coupling.leader).position;
-        (place(MarkSide::Slave, self.actual.position), place(MarkSide::Master, leader))
+        (place(MarkSide::Slave, self.feedback.position()), place(MarkSide::Master, leader))
     }
 
     fn report_marks(&self, cx: &mut Context<'_>, code: Code, of: MarkSide) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
         let side = Number::Count(i64::from(of == MarkSide::Slave));
-        cx.events.push(Event { position: self.command.position, ..event.with(side, Number::None) });
+        cx.events.push(Event { position: self.command.position(), ..event.with(side, Number::None) });
     }
 
     /// Adds a correction that is moved like an offset (MACS-SYNC-14).
     fn add_late(&mut self, way: Position, rates: OffsetRates, slope: f64) {
         let cycle_s = self.cycle_s();
         let rates = OffsetRates { velocity: rates.velocity * slope, acceleration: rates.acceleration * slope };
-        let late = &mut self.conditioning.late;
-        let whole = late.map_or(Position::ZERO, |late| late.left()) + way;
+        let state = self.coupling.conditioning_mut();
+        let whole = state.late.map_or(Position::ZERO, |late| late.left()) + way;
         if way != Position::ZERO {
-            *late = Some(shift(whole, rates, cycle_s, late.as_ref()));
-            self.conditioning.late_slope = slope;
+            state.late = Some(shift(whole, rates, cycle_s, state.late.as_ref()));
+            state.late_slope = slope;
         }
     }
 }

@@ -149,13 +149,13 @@ impl Axis {
 
     /// Whether the axis displays a master.
     pub(super) fn shows_a_master(&self, axes: usize) -> bool {
-        self.displayed_leader(axes).is_ok() || self.sight.claim.is_some()
+        self.displayed_leader(axes).is_ok() || self.sources.master().claim.is_some()
     }
 
     /// Whether the axis has displayed a master.
     #[inline]
     pub fn has_displayed_master(&self) -> bool {
-        self.sight.leader.is_some()
+        self.sources.master().leader.is_some()
     }
 
     /// Returns the encoder that a new value of its master would move for all users (MACS-ENC-11).
@@ -170,17 +170,18 @@ impl Axis {
     pub(super) fn watch_master(&mut self, leads: &Leads) -> Option<Shown> {
         let leader = self.displayed_leader(leads.axes()).ok()?;
         let lead = leads.get(leader);
-        if self.sight.leader != Some(leader) {
-            let is_soft = self.sight.leader.is_some() && self.parameters.encoder.menccontrol & 1 == 1;
-            let offset = if is_soft { self.sight.last - lead.position } else { Position::ZERO };
-            self.sight = MasterView { leader: Some(leader), offset, claim: None, ..self.sight };
+        if self.sources.master().leader != Some(leader) {
+            let is_soft = self.sources.master().leader.is_some() && self.parameters.encoder.menccontrol & 1 == 1;
+            let offset = if is_soft { self.sources.master().last - lead.position } else { Position::ZERO };
+            let view = self.sources.master_mut();
+            *view = MasterView { leader: Some(leader), offset, claim: None, ..*view };
         }
-        self.sight.last = lead.position + self.sight.offset;
+        self.sources.master_mut().last = lead.position + self.sources.master().offset;
         // Multiplication comes first, so that whole turns of the master stay whole units. A negative ratio makes -0.0
         // of 0, so 0.0 is added.
         let (increments, units) = master_unit(&self.parameters);
         let shown = |value: f64| value * units / increments;
-        let position = self.parameters.derived.grid.decimal(shown(self.sight.last.to_f64()));
+        let position = self.parameters.derived.grid.decimal(shown(self.sources.master().last.to_f64()));
         Some(Shown { position: position + 0.0, velocity: shown(lead.velocity) + 0.0 })
     }
 
@@ -197,8 +198,8 @@ impl Axis {
 
     /// Subtracts `by` from the displayed position for leaders for which `holds` is true.
     fn subtract_from_view(&mut self, leads: &Leads, by: Position, holds: impl Fn(Leader) -> bool) {
-        if let Some(leader) = self.sight.leader {
-            self.sight.offset = self.sight.offset - leads.share(leader, by, holds);
+        if let Some(leader) = self.sources.master().leader {
+            self.sources.master_mut().offset = self.sources.master().offset - leads.share(leader, by, holds);
         }
     }
 
@@ -239,27 +240,27 @@ impl Axis {
         let event = Event::new(Severity::Info, Kind::Accepted, self.object(), Code::NONE);
         cx.events.push(event.of_command(sequence));
         self.watch_master(cx.leads);
-        let by = wanted - self.sight.last;
-        self.sight.offset += by;
+        let by = wanted - self.sources.master().last;
+        self.sources.master_mut().offset += by;
         if encoder.is_some() {
             let claim = Claim { sequence, by: by.floor(), is_soft: self.shares_master(axes).is_none() };
-            self.sight.claim = Some(claim.after(self.sight.claim));
+            self.sources.master_mut().claim = Some(claim.after(self.sources.master().claim));
         }
         Ok(())
     }
 
     /// Returns its new zero of this cycle if its leader is that encoder.
     pub(super) fn master_claim(&self, encoder: u16) -> Option<Claim> {
-        self.sight.claim.filter(|_| self.sight.leader == Some(Leader::Encoder(encoder)))
+        self.sources.master().claim.filter(|_| self.sources.master().leader == Some(Leader::Encoder(encoder)))
     }
 
     pub(super) fn forget_master_claim(&mut self) {
-        self.sight.claim = None;
+        self.sources.master_mut().claim = None;
     }
 
     /// Notes that the leading encoder was moved: the displayed position stays.
     pub fn share_master(&mut self, by: i64) {
-        self.sight.offset = self.sight.offset - Position::whole(by);
+        self.sources.master_mut().offset = self.sources.master().offset - Position::whole(by);
     }
 
     /// Advances its simulated master by one cycle.

@@ -57,6 +57,7 @@ mod smooth;
 mod source;
 mod spread;
 mod stops;
+mod state;
 mod stream;
 mod stream_limit;
 mod switches;
@@ -99,49 +100,44 @@ use crate::command::{Action, Command, Level, Setpoints};
 use crate::drive::{
     AnalogWiring, Capabilities, DriveInput, DriveOutput, EncoderInput, Inputs, Interface, SpeedOutputs,
 };
-use crate::encoder::{Encoder, Lead, Reader};
-use crate::event::{Event, EventQueue, Kind, Number, Severity};
+use crate::encoder::{Encoder, Lead};
+use crate::event::{Event, EventQueue};
 use crate::gantry::Gantry;
 use crate::modulo::Modulo;
 use crate::object::Object;
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::Motion;
-use crate::regulator::{Compensator, Law};
+use crate::regulator::Law;
 use crate::signal::Signal;
 use crate::state::{AxisState, HomingPhase, Reference};
 use crate::sync::Leads;
 use crate::table::Table;
-use crate::vocabulary::{LatchView, Owner, Setting, Vocabularies, Wiring};
-use alarm::ActiveError;
+use crate::vocabulary::{LatchView, Setting, Vocabularies, Wiring};
 use brake::BrakeState;
-use buffer::Buffer;
-use conditioning::Conditioning;
-use effort::EffortLoops;
-use engage::Engagement;
 use feedback::Sensor;
 use generator::Generator;
-use goal::Goal;
 use homing::Homing;
 use judge::Supervision;
-use leave::Leaving;
-use limits::AtLimits;
-use master::MasterView;
-use overlay::Overlay;
-use phase::Phasing;
-use position_loop::PositionLoop;
 pub use power::ENABLE_TIMEOUT_NS;
 use power::Power;
-use rhythm::CyclePace;
-use runaway::Recovery;
 use serde::{Deserialize, Serialize};
-use shown::DriveShown;
 pub use shown::MISSED_CYCLES;
+use state::active_motion::ActiveMotion;
+use state::alarm_state::AlarmState;
+use state::command_state::CommandState;
+use state::coupling_state::CouplingState;
+use state::cycle_state::CycleState;
+use state::drive_data::DriveData;
+use state::loops::Loops;
+use state::observed::Observed;
+use state::pending::Pending;
+use state::position_feedback::PositionFeedback;
+use state::sources::Sources;
+use state::status::Status;
+use state::task::Task;
+use state::travel::Travel;
 use std::sync::Arc;
-use stream::Streamed;
-use touch_probe::TouchProbes;
-use velocity_encoder::VelocityFeedback;
-use waiting::Waiting;
 
 /// Longest delay of a drive in cycles.
 pub const MAX_DELAY: u32 = 32;
@@ -226,95 +222,39 @@ pub struct Context<'a> {
     pub events: &'a mut EventQueue,
 }
 
-/// One axis. Fields that every cycle accesses come first in memory, up to `judge` and the derived parameters. A cycle
-/// accesses only a part of the other fields, or none.
+/// One axis. Parts that every cycle accesses come first in memory, up to `supervision` and the derived parameters. A
+/// cycle accesses only some of the other parts, or none. The order of the fields in all parts is the format of stored
+/// states.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 #[repr(C)]
 pub struct Axis {
-    #[serde(skip)]
-    rhythm: CyclePace,
-    /// First of its signals.
-    signals: Signal,
-    state: AxisState,
-    reference: Reference,
-    power: Power,
-    /// Whether the command of this cycle came from a leader or an encoder, so that its acceleration is that of single
-    /// counts.
-    is_led: bool,
-    /// Whether the reference of the drive is below 0; outputs may have to show that.
-    is_backwards: bool,
-    brake: bool,
-    owner: Owner,
-    streamed: Streamed,
-    command: Motion,
-    actual: Lead,
-    counter: Reader,
-    /// Counts of its coordinate minus raw count, both in the direction of the drive.
-    origin: i64,
-    /// Data reported by the drive.
-    shown: DriveShown,
-    output: DriveOutput,
-    /// Sign of the last motion, for direction CURRENT.
-    last_direction: f64,
-    /// State at the software limits.
-    at_limits: AtLimits,
-    judge: Supervision,
+    cycle: CycleState,
+    status: Status,
+    command: CommandState,
+    feedback: PositionFeedback,
+    drive_data: DriveData,
+    travel: Travel,
+    supervision: Supervision,
     /// Active parameters: they act from the next command on, or at once if the row requires that.
     pub parameters: InForce,
     setup: AxisSetup,
-    sensor: Sensor,
-    sight: MasterView,
+    sources: Sources,
     /// State of its own brake, and requests of inputs of the machine.
-    holding: BrakeState,
-    generator: Generator,
+    brake: BrakeState,
+    motion: ActiveMotion,
     homing: Homing,
-    goal: Option<Goal>,
-    /// The function that moves it whenever it is on.
-    function: Option<function::MovedBy>,
-    /// Whether the machine is active, so that the axis may be switched on and moved.
-    active: bool,
-    watch: power::Watch,
-    /// Its limit and reference switches.
-    switches: Switches,
-    /// The switches of the cycle before.
-    switches_before: Switches,
-    /// Number of index pulses so far, and position of the last one.
-    index: (u32, Position),
-    /// Move of its coordinate that followers have not taken into account yet: it is no motion.
-    moved: Position,
-    /// The trajectory that it has left in this cycle, and the reason.
-    #[serde(skip)]
-    left: Option<(u64, Code, alarm::Numbers)>,
-    /// The cycle in which an error has ended the motion of a vocabulary, and that vocabulary.
-    #[serde(skip)]
-    lost: Option<(u64, Owner)>,
-    /// The override of the active plan (%).
-    override_seen: f64,
-    /// Its error.
-    alarm: ActiveError,
-    /// The code of the open contact that prevents motion.
-    open_contact: Code,
-    /// Whether an error of this cycle stops the other axes, too.
-    stops_others: bool,
+    task: Task,
+    observed: Observed,
+    alarm: AlarmState,
     vocabularies: Vocabularies,
-    overlay: Option<Overlay>,
-    phasing: Option<Phasing>,
-    conditioning: Conditioning,
-    engagement: Option<Engagement>,
-    leaving: Option<Leaving>,
-    touch_probes: TouchProbes,
-    buffer: Buffer,
-    waiting: Waiting,
-    compensation: Compensator,
-    position_loop: PositionLoop,
-    effort_loops: EffortLoops,
-    velocity_feedback: VelocityFeedback,
-    recovery: Recovery,
+    coupling: CouplingState,
+    pending: Pending,
+    loops: Loops,
 }
 
 /// Bytes of an axis that each cycle accesses: its present motion, its supervision and its limits.
 pub const HOT_BYTES: usize =
-    std::mem::offset_of!(Axis, judge) + Supervision::HOT_BYTES + size_of::<in_force::Derived>();
+    std::mem::offset_of!(Axis, supervision) + Supervision::HOT_BYTES + size_of::<in_force::Derived>();
 const _: () = assert!(HOT_BYTES <= 1024, "a cycle of an axis touches more than 1 KiB");
 
 impl Axis {
@@ -324,67 +264,33 @@ impl Axis {
         let delay = setup.drive.map_or(0, |(_, offers)| offers.delay.min(MAX_DELAY));
         let sensor = Sensor::new(setup.wired, setup.encoders, &parameters);
         Self {
-            setup,
-            signals,
+            cycle: CycleState::new(signals),
+            status: Status::new(is_virtual),
+            command: CommandState::default(),
+            feedback: PositionFeedback::new(sensor.reader(), is_virtual),
+            drive_data: DriveData::new(is_virtual),
+            travel: Travel::default(),
+            supervision: Supervision::new(delay),
             parameters: parameters.into(),
-            state: if is_virtual { AxisState::Standstill } else { AxisState::Disabled },
-            reference: Reference::Stop,
-            power: if is_virtual { Power::On } else { Power::Off },
-            active: true,
-            shown: DriveShown::new(is_virtual),
-            watch: power::Watch::default(),
-            switches: Switches::default(),
-            switches_before: Switches::default(),
-            index: (0, Position::ZERO),
+            setup,
+            sources: Sources::new(sensor),
+            brake: BrakeState::default(),
+            motion: ActiveMotion::default(),
             homing: Homing::default(),
-            moved: Position::ZERO,
-            counter: sensor.reader(),
-            sensor,
-            sight: MasterView::default(),
-            origin: 0,
-            actual: Lead { valid: is_virtual, ..Lead::default() },
-            command: Motion::default(),
-            is_led: false,
-            generator: Generator::Rest,
-            goal: None,
-            function: None,
-            left: None,
-            lost: None,
-            overlay: None,
-            phasing: None,
-            conditioning: Conditioning::default(),
-            engagement: None,
-            leaving: None,
-            touch_probes: TouchProbes::default(),
-            buffer: Buffer::default(),
-            override_seen: parameters.velocity_override,
-            waiting: Waiting::default(),
-            compensation: Compensator::new(delay),
-            position_loop: PositionLoop::default(),
-            effort_loops: EffortLoops::default(),
-            velocity_feedback: VelocityFeedback::default(),
-            recovery: Recovery::default(),
-            judge: Supervision::new(delay),
-            at_limits: AtLimits::default(),
-            alarm: ActiveError::default(),
-            open_contact: Code::NONE,
-            stops_others: false,
-            brake: false,
-            holding: BrakeState::default(),
-            is_backwards: false,
-            last_direction: 0.0,
-            streamed: Streamed::default(),
-            owner: Owner::Native,
+            task: Task::default(),
+            observed: Observed::new(parameters.velocity_override),
+            alarm: AlarmState::default(),
             vocabularies: Vocabularies::default(),
-            output: DriveOutput::default(),
-            rhythm: CyclePace::default(),
+            coupling: CouplingState::default(),
+            pending: Pending::default(),
+            loops: Loops::new(delay),
         }
     }
 
     /// Sets the parameters before its first cycle.
     pub fn begin_with(&mut self, parameters: AxisParameters) {
         self.parameters.set(parameters);
-        self.override_seen = parameters.velocity_override;
+        self.observed.see_override(parameters.velocity_override);
     }
 
     /// Returns true if it has changed parameters by itself since the last call.
@@ -394,8 +300,8 @@ impl Axis {
 
     /// Whether the axis is off or, if it cannot be switched off, at rest without a goal.
     pub fn is_idle(&self) -> bool {
-        match self.state {
-            AxisState::Disabled | AxisState::Stopping => self.power == Power::Off && !self.is_virtual(),
+        match self.status.state() {
+            AxisState::Disabled | AxisState::Stopping => self.status.power() == Power::Off && !self.is_virtual(),
             AxisState::Standstill => self.is_virtual(),
             _ => false,
         }
@@ -403,21 +309,21 @@ impl Axis {
 
     /// Whether the power may be removed now without ending a motion or a command.
     pub fn may_lose_power(&self) -> bool {
-        let is_off = match self.state {
-            AxisState::Disabled | AxisState::ErrorStop => self.power == Power::Off || self.is_virtual(),
-            AxisState::Stopping => self.power == Power::Off && !self.is_virtual(),
+        let is_off = match self.status.state() {
+            AxisState::Disabled | AxisState::ErrorStop => self.status.power() == Power::Off || self.is_virtual(),
+            AxisState::Stopping => self.status.power() == Power::Off && !self.is_virtual(),
             AxisState::Standstill => self.is_virtual(),
             _ => false,
         };
-        is_off && self.goal.is_none() && self.engagement.is_none() && self.waiting.is_empty()
+        is_off && self.task.goal().is_none() && self.coupling.engagement().is_none() && self.pending.waiting().is_empty()
     }
 
     /// Executes the part of a cycle before its commands.
     pub fn begin_step(&mut self, cx: &mut Context<'_>) {
         self.take_shifts(cx);
         self.supervise_source(cx);
-        self.stops_others = false;
-        (self.holding.had_power, self.holding.asks_anew) = (self.is_on(), false);
+        self.alarm.spare_others();
+        (self.brake.had_power, self.brake.asks_anew) = (self.is_on(), false);
         self.watch_contacts(cx);
         self.read_second(cx);
         self.supervise(cx);
@@ -449,7 +355,7 @@ impl Axis {
         self.check_arrival(cx);
         self.settle_step(cx);
         // Shows the effect of commands on the position since it was advanced.
-        self.show_virtual(self.actual.change);
+        self.show_virtual(self.feedback.change());
     }
 
     /// Executes the part after everything that may stop or end a motion.
@@ -459,7 +365,7 @@ impl Axis {
         self.settle_leaving(cx);
         self.settle_conditioning();
         self.switch_drive(cx);
-        if self.holding.had_power && !self.at_limits.is_free() && !self.is_on() {
+        if self.brake.had_power && !self.travel.at_limits().is_free() && !self.is_on() {
             self.note_stop_given_up();
         }
         self.command_brake(cx.cycle);
@@ -471,9 +377,9 @@ impl Axis {
     #[inline]
     pub(super) fn show_virtual(&mut self, moved: Position) {
         if self.is_virtual() || self.is_simulated() && self.is_on() {
-            let change = moved + (self.command.position - self.actual.position);
-            let Motion { position, velocity, .. } = self.command;
-            self.actual = Lead { position, change, velocity, uneven: 0.0, valid: true };
+            let change = moved + (self.command.position() - self.feedback.position());
+            let Motion { position, velocity, .. } = self.command.motion();
+            self.feedback.show(Lead { position, change, velocity, uneven: 0.0, valid: true });
         }
     }
 
@@ -507,60 +413,61 @@ impl Axis {
             _ => return,
         };
         if let Err(refusal) = result {
-            cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) });
+            cx.events.push(Event { position: self.command.position(), ..refusal.event(sequence) });
         }
     }
 
     /// Whether its state is possible; a state from outside may contain any values.
     pub fn is_sound(&self) -> bool {
-        let searches = self.goal.and_then(|goal| goal.search).is_none_or(|search| search.is_sound());
-        let waits = self.buffer.is_sound()
-            && self.overlay.is_none_or(|overlay| overlay.is_sound())
-            && self.phasing.is_none_or(|phasing| phasing.is_sound() && self.coupling().is_some())
-            && self.conditioning.is_sound()
-            && self.engagement.is_none_or(|engagement| engagement.is_sound())
-            && self.leaving.is_none_or(|leaving| leaving.is_sound() && self.coupling().is_some());
-        let fits = match self.generator {
+        let searches = self.task.goal().and_then(|goal| goal.search).is_none_or(|search| search.is_sound());
+        let waits = self.pending.buffer().is_sound()
+            && self.coupling.overlay().is_none_or(|overlay| overlay.is_sound())
+            && self.coupling.phasing().is_none_or(|phasing| phasing.is_sound() && self.coupling().is_some())
+            && self.coupling.conditioning().is_sound()
+            && self.coupling.engagement().is_none_or(|engagement| engagement.is_sound())
+            && self.coupling.leaving().is_none_or(|leaving| leaving.is_sound() && self.coupling().is_some());
+        let fits = match *self.motion.generator() {
             Generator::Rest => true,
             Generator::Open { .. } | Generator::Coast { .. } => self.is_open_loop(),
             Generator::OutAn { level, .. } => {
-                let is_one = self.closes_loop_here() && self.gantry().is_none() && self.goal.is_none();
-                let runs = self.power == Power::On && self.state == AxisState::ContinuousMotion;
+                let is_one = self.closes_loop_here() && self.gantry().is_none() && self.task.goal().is_none();
+                let runs = self.status.power() == Power::On && self.status.state() == AxisState::ContinuousMotion;
                 is_one && runs && (level == Level::Setpoint || self.has_effort_command())
             }
             Generator::Plan(_) | Generator::Follow(_) => !self.is_open_loop(),
             Generator::Track(_) => !self.is_open_loop() && self.tracker().is_some(),
         };
-        let tracks = self.trackers().all(|tracker| tracker.is_sound()) && self.left.is_none();
-        let is_moved = self.function.is_none_or(|by| by.is_sound());
+        let tracks = self.trackers().all(|tracker| tracker.is_sound()) && self.task.left().is_none();
+        let is_moved = self.task.function().is_none_or(|by| by.is_sound());
         fits && tracks
             && is_moved
             && self.is_sensor_sound()
-            && self.generator.is_sound()
+            && self.motion.generator().is_sound()
             && self.homing.is_sound()
-            && self.homing.is_running() == (self.state == AxisState::Homing)
+            && self.homing.is_running() == (self.status.state() == AxisState::Homing)
             && (!self.homing.is_running() || self.is_on() && !self.is_virtual())
             && self.parameters.is_sound()
-            && self.compensation.is_sound()
-            && self.position_loop.is_sound()
-            && self.effort_loops.is_sound(&self.parameters.amplifier, self.setup.cycle_ns)
-            && self.velocity_feedback.is_sound()
+            && self.loops.compensation().is_sound()
+            && self.loops.position().is_sound()
+            && self.loops.effort().is_sound(&self.parameters.amplifier, self.setup.cycle_ns)
+            && self.loops.velocity_feedback().is_sound()
             && self.can_close_loop()
             && self.may_be_analog_with(&self.parameters).is_ok()
-            && self.recovery.is_sound()
+            && self.loops.recovery().is_sound()
             && self.vocabularies.is_sound()
-            && self.touch_probes.are_sound()
+            && self.pending.touch_probes().are_sound()
             && searches
             && waits
-            && self.command.is_sound()
-            && self.override_seen.is_finite()
+            && self.command.motion().is_sound()
+            && self.observed.override_seen().is_finite()
             && self.fault().is_sound()
     }
 
     /// Whether it is the same axis of the same machine, in any state.
     pub fn is_set_up_as(&self, other: &Self) -> bool {
-        let has_rings = self.judge.has_ring_of(&other.judge) && self.compensation.has_ring_of(&other.compensation);
-        self.setup == other.setup && self.signals == other.signals && has_rings
+        let has_rings = self.supervision.has_ring_of(&other.supervision)
+            && self.loops.compensation().has_ring_of(other.loops.compensation());
+        self.setup == other.setup && self.cycle.signals() == other.cycle.signals() && has_rings
     }
 
     /// Returns the axis as an object.
@@ -577,13 +484,13 @@ impl Axis {
     /// Returns its command position for followers: the motion of this cycle.
     #[inline]
     pub fn command(&self) -> Motion {
-        self.command
+        self.command.motion()
     }
 
     /// Returns its actual position for followers.
     #[inline]
     pub fn actual(&self) -> Lead {
-        self.actual
+        self.feedback.lead()
     }
 
     /// Returns the position of raw counts near those of this cycle (inc).
@@ -594,7 +501,7 @@ impl Axis {
     /// Returns the command to the drive.
     #[inline]
     pub fn output(&self) -> DriveOutput {
-        self.output
+        *self.drive_data.output()
     }
 
     /// Returns the active error.
@@ -620,21 +527,15 @@ impl Axis {
 
     /// Changes the state and reports it. A state that a stop with lock replaces in the same cycle is not reported.
     fn set_state(&mut self, cx: &mut Context<'_>, state: AxisState) {
-        if self.state != state {
-            self.state = state;
-            let object = self.object();
-            let event = Event::new(Severity::Info, Kind::State, object, Code::NONE);
-            let event = event.with(Number::Count(state as i64), Number::None);
-            let locks = matches!(state, AxisState::Stopping | AxisState::ErrorStop);
-            let is_outdated = |last: &Event| locks && last.kind == Kind::State && last.source == object;
-            cx.events.push_over(Event { position: self.command.position, ..event }, is_outdated);
-        }
+        let shown = (self.object(), self.command.position());
+        self.status.enter(state, cx.events, shown);
     }
 
     /// Reads the drive and the source of the position. The inputs of all axes are read before any axis moves.
     pub fn sense(&mut self, input: Option<&DriveInput>, encoders: &[Encoder], raw: &[EncoderInput]) {
         let Some(input) = input else { return };
-        self.shown.read(input, self.reported_effort(input.effort));
+        let effort = self.reported_effort(input.effort);
+        self.drive_data.shown_mut().read(input, effort);
         self.read_source(input, encoders, raw);
         self.read_velocity_encoder(input);
     }

@@ -9,9 +9,9 @@ impl Axis {
     /// Advances the command position to this cycle.
     pub(super) fn advance(&mut self, cx: &mut Context<'_>) {
         if !self.is_on() {
-            self.command = Motion::at_rest(self.actual.position);
-            self.generator = Generator::Rest;
-            self.is_led = false;
+            self.command.rest_at(self.feedback.position());
+            self.motion.rest();
+            self.status.set_led(false);
             return;
         }
         if self.is_open_loop() {
@@ -29,10 +29,10 @@ impl Axis {
 
     /// Advances the command of an axis that is on by its generator.
     fn advance_command(&mut self, cx: &mut Context<'_>) {
-        self.is_led = matches!(self.generator, Generator::Follow(_));
-        let base = match &self.generator {
+        self.status.set_led(matches!(*self.motion.generator(), Generator::Follow(_)));
+        let base = match self.motion.generator() {
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => {
-                Some(Motion::at_rest(self.command.position))
+                Some(Motion::at_rest(self.command.position()))
             }
             // The usual case.
             Generator::Plan(course) if !course.has_ended(cx.cycle) => {
@@ -54,16 +54,14 @@ impl Axis {
     /// Notes the direction of motion, for direction CURRENT.
     #[inline]
     pub(super) fn note_direction(&mut self) {
-        if self.command.velocity != 0.0 {
-            self.last_direction = self.command.velocity;
-        }
+        self.travel.note_direction(self.command.velocity());
     }
 
     /// Executes the motion of this cycle within the limits.
     #[inline]
     fn execute_within_limits(&mut self, cx: &mut Context<'_>, base: Motion) {
         let mut next = base;
-        if self.overlay.is_some() {
+        if self.coupling.overlay().is_some() {
             next = self.superimpose(cx, base);
         }
         let is_added = next.position != base.position;
@@ -71,21 +69,22 @@ impl Axis {
             next = self.forward(cx, next);
         }
         // A limit that stops the axis sets the command itself.
-        let meets_switch = self.switches.positive || self.switches.negative || self.homing.is_ending();
+        let meets_switch =
+            self.observed.switches().positive || self.observed.switches().negative || self.homing.is_ending();
         if meets_switch && self.stop_at_switch(cx, next) || self.stop_at_limit(cx, next, is_added) {
             return self.note_direction();
         }
-        let is_planned = matches!(self.generator, Generator::Plan(_)) && !is_added;
+        let is_planned = matches!(*self.motion.generator(), Generator::Plan(_)) && !is_added;
         if is_planned && !self.is_within_limits(next.position) {
             next = self.rounded(next);
         }
-        self.command = next;
+        self.command.execute(next);
         self.note_direction();
     }
 
     /// Returns the motion of this cycle from the active course; at its end the next motion begins.
     fn step_plan(&mut self, cx: &mut Context<'_>) -> Motion {
-        let Generator::Plan(course) = &mut self.generator else { return self.command };
+        let Generator::Plan(course) = self.motion.generator() else { return self.command.motion() };
         let next = course.at(cx.cycle);
         if !course.has_ended(cx.cycle) {
             return next;
@@ -94,17 +93,21 @@ impl Axis {
             // A stop may end between two increments. Its drive has the lower one in any case: resting there moves
             // nothing, and every axis at rest is at a whole increment.
             if !course.is_held() {
-                self.generator = Generator::Rest;
+                self.motion.rest();
             }
             // A superimposed motion continues from the present position.
-            return if self.overlay.is_some() { Motion::at_rest(next.position) } else { self.resting(next.position) };
+            return if self.coupling.overlay().is_some() {
+                Motion::at_rest(next.position)
+            } else {
+                self.resting(next.position)
+            };
         }
         match course.aim {
             Aim::Target(_) => self.pass_target(cx, next),
             _ if course.is_old(cx.cycle) => {
                 let (aim, limits) = (course.aim, course.limits);
                 let plan = profile::to_velocity(next, next.velocity, &limits, self.setup.cycle_ns);
-                self.generator = Generator::Plan(PlannedMotion::new(plan, cx.cycle, aim, limits));
+                self.motion.plan(PlannedMotion::new(plan, cx.cycle, aim, limits));
                 next
             }
             _ => next,
@@ -114,38 +117,42 @@ impl Axis {
     /// Handles a target that is passed, or the position before it at which the acceleration to the passing velocity
     /// begins.
     fn pass_target(&mut self, cx: &mut Context<'_>, next: Motion) -> Motion {
-        let Generator::Plan(course) = self.generator else { return next };
+        let Generator::Plan(course) = *self.motion.generator() else { return next };
         let lead = course.overshoot(cx.cycle);
         let from = Motion { velocity: course.end_velocity(), ..Motion::at_rest(course.end()) };
         if course.end_velocity() != course.pass {
             let plan = profile::to_velocity(from, course.pass, &course.limits, self.setup.cycle_ns);
             let speeding = PlannedMotion::new(plan, cx.cycle, course.aim, course.limits).passing(course.pass);
-            self.generator = Generator::Plan(speeding.with_lead(lead));
-        } else if self.buffer.is_empty() {
+            self.motion.plan(speeding.with_lead(lead));
+        } else if self.pending.buffer().is_empty() {
             // Its next goal was cancelled: it ends at its own target.
             self.replan_from(cx, from, lead);
         } else {
-            let before = self.goal.and_then(|goal| goal.target);
+            let before = self.task.goal().and_then(|goal| goal.target);
             self.end_goal(cx, Code::NONE);
             self.begin_next(cx, from, lead, before);
         }
-        match &self.generator {
+        match self.motion.generator() {
             Generator::Plan(course) => course.at(cx.cycle),
             _ => next,
         }
     }
 
     fn replan_from(&mut self, cx: &mut Context<'_>, from: Motion, lead: f64) {
-        if let Generator::Plan(course) = self.generator {
+        if let Generator::Plan(course) = *self.motion.generator() {
             let course = self.course(cx.cycle, from, course.aim, course.limits);
-            self.generator = Generator::Plan(course.with_lead(lead));
+            self.motion.plan(course.with_lead(lead));
         }
     }
 
     /// Returns the motion of this cycle as the start of the next profile. The acceleration of a coupling comes from the
     /// counts of its leader: no profile continues with it.
     pub(super) fn present_motion(&self) -> Motion {
-        if self.is_led { Motion { acceleration: 0.0, jerk: 0.0, ..self.command } } else { self.command }
+        if self.status.is_led() {
+            Motion { acceleration: 0.0, jerk: 0.0, ..self.command.motion() }
+        } else {
+            self.command.motion()
+        }
     }
 
     /// Stops from the present motion; at rest the command stays at the increment that the drive already has.
@@ -156,18 +163,21 @@ impl Axis {
         if self.out_an().is_some() {
             return self.let_drive_stop(cx);
         }
-        self.reference = Reference::Stop;
-        if matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion | AxisState::Homing) {
+        self.status.end_reference();
+        if matches!(
+            self.status.state(),
+            AxisState::ContinuousMotion | AxisState::SynchronizedMotion | AxisState::Homing
+        ) {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
         let present = self.present_motion();
         if present.velocity == 0.0 && (present.acceleration == 0.0 || limits.shape == Shape::Trapezoid) {
-            self.command = self.resting(self.command.position);
-            self.generator = Generator::Rest;
+            self.command.execute(self.resting(self.command.position()));
+            self.motion.rest();
             return;
         }
         let course = self.course(cx.cycle, present, Aim::Stop, *limits);
-        self.generator = Generator::Plan(course);
+        self.motion.plan(course);
     }
 
     /// Begins a motion: state, reference and generator change together.
@@ -178,16 +188,17 @@ impl Axis {
         reference: Reference,
         generator: Generator,
     ) {
-        (self.reference, self.generator) = (reference, generator);
+        self.status.refer_to(reference);
+        self.motion.begin(generator);
         if reference != Reference::Function {
-            self.function = None;
+            self.task.leave_function();
         }
         self.set_state(cx, state);
     }
 
     /// Returns the limits of the active motion.
     pub(super) fn active_limits(&self) -> Limits {
-        match &self.generator {
+        match self.motion.generator() {
             Generator::Plan(course) => course.limits,
             _ => self.parameters.default_goal_limits(),
         }

@@ -26,7 +26,7 @@ impl Axis {
 
     /// Returns an error if there is no position loop.
     pub(super) fn check_closed_loop(&self) -> Result<(), Refusal> {
-        match self.generator {
+        match *self.motion.generator() {
             _ if self.is_open_loop() => Err(self.refuse(Code::OPEN_LOOP)),
             Generator::OutAn { .. } => Err(self.refuse(Code::OUT_AN_RUNS)),
             _ => Ok(()),
@@ -35,18 +35,18 @@ impl Axis {
 
     /// Executes [`advance`](Self::advance) for such an axis.
     pub(super) fn advance_open(&mut self, cx: &mut Context<'_>) {
-        self.command = Motion { velocity: self.speed(), ..Motion::at_rest(self.actual.position) };
-        if self.stop_at_switch(cx, self.command) {
+        self.command.execute(Motion { velocity: self.speed(), ..Motion::at_rest(self.feedback.position()) });
+        if self.stop_at_switch(cx, self.command.motion()) {
             return;
         }
-        match self.generator {
+        match *self.motion.generator() {
             Generator::Open { velocity } => {
                 if let Some(limit) = self.limit_ahead(velocity) {
                     self.stop_speed_at(cx, velocity, limit);
                 }
             }
             Generator::Coast { since } if !self.has_run_down(cx.cycle, since) => {}
-            _ => self.generator = Generator::Rest,
+            _ => self.motion.rest(),
         }
     }
 
@@ -61,7 +61,7 @@ impl Axis {
     /// Returns the software limit (inc) which the axis has reached, if `velocity` leads further into it.
     pub(super) fn limit_ahead(&self, velocity: f64) -> Option<i64> {
         let limit = self.limit(velocity > 0.0);
-        let here = self.actual.position;
+        let here = self.feedback.position();
         let reached = if velocity > 0.0 { here >= Position::whole(limit) } else { here <= Position::whole(limit) };
         (velocity != 0.0 && reached).then_some(limit)
     }
@@ -103,27 +103,25 @@ impl Axis {
         if let Some(limit) = self.limit_ahead(velocity) {
             return refuse(Code::LIMIT_VIOLATION, Number::Position(limit));
         }
-        self.command = Motion { velocity, ..Motion::at_rest(self.actual.position) };
+        self.command.execute(Motion { velocity, ..Motion::at_rest(self.feedback.position()) });
         self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Open { velocity });
         Ok(())
     }
 
     /// Switches the speed off from this cycle on: the axis coasts.
     pub(super) fn switch_speed_off(&mut self, cx: &mut Context<'_>) {
-        self.reference = Reference::Stop;
-        self.command = Motion::at_rest(self.actual.position);
-        if matches!(self.generator, Generator::Open { .. }) {
-            self.generator = Generator::Coast { since: cx.cycle };
-        }
-        let homes_no_more = self.state == AxisState::Homing && !self.homing.is_running();
-        if self.state == AxisState::ContinuousMotion || homes_no_more {
+        self.status.end_reference();
+        self.command.rest_at(self.feedback.position());
+        self.motion.coast(cx.cycle);
+        let homes_no_more = self.status.state() == AxisState::Homing && !self.homing.is_running();
+        if self.status.state() == AxisState::ContinuousMotion || homes_no_more {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
     }
 
     /// Returns the speed for the drive (inc/s).
     pub(super) fn speed(&self) -> f64 {
-        match self.generator {
+        match *self.motion.generator() {
             Generator::Open { velocity } if self.is_on() => velocity,
             _ => 0.0,
         }
@@ -142,9 +140,9 @@ impl Axis {
     /// Limits the outputs to those allowed. The end of the speed ends the axis output and the voltage in the same
     /// cycle; an error, or a command of another owner, ends the direction as well.
     pub(crate) fn allowed(&self, asked: Switching) -> Switching {
-        let commanded = self.owner.drives_outputs()
-            && self.power == Power::On
-            && !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping);
+        let commanded = self.status.owner().drives_outputs()
+            && self.status.power() == Power::On
+            && !matches!(self.status.state(), AxisState::ErrorStop | AxisState::Stopping);
         let runs = commanded && self.speed() != 0.0;
         Switching {
             forward: asked.forward && commanded,

@@ -28,7 +28,7 @@ impl Axis {
     /// Returns the active value of OUTAN, and its level.
     #[inline]
     pub(super) fn out_an(&self) -> Option<(f64, Level)> {
-        match self.generator {
+        match *self.motion.generator() {
             Generator::OutAn { value, level } => Some((value, level)),
             _ => None,
         }
@@ -38,12 +38,13 @@ impl Axis {
         let OutAn { value, level, .. } = request;
         self.check_out_an(request)?;
         if self.out_an().is_some() {
-            self.generator = Generator::OutAn { value, level };
+            self.motion.run_out_an(value, level);
         } else {
             self.end_all_motion(cx, Code::REPLACED);
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::OutAn { value, level });
         }
-        self.command = self.opened_motion(value, level);
+        let motion = self.opened_motion(value, level);
+        self.command.execute(motion);
         self.accepted(cx, sequence);
         Ok(())
     }
@@ -65,7 +66,7 @@ impl Axis {
             return Err(self.refuse(Code::BAD_NUMBER).with(Number::Real(value), Number::Real(1.0)));
         }
         self.check_free()?;
-        if self.out_an().is_none() && (!self.rests() || self.goal.is_some()) {
+        if self.out_an().is_none() && (!self.rests() || self.task.goal().is_some()) {
             return Err(self.not_at_standstill());
         }
         // An effort against the motion first stops the axis and then reverses it.
@@ -88,7 +89,7 @@ impl Axis {
     fn opened_motion(&mut self, value: f64, level: Level) -> Motion {
         let (full, _) = self.full_reference();
         let velocity = if self.asks_velocity(level) { value * full } else { 0.0 };
-        Motion { velocity, ..Motion::at_rest(self.actual.position) }
+        Motion { velocity, ..Motion::at_rest(self.feedback.position()) }
     }
 
     /// Executes [`advance`](Self::advance) for such an axis.
@@ -99,8 +100,8 @@ impl Axis {
         if self.stop_at_switch(cx, Motion { velocity: towards, ..next }) {
             return;
         }
-        self.command = next;
-        let (velocity, most) = (self.actual.velocity, self.parameters.max_velocity * OVERSPEED);
+        self.command.execute(next);
+        let (velocity, most) = (self.feedback.velocity(), self.parameters.max_velocity * OVERSPEED);
         if velocity.abs() > most + ROUNDING / self.cycle_s() {
             let found = (Number::Velocity(velocity), Number::Velocity(most));
             return self.raise(cx, Failure::of(Code::OVERSPEED).with(found.0, found.1));
@@ -115,7 +116,7 @@ impl Axis {
     fn limit_reached(&self, velocity: f64) -> Option<i64> {
         let answer = self.cycle_s() * (self.delay() + 2) as f64;
         let way = velocity * (answer + velocity.abs() / (2.0 * self.stop_limits().deceleration));
-        let end = self.actual.position + Position::from_f64(way);
+        let end = self.feedback.position() + Position::from_f64(way);
         let limit = self.limit(velocity > 0.0);
         let is_beyond = if velocity > 0.0 { end > Position::whole(limit) } else { end < Position::whole(limit) };
         (velocity != 0.0 && is_beyond).then_some(limit)
@@ -123,17 +124,17 @@ impl Axis {
 
     /// Whether no loop here stops the axis: its position loop is open, or its drive stops it because it was open.
     pub(super) fn drive_stops_axis(&self) -> bool {
-        self.out_an().is_some() || matches!(self.power, Power::DriveStops { .. })
+        self.out_an().is_some() || matches!(self.status.power(), Power::DriveStops { .. })
     }
 
     /// Ends OUTAN: the drive stops by itself, and then its power is removed.
     pub(super) fn let_drive_stop(&mut self, cx: &mut Context<'_>) {
-        self.reference = Reference::Stop;
+        self.status.end_reference();
         // The time counts from the start of the stop.
-        let since = if let Power::DriveStops { since, .. } = self.power { since } else { cx.cycle };
-        self.power = Power::DriveStops { since, then_off: true };
+        let since = if let Power::DriveStops { since, .. } = self.status.power() { since } else { cx.cycle };
+        self.status.set_power(Power::DriveStops { since, then_off: true });
         self.command_actual_position();
-        if matches!(self.state, AxisState::ContinuousMotion) {
+        if matches!(self.status.state(), AxisState::ContinuousMotion) {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
     }

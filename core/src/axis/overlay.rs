@@ -113,28 +113,30 @@ fn plan(shown: Motion, end: Position, limits: &Limits, share: f64, cycle_ns: u64
 impl Axis {
     /// Whether nothing moves the command, nor a second drive relative to the first one.
     pub(super) fn rests(&self) -> bool {
-        matches!(self.generator, Generator::Rest) && self.overlay.is_none() && !self.holding.second_moves
+        matches!(*self.motion.generator(), Generator::Rest)
+            && self.coupling.overlay().is_none()
+            && !self.brake.second_moves
     }
 
     /// Returns the active motion without superimposed motion.
     pub(super) fn underlying(&self) -> Motion {
-        let Some(Overlay { shown, .. }) = self.overlay else { return self.command };
+        let Some(Overlay { shown, .. }) = self.coupling.overlay() else { return self.command.motion() };
         Motion {
-            position: self.command.position,
-            velocity: self.command.velocity - shown.velocity,
-            acceleration: self.command.acceleration - shown.acceleration,
-            jerk: self.command.jerk - shown.jerk,
+            position: self.command.position(),
+            velocity: self.command.velocity() - shown.velocity,
+            acceleration: self.command.acceleration() - shown.acceleration,
+            jerk: self.command.motion().jerk - shown.jerk,
         }
     }
 
     /// Returns the start of a course that is planned again below a superimposed motion.
     pub(super) fn base(&self) -> Motion {
-        if self.overlay.is_some() { self.underlying() } else { self.present_motion() }
+        if self.coupling.overlay().is_some() { self.underlying() } else { self.present_motion() }
     }
 
     /// Returns the velocity and acceleration that a coupling leaves to the superimposed motion (inc/s, inc/s^2).
     pub(super) fn reserve(&self) -> Reserve {
-        self.overlay.map_or(Reserve::default(), |overlay| Reserve {
+        self.coupling.overlay().map_or(Reserve::default(), |overlay| Reserve {
             velocity: overlay.limits.velocity,
             acceleration: overlay.limits.acceleration.max(overlay.limits.deceleration),
         })
@@ -142,7 +144,7 @@ impl Axis {
 
     /// Adds the superimposed motion of this cycle to `base`; the distance remains in the active motion.
     pub(super) fn superimpose(&mut self, cx: &mut Context<'_>, base: Motion) -> Motion {
-        let Some(overlay) = &mut self.overlay else { return base };
+        let Some(overlay) = self.coupling.overlay_mut() else { return base };
         let elapsed = cx.cycle.saturating_sub(overlay.start);
         let motion = overlay.plan.at(elapsed);
         let change = motion.position - overlay.shown.position;
@@ -150,12 +152,8 @@ impl Axis {
         // A motion that the override holds continues later.
         let ended = elapsed >= overlay.plan.cycles() && overlay.plan.end() == overlay.end;
         let (sequence, ending) = (overlay.sequence, overlay.ending);
-        if let Generator::Plan(course) = &mut self.generator {
-            course.shift(change);
-        } else if let Some(follower) = self.generator.follower_mut() {
-            follower.shift(change);
-        }
-        if let Some(target) = self.goal.as_mut().and_then(|goal| goal.target.as_mut()) {
+        self.motion.superimpose(change);
+        if let Some(target) = self.task.goal_mut().and_then(|goal| goal.target.as_mut()) {
             *target += change;
         }
         let sum = Motion {
@@ -165,11 +163,11 @@ impl Axis {
             jerk: base.jerk + motion.jerk,
         };
         if ended {
-            self.overlay = None;
+            self.coupling.take_overlay();
             self.renew_override_share();
             let code = ending.unwrap_or(Code::NONE);
             cx.events.push(Event::done(self.object(), sequence, code, sum.position));
-            if matches!(self.generator, Generator::Rest) {
+            if matches!(*self.motion.generator(), Generator::Rest) {
                 return self.resting(sum.position);
             }
         }
@@ -178,7 +176,7 @@ impl Axis {
 
     /// Returns the position of the superimposed motion, counted from the start of the first one; 0 without one.
     pub(super) fn superimposed(&self) -> Position {
-        self.overlay.map_or(Position::ZERO, |overlay| overlay.shown.position)
+        self.coupling.overlay().map_or(Position::ZERO, |overlay| overlay.shown.position)
     }
 
     /// Starts a superimposed motion to an end. It replaces an active one, from its present motion.
@@ -193,7 +191,7 @@ impl Axis {
         end: Position,
     ) -> Result<(), Refusal> {
         self.check_no_marks()?;
-        let shown = self.overlay.map_or(Motion::default(), |overlay| overlay.shown);
+        let shown = self.coupling.overlay().map_or(Motion::default(), |overlay| overlay.shown);
         let share = self.parameters.velocity_override;
         let with = |ways: RelativeDirection| {
             let (limits, most) = self.remaining_limits(request, ways)?;
@@ -219,11 +217,11 @@ impl Axis {
         self.check_overlay_forward(&overlay)?;
         self.check_sum(&overlay)?;
         self.end_overlay(cx, Code::REPLACED, NO_NUMBERS);
-        self.overlay = Some(overlay);
+        self.coupling.set_overlay(Some(overlay));
         self.renew_override_share();
-        self.judge.rested_at = None;
+        self.supervision.rested_at = None;
         self.accepted(cx, sequence);
-        if self.state == AxisState::Standstill {
+        if self.status.state() == AxisState::Standstill {
             self.set_state(cx, AxisState::DiscreteMotion);
         }
         Ok(())
@@ -233,7 +231,8 @@ impl Axis {
     /// cycle.
     fn check_sum(&self, overlay: &Overlay) -> Result<(), Refusal> {
         let (down, up) = overlay.ahead();
-        let here = matches!(self.generator, Generator::Rest).then_some((self.command.position, self.command.position));
+        let here = matches!(*self.motion.generator(), Generator::Rest)
+            .then_some((self.command.position(), self.command.position()));
         match self.known_reach().or(here) {
             Some((low, high)) => self.check_range(low + down, high + up),
             None => Ok(()),
@@ -242,7 +241,7 @@ impl Axis {
 
     /// Checks that these positions are within the limits, or no further out than the axis already is.
     pub(super) fn check_range(&self, lowest: Position, highest: Position) -> Result<(), Refusal> {
-        let now = self.command.position;
+        let now = self.command.position();
         let beyond = |code, reached: i64, limit| {
             Err(Refusal::new(code, self.object()).with(Number::Position(reached), Number::Position(limit)))
         };
@@ -262,22 +261,22 @@ impl Axis {
 
     /// Checks that the active motion plus the remaining superimposed motion stays within the position limits.
     pub(super) fn check_overlay(&self) -> Result<(), Refusal> {
-        self.overlay.map_or(Ok(()), |overlay| self.check_sum(&overlay))
+        self.coupling.overlay().map_or(Ok(()), |overlay| self.check_sum(&overlay))
     }
 
     /// Returns the direction of the active motion and the waiting goals if they do not turn back: up is true. None for
     /// motions that may reverse at any time: a leader, a stream, a vocabulary, a search.
     fn direction_of_motion(&self) -> Option<bool> {
-        let Generator::Plan(course) = &self.generator else { return None };
-        if self.goal.is_none() || self.owner != Owner::Native || self.searches() || self.probes() {
+        let Generator::Plan(course) = self.motion.generator() else { return None };
+        if self.task.goal().is_none() || self.status.owner() != Owner::Native || self.searches() || self.probes() {
             return None;
         }
-        let here = self.command.position;
+        let here = self.command.position();
         let (low, high) = course.extent_from(here);
         let ahead = (low - here, high - here);
         let up = match course.aim {
             // A waiting goal may reverse.
-            Aim::Velocity(_) if !self.buffer.is_empty() => None,
+            Aim::Velocity(_) if !self.pending.buffer().is_empty() => None,
             // Once the velocity is reached, its plan is behind the axis.
             Aim::Velocity(velocity) => {
                 let (end, rounding) = (course.end(), Position::from_f64(ROUNDING));
@@ -287,7 +286,7 @@ impl Axis {
             Aim::Target(target) => single_direction(ahead, target - here),
             Aim::Stop => single_direction(ahead, course.end() - here),
         }?;
-        let mut before = self.goal.and_then(|goal| goal.target);
+        let mut before = self.task.goal().and_then(|goal| goal.target);
         let goes_on = self.waiting_ends().all(|end| {
             let is_on = before.zip(end).is_some_and(|(before, end)| if up { end >= before } else { end <= before });
             before = end;
@@ -299,7 +298,7 @@ impl Axis {
     /// Checks that a goal that will begin below a superimposed motion stays within the remaining rates; `up`: its
     /// direction, if known.
     pub(super) fn check_with_overlay(&self, limits: &Limits, up: Option<bool>) -> Result<(), Refusal> {
-        let Some(overlay) = &self.overlay else { return Ok(()) };
+        let Some(overlay) = self.coupling.overlay() else { return Ok(()) };
         let most = self.parameters.largest_limits();
         let is_same = up.is_some() && up == overlay.remaining_direction() && up == self.direction_of_motion();
         let (taken, code) = (overlay.limits, Code::SUPERIMPOSED_TOO_MUCH);
@@ -325,7 +324,7 @@ impl Axis {
     fn remaining_limits(&self, request: &Move, ways: RelativeDirection) -> Result<(Limits, f64), Refusal> {
         let most = self.parameters.largest_limits();
         let usual = self.parameters.default_goal_limits();
-        let used = match &self.generator {
+        let used = match self.motion.generator() {
             Generator::Plan(course) => Some(course.limits),
             // A coupling keeps within the rest. Of the rates that are possible in both directions it uses the default
             // share.
@@ -336,7 +335,7 @@ impl Axis {
             Generator::Rest | Generator::Open { .. } | Generator::OutAn { .. } | Generator::Coast { .. } => None,
         };
         // The waiting goals will be active together with this motion, too.
-        let used = self.buffer.limits().fold(used, |used, next| {
+        let used = self.pending.buffer().limits().fold(used, |used, next| {
             let used = used.unwrap_or(next);
             Some(Limits { velocity: used.velocity.max(next.velocity), ..used.at_least(&next) })
         });
@@ -380,27 +379,27 @@ impl Axis {
 
     /// Returns the velocity that a superimposed motion leaves to the active motion (inc/s).
     pub(super) fn velocity_for_base(&self) -> f64 {
-        let taken = self.overlay.map_or(0.0, |overlay| overlay.limits.velocity);
+        let taken = self.coupling.overlay().map_or(0.0, |overlay| overlay.limits.velocity);
         (self.parameters.max_velocity - taken).max(0.0)
     }
 
     /// Returns lowest and highest distance that the superimposed motion still adds.
     pub(super) fn overlay_ahead(&self) -> (Position, Position) {
-        self.overlay.map_or_else(Default::default, |overlay| overlay.ahead())
+        self.coupling.overlay().map_or_else(Default::default, |overlay| overlay.ahead())
     }
 
     /// Lets the active motion be planned again: with or without a superimposed motion it gets another share of the
     /// override.
     fn renew_override_share(&mut self) {
         if self.parameters.velocity_override < 100.0 {
-            self.override_seen = UNSEEN;
+            self.observed.see_override(UNSEEN);
         }
     }
 
     /// Plans the superimposed motion again after a change of the override.
     pub(super) fn override_overlay(&mut self, cycle: u64) {
         let share = self.parameters.velocity_override;
-        if let Some(overlay) = &mut self.overlay
+        if let Some(overlay) = self.coupling.overlay_mut()
             && overlay.share != share
             && overlay.ending.is_none()
         {
@@ -417,10 +416,10 @@ impl Axis {
 
     /// Ends the superimposed motion now.
     pub(super) fn end_overlay(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
-        if let Some(overlay) = self.overlay.take() {
+        if let Some(overlay) = self.coupling.take_overlay() {
             self.renew_override_share();
             let code = overlay.ending.unwrap_or(code);
-            let done = Event::done(self.object(), overlay.sequence, code, self.command.position);
+            let done = Event::done(self.object(), overlay.sequence, code, self.command.position());
             cx.events.push(done.with(numbers.0, numbers.1));
         }
     }
@@ -428,7 +427,7 @@ impl Axis {
     /// Stops the superimposed motion; the active motion continues.
     pub(super) fn cancel_overlay(&mut self, cx: &Context<'_>) {
         let cycle_ns = self.setup.cycle_ns;
-        if let Some(overlay) = &mut self.overlay {
+        if let Some(overlay) = self.coupling.overlay_mut() {
             overlay.plan = profile::stop(overlay.shown, &overlay.limits, cycle_ns);
             overlay.end = overlay.plan.end();
             overlay.start = cx.cycle;

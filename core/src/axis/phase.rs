@@ -46,7 +46,7 @@ impl Axis {
             if of_slave { self.shift_slave(cx, sequence, &asked) } else { self.shift_master(cx, sequence, &asked) }
         });
         if let Err(refusal) = result {
-            cx.events.push(Event { position: self.command.position, ..refusal.event(sequence) });
+            cx.events.push(Event { position: self.command.position(), ..refusal.event(sequence) });
         }
     }
 
@@ -76,7 +76,7 @@ impl Axis {
             Transmission::Cam(cam) => (None, cam.largest_change(cx.tables)),
             Transmission::Approach(approach) => (Some(approach.ratio().to_f64()), Gear::MAX_CHANGE as f64),
         };
-        let before = self.phasing.map(|phasing| phasing.shift);
+        let before = self.coupling.phasing().map(|phasing| phasing.shift);
         let (p, reserve) = (&self.parameters, self.reserve());
         // Velocity without the shift that it replaces.
         let own = before.map_or(0.0, |before| before.speed() / cycle_s * gear.unwrap_or_default());
@@ -97,7 +97,7 @@ impl Axis {
         }
         let shift = Shift::new(whole, velocity, acceleration, cycle_s, before.as_ref());
         self.end_phase(cx, Code::REPLACED, NO_NUMBERS);
-        self.phasing = Some(Phasing { sequence, shift, ending: None });
+        self.coupling.set_phasing(Some(Phasing { sequence, shift, ending: None }));
         self.accepted(cx, sequence);
         Ok(())
     }
@@ -148,46 +148,46 @@ impl Axis {
     /// Returns the change that the shift adds to the master in this cycle, and the number of the command that ends with
     /// it.
     pub(super) fn phase_of_master(&mut self) -> (Position, Option<(u64, Code)>) {
-        let Some(phasing) = &mut self.phasing else { return (Position::ZERO, None) };
+        let Some(phasing) = self.coupling.phasing_mut() else { return (Position::ZERO, None) };
         let (change, has_ended) = phasing.shift.step();
         let ended = has_ended.then(|| (phasing.sequence, phasing.ending.unwrap_or(Code::NONE)));
         if has_ended {
-            self.phasing = None;
+            self.coupling.take_phasing();
         }
         (change, ended)
     }
 
     /// Ends the shift of the master now.
     pub(super) fn end_phase(&mut self, cx: &mut Context<'_>, code: Code, numbers: Numbers) {
-        if let Some(phasing) = self.phasing.take() {
+        if let Some(phasing) = self.coupling.take_phasing() {
             let code = phasing.ending.unwrap_or(code);
-            let done = Event::done(self.object(), phasing.sequence, code, self.command.position);
+            let done = Event::done(self.object(), phasing.sequence, code, self.command.position());
             cx.events.push(done.with(numbers.0, numbers.1));
         }
     }
 
     /// Ends the shift when the coupling has ended in any way.
     pub(super) fn settle_phase(&mut self, cx: &mut Context<'_>) {
-        if self.phasing.is_some() && self.coupling().is_none() {
+        if self.coupling.phasing().is_some() && self.coupling().is_none() {
             self.end_phase(cx, Code::NOT_REACHED, NO_NUMBERS);
         }
     }
 
     /// Whether the command of that number shifts the master.
     pub(super) fn is_phase(&self, sequence: u64) -> bool {
-        self.phasing.is_some_and(|phasing| phasing.sequence == sequence)
+        self.coupling.phasing().is_some_and(|phasing| phasing.sequence == sequence)
     }
 
     /// Slows the shift of the master down; the shift reached then remains.
     pub(super) fn cancel_phase(&mut self) {
-        if let Some(phasing) = &mut self.phasing {
+        if let Some(phasing) = self.coupling.phasing_mut() {
             (phasing.shift, phasing.ending) = (phasing.shift.stopping(), Some(Code::CANCELLED));
         }
     }
 
     /// Returns the remaining shares of the shifts of slave and master.
     pub(super) fn phase_left(&self) -> (f64, f64) {
-        let slave = self.overlay.map_or(0.0, |overlay| overlay.share_left());
-        (slave, self.phasing.map_or(0.0, |phasing| phasing.shift.share_left()))
+        let slave = self.coupling.overlay().map_or(0.0, |overlay| overlay.share_left());
+        (slave, self.coupling.phasing().map_or(0.0, |phasing| phasing.shift.share_left()))
     }
 }

@@ -101,18 +101,20 @@ impl Axis {
 
     /// Whether the loops that are closed here are active. A drive that homes by itself closes its own loops.
     pub(super) fn has_loops(&self) -> bool {
-        self.is_on() && self.shown.mode() != MODE_HOMING
+        self.is_on() && self.drive_data.shown().mode() != MODE_HOMING
     }
 
     /// Whether the loops already have their outputs of this cycle, or a closed brake holds the axis under power. With a
     /// closed brake nothing is integrated, and the effort stays unchanged until the brake opens.
     fn has_outputs(&mut self) -> bool {
         let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
-        let is_held =
-            has_brake && self.is_braked() && self.rests() && matches!(self.power, Power::On | Power::SwitchingOff);
-        let was_held = std::mem::replace(&mut self.position_loop.is_held, is_held);
+        let is_held = has_brake
+            && self.is_braked()
+            && self.rests()
+            && matches!(self.status.power(), Power::On | Power::SwitchingOff);
+        let was_held = std::mem::replace(&mut self.loops.position_mut().is_held, is_held);
         if was_held && !is_held {
-            self.position_loop.pid.restart_after_gap();
+            self.loops.position_mut().pid.restart_after_gap();
             if self.setup.law == Law::Integer {
                 self.vocabularies.forget_loop_past();
             }
@@ -138,51 +140,52 @@ impl Axis {
     #[inline]
     pub(super) fn close_loop(&mut self) -> (f64, bool) {
         if !self.has_loops() {
-            self.position_loop = PositionLoop::default();
+            *self.loops.position_mut() = PositionLoop::default();
             if self.setup.law == Law::Integer {
                 self.vocabularies.open_loop();
             }
             return (0.0, false);
         }
         if self.has_outputs() {
-            return (self.position_loop.velocity, true);
+            return (self.loops.position().velocity, true);
         }
         let (full, rate) = self.full_reference();
         if let Some((value, _)) = self.out_an() {
-            self.position_loop = PositionLoop { output: value, velocity: value * full, ..self.position_loop };
-            self.position_loop.pid.restart_after_gap();
+            let state = self.loops.position_mut();
+            *state = PositionLoop { output: value, velocity: value * full, ..*state };
+            self.loops.position_mut().pid.restart_after_gap();
             if self.setup.law == Law::Integer {
                 self.vocabularies.open_loop();
             }
             return (value * full, false);
         }
         // The loop moves the motor, not the load.
-        let is_idle = self.compensation.is_idle();
-        let ahead = if is_idle { 0 } else { self.turn_counts(self.compensation.ahead()) };
-        let command = self.command.position + Position::whole(ahead);
+        let is_idle = self.loops.compensation().is_idle();
+        let ahead = if is_idle { 0 } else { self.turn_counts(self.loops.compensation().ahead()) };
+        let command = self.command.position() + Position::whole(ahead);
         let p = &self.parameters;
         let velocity = match self.setup.law {
             Law::Proportional => {
                 let regulator = Proportional { gain: p.position_loop.kv, max_velocity: p.max_velocity };
-                regulator.velocity(command, self.actual.position)
+                regulator.velocity(command, self.feedback.position())
             }
             Law::Pid => {
                 let input = PidInput {
-                    error: (command - self.actual.position).to_f64(),
-                    velocity: self.command.velocity / full,
+                    error: (command - self.feedback.position()).to_f64(),
+                    velocity: self.command.velocity() / full,
                     // With a counted leader the acceleration is that of single counts.
-                    acceleration: if self.is_led { 0.0 } else { self.command.acceleration / rate },
+                    acceleration: if self.status.is_led() { 0.0 } else { self.command.acceleration() / rate },
                 };
                 let cycles = cycles(p.pid.period_ms, self.setup.cycle_ns).unwrap_or(1);
-                self.position_loop.pid.step(&p.pid, cycles, input) * full
+                self.loops.position_mut().pid.step(&p.pid, cycles, input) * full
             }
             Law::Integer => {
                 let error =
-                    self.commanded_increment().saturating_add(ahead).saturating_sub(self.actual.position.floor());
+                    self.commanded_increment().saturating_add(ahead).saturating_sub(self.feedback.position().floor());
                 self.vocabularies.close_loop(&self.parameters, self.setup.cycle_ns, error) * full
             }
         };
-        let keeps = &mut self.position_loop;
+        let keeps = self.loops.position_mut();
         (keeps.output, keeps.velocity) = ((velocity / full).clamp(-1.0, 1.0), velocity);
         (velocity, false)
     }
@@ -191,25 +194,25 @@ impl Axis {
     /// unless the motion needs more.
     pub(super) fn full_reference(&mut self) -> (f64, f64) {
         let now = (self.parameters.max_velocity, self.parameters.max_acceleration);
-        let is_enough = |(full, _): &(f64, f64)| !self.rests() && self.command.velocity.abs() <= *full;
-        let full = self.position_loop.full.filter(is_enough).unwrap_or(now);
-        self.position_loop.full = Some(full);
+        let is_enough = |(full, _): &(f64, f64)| !self.rests() && self.command.velocity().abs() <= *full;
+        let full = self.loops.position().full.filter(is_enough).unwrap_or(now);
+        self.loops.position_mut().full = Some(full);
         full
     }
 
     /// Returns the velocity at output 1 that was used last (inc/s).
     pub(super) fn full_velocity_in_use(&self) -> f64 {
-        self.position_loop.full.map_or(self.parameters.max_velocity, |(full, _)| full)
+        self.loops.position().full.map_or(self.parameters.max_velocity, |(full, _)| full)
     }
 
     /// Returns the sum of errors of the PID controller (inc).
     pub(super) fn error_sum(&self) -> f64 {
-        self.position_loop.pid.sum()
+        self.loops.position().pid.sum()
     }
 
     /// Returns the output of the position loop, -1 to 1; 0 if the drive closes it.
     pub(super) fn regulator_output(&self) -> f64 {
-        self.position_loop.output
+        self.loops.position().output
     }
 }
 

@@ -1,11 +1,10 @@
 //! Switches a drive on and off (CiA 402 state machine, on the side of the master).
 
 use super::reaction::{Failure, closes_brake};
-use super::{Axis, AxisState, Context, Generator};
+use super::{Axis, AxisState, Context};
 use crate::code::{Class, Code};
-use crate::drive::{DriveInput, DriveOutput, DriveState, Emergency, Interface, NotEnabled, control, level_cycles};
+use crate::drive::{DriveInput, DriveState, Emergency, Interface, NotEnabled, control, level_cycles};
 use crate::event::{Event, Kind, Number, Severity};
-use crate::profile::Motion;
 use serde::{Deserialize, Serialize};
 
 /// Time within which a drive must switch on, if its cell has no value (ns).
@@ -57,12 +56,12 @@ impl Axis {
     /// Whether the axis itself generates the command position. Otherwise it is the actual position.
     #[inline]
     pub(super) fn is_on(&self) -> bool {
-        matches!(self.power, Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. })
+        self.status.is_on()
     }
 
     /// Whether the axis waits for its brake to open.
     pub(super) fn is_opening(&self) -> bool {
-        matches!(self.power, Power::Opening { .. })
+        matches!(self.status.power(), Power::Opening { .. })
     }
 
     /// Returns the cycles until the drive can respond, in addition to the one that every drive needs.
@@ -72,12 +71,12 @@ impl Axis {
 
     /// Sets whether the machine is active.
     pub fn set_active(&mut self, active: bool) {
-        self.active = active;
+        self.observed.set_active(active);
     }
 
     /// Whether the axis may be switched on and moved.
     pub fn is_active(&self) -> bool {
-        self.active
+        self.observed.is_active()
     }
 
     /// Whether the axis is without power, as far as its drive shows. A virtual axis only has to be at rest.
@@ -85,7 +84,7 @@ impl Axis {
         if self.is_virtual() {
             return self.rests();
         }
-        self.power == Power::Off && !self.shown.may_run()
+        self.status.power() == Power::Off && !self.drive_data.shown().may_run()
     }
 
     #[inline]
@@ -101,11 +100,11 @@ impl Axis {
         }
         let failure = self.failure(input);
         self.watch_idle_drive(cx, failure);
-        match self.power {
+        match self.status.power() {
             Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => {
                 if let Some(code) = failure {
                     self.raise(cx, Failure::of(code).before_motion());
-                } else if self.shown.state() != DriveState::Enabled {
+                } else if self.drive_data.shown().state() != DriveState::Enabled {
                     self.raise(cx, Failure::of(Code::DRIVE_DISABLED).before_motion());
                 } else {
                     self.follow_brake(cx);
@@ -118,10 +117,11 @@ impl Axis {
                     if let Some(failure) = self.switch_on_failure(cx) {
                         return self.raise(cx, failure);
                     }
-                    self.power = self.power_is_on(cx.cycle);
-                    self.command = Motion::at_rest(self.actual.position);
-                    self.judge.fill(self.commanded_increment());
-                    if self.power == Power::On {
+                    let power = self.power_is_on(cx.cycle);
+                    self.status.set_power(power);
+                    self.command.rest_at(self.feedback.position());
+                    self.supervision.fill(self.commanded_increment());
+                    if self.status.power() == Power::On {
                         self.set_state(cx, AxisState::Standstill);
                     }
                 } else if self.has_taken(cx.cycle, since, self.setup.enable_timeout_ns) {
@@ -131,11 +131,16 @@ impl Axis {
             }
             Power::Resetting { since } => {
                 if failure.is_none() {
-                    self.power = Power::Off;
+                    self.status.set_power(Power::Off);
                     self.clear_error(cx);
                 } else if self.has_timed_out(cx.cycle, since) {
-                    self.power = Power::Off;
-                    self.waiting.fail(cx.events, self.setup.index, Code::RESET_FAILED, super::waiting::Until::Healthy);
+                    self.status.set_power(Power::Off);
+                    self.pending.waiting_mut().fail(
+                        cx.events,
+                        self.setup.index,
+                        Code::RESET_FAILED,
+                        super::waiting::Until::Healthy,
+                    );
                 }
             }
             Power::DriveStops { then_off, .. } => {
@@ -143,7 +148,7 @@ impl Axis {
                     // It is unknown whether the drive still stops.
                     self.raise(cx, Failure::of(code).before_motion());
                 } else if then_off && self.has_stopped_by_itself(cx.cycle) {
-                    let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
+                    let reaction = std::mem::replace(&mut self.supervision.after_stop, -1);
                     // An output that controls a brake closes it with the power; no other signal would do that.
                     let has_brake = self.creeps() && self.parameters.outputs.brake != 0;
                     self.request_brake(closes_brake(reaction) || has_brake);
@@ -156,14 +161,15 @@ impl Axis {
 
     /// Whether the drive is enabled in the commanded mode. In another mode it would interpret the command differently.
     fn is_enabled_as_asked(&self, input: &DriveInput) -> bool {
-        let is_asked = self.shown.state() == DriveState::Enabled && input.mode == self.setup.interface.mode().number();
+        let is_asked = self.drive_data.shown().state() == DriveState::Enabled
+            && input.mode == self.setup.interface.mode().number();
         // Two drives are held at their positions of the same cycle.
         is_asked && (input.fresh || self.gantry().is_none())
     }
 
     /// Returns the error of a drive that was not enabled in time, with the state and the mode that it shows instead.
     fn not_enabled(&self, input: &DriveInput) -> Failure {
-        let shown = NotEnabled { state: self.shown.state(), mode: input.mode };
+        let shown = NotEnabled { state: self.drive_data.shown().state(), mode: input.mode };
         let limit = i64::try_from(self.setup.enable_timeout_ns).unwrap_or(i64::MAX);
         let failure = Failure::of(Code::ENABLE_TIMEOUT).before_motion();
         failure.with(Number::Count(shown.to_number()), Number::Time(limit))
@@ -173,24 +179,25 @@ impl Axis {
     /// second. Code 0 after a reported code is always reported.
     fn report_emergency(&mut self, cx: &mut Context<'_>, emergency: Emergency) {
         let Emergency { code, register, data: [a, b, c, d, e] } = emergency;
-        let last = self.watch.emergency;
+        let last = self.observed.watch().emergency;
         let ends = code == 0 && last.is_some_and(|(last, _)| last != 0);
         if last.is_some_and(|(last, cycle)| last == code && !self.is_report_due(cx.cycle, cycle)) {
             return;
         }
-        let (since, count) = self.watch.emergencies;
+        let (since, count) = self.observed.watch().emergencies;
         let (since, count) = if self.is_report_due(cx.cycle, since) { (cx.cycle, 0) } else { (since, count) };
         if !ends && count >= MOST_EMERGENCIES {
             return;
         }
         let count = if ends { count } else { count.saturating_add(1) };
-        (self.watch.emergency, self.watch.emergencies) = (Some((code, cx.cycle)), (since, count));
+        let watch = self.observed.watch_mut();
+        (watch.emergency, watch.emergencies) = (Some((code, cx.cycle)), (since, count));
         let told = Number::Count(i64::from(code) | i64::from(register) << 16);
         let data = Number::Count(i64::from_le_bytes([a, b, c, d, e, 0, 0, 0]));
         // Code 0 means that an error has ended.
         let severity = if code == 0 { Severity::Info } else { Severity::Warn };
         let event = Event::new(severity, Kind::Warning, self.object(), Code::EMERGENCY).with(told, data);
-        cx.events.push(Event { position: self.actual.position, ..event });
+        cx.events.push(Event { position: self.feedback.position(), ..event });
     }
 
     fn is_report_due(&self, cycle: u64, told: u64) -> bool {
@@ -202,28 +209,30 @@ impl Axis {
     fn watch_idle_drive(&mut self, cx: &mut Context<'_>, failure: Option<Code>) {
         let failure = failure.filter(|code| code.class() != Some(Class::Feedback));
         let Some(code) = failure else {
-            (self.watch.was_well, self.watch.is_told) = (true, false);
+            let watch = self.observed.watch_mut();
+            (watch.was_well, watch.is_told) = (true, false);
             return;
         };
-        let watch = self.watch;
+        let watch = *self.observed.watch();
         // While the axis is on, the same failure is an error.
-        let is_idle = self.power == Power::Off && self.alarm.is_none();
+        let is_idle = self.status.power() == Power::Off && self.alarm.is_none();
         let may_tell = watch.told.is_none_or(|told| self.is_report_due(cx.cycle, told));
         if is_idle && watch.was_well && !watch.is_told && may_tell {
-            (self.watch.told, self.watch.is_told) = (Some(cx.cycle), true);
+            let watch = self.observed.watch_mut();
+            (watch.told, watch.is_told) = (Some(cx.cycle), true);
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
-            cx.events.push(Event { position: self.actual.position, ..event });
+            cx.events.push(Event { position: self.feedback.position(), ..event });
         }
-        self.watch.is_told |= !is_idle;
+        self.observed.watch_mut().is_told |= !is_idle;
     }
 
     /// Ends the opening or closing time of the brake: the axis may move, or its power is removed.
     fn follow_brake(&mut self, cx: &mut Context<'_>) {
-        match self.power {
+        match self.status.power() {
             Power::Opening { since } if self.has_brake_time_elapsed(cx.cycle, since, |brake| brake.release_ns) => {
-                self.power = Power::On;
+                self.status.set_power(Power::On);
                 // A quick stop or an error in the meantime has locked it.
-                if self.state == AxisState::Disabled {
+                if self.status.state() == AxisState::Disabled {
                     self.set_state(cx, AxisState::Standstill);
                 }
             }
@@ -244,33 +253,33 @@ impl Axis {
     }
 
     pub(super) fn failure(&self, input: &DriveInput) -> Option<Code> {
-        self.shown.failure(input, self.setup.missed_cycles).or_else(|| self.source_failure())
+        self.drive_data.shown().failure(input, self.setup.missed_cycles).or_else(|| self.source_failure())
     }
 
     /// Switches the axis off at once.
     pub(super) fn switch_off(&mut self, cx: &mut Context<'_>) {
-        self.power = Power::Off;
-        self.generator = Generator::Rest;
+        self.status.set_power(Power::Off);
+        self.motion.rest();
         // Switching off and on unlocks nothing.
-        if !matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
+        if !matches!(self.status.state(), AxisState::ErrorStop | AxisState::Stopping) {
             self.set_state(cx, AxisState::Disabled);
         }
     }
 
     /// Selects the control word and sets the outputs to the drive.
     pub(super) fn switch_drive(&mut self, cx: &mut Context<'_>) {
-        if self.power == Power::SwitchingOff && self.rests() && self.has_settled_or_timed_out(cx.cycle) {
+        if self.status.power() == Power::SwitchingOff && self.rests() && self.has_settled_or_timed_out(cx.cycle) {
             self.switch_off_after_brake(cx.cycle);
-            if self.power == Power::Off {
+            if self.status.power() == Power::Off {
                 self.switch_off(cx);
             }
         }
-        let word = match self.power {
+        let word = match self.status.power() {
             Power::Off => control::DISABLE_VOLTAGE,
             Power::DriveStops { .. } => control::QUICK_STOP,
             Power::On | Power::SwitchingOff | Power::Opening { .. } | Power::Closing { .. } => control::ENABLE,
             Power::Resetting { since } => reset_word(cx.cycle.saturating_sub(since), self.setup.cycle_ns),
-            Power::SwitchingOn { .. } => match self.shown.state() {
+            Power::SwitchingOn { .. } => match self.drive_data.shown().state() {
                 DriveState::SwitchOnDisabled => control::SHUTDOWN,
                 DriveState::Ready => control::SWITCH_ON,
                 DriveState::SwitchedOn | DriveState::Enabled => control::ENABLE,
@@ -282,16 +291,16 @@ impl Axis {
         }
         self.command_drive(self.commanded_increment(), word);
         if self.homing.is_in_drive() {
-            self.output = self.ask_for_homing(self.output);
+            self.drive_data.set_output(self.ask_for_homing(*self.drive_data.output()));
         }
     }
 
     /// Sets the outputs to the drive: the increment `asked`, in the direction of the axis, and the control word.
     fn command_drive(&mut self, asked: i64, word: u16) {
         let mode = self.setup.interface.mode();
-        self.output = DriveOutput { control: word, mode, ..self.output };
+        self.drive_data.set_control(word, mode);
         self.set_drive_outputs(asked);
-        self.output.position = self.output.position.wrapping_add(self.compensation.ahead());
+        self.drive_data.add_position(self.loops.compensation().ahead());
     }
 
     /// Sets the outputs to the drive that change during motion.
@@ -299,12 +308,11 @@ impl Axis {
     pub(super) fn set_drive_outputs(&mut self, asked: i64) {
         let (velocity, effort) = self.drive_reference();
         let (velocity, effort) = (self.reference_across(velocity), self.reference_across(effort));
-        self.is_backwards = velocity < 0.0;
-        self.output.position = self.turn_counts(asked).wrapping_sub(self.origin);
-        self.output.velocity = self.unipolar(velocity);
-        self.output.effort = effort;
+        self.status.set_backwards(velocity < 0.0);
+        let position = self.turn_counts(asked).wrapping_sub(self.feedback.origin());
         let is_position = self.setup.interface == Interface::Position;
-        self.output.acceleration = if is_position { self.convert_direction(self.command.acceleration) } else { 0.0 };
+        let acceleration = if is_position { self.convert_direction(self.command.acceleration()) } else { 0.0 };
+        self.drive_data.set_motion(position, self.unipolar(velocity), effort, acceleration);
     }
 
     /// Returns velocity (inc/s) and effort (in its unit) for the drive in the direction of the axis: as command, or as
@@ -312,7 +320,7 @@ impl Axis {
     #[inline]
     fn drive_reference(&mut self) -> (f64, f64) {
         match self.setup.interface {
-            Interface::Position => (self.command.velocity, 0.0),
+            Interface::Position => (self.command.velocity(), 0.0),
             Interface::Velocity => (self.close_loop().0, 0.0),
             Interface::OpenLoop => (self.speed(), 0.0),
             Interface::Torque | Interface::Voltage => {

@@ -10,7 +10,7 @@
 
 use super::course::Aim;
 use super::reaction::Failure;
-use super::{Axis, Context, Generator};
+use super::{Axis, Context};
 use crate::code::Code;
 use crate::command::{Probe, ProbeEdge};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -76,8 +76,8 @@ impl Axis {
             self.check_zero_moves()?;
         }
         self.start_move(cx, sequence, &request.search())?;
-        let (limits, from) = (self.active_limits(), self.actual.position);
-        if let Some(goal) = &mut self.goal {
+        let (limits, from) = (self.active_limits(), self.feedback.position());
+        if let Some(goal) = self.task.goal_mut() {
             let (source, edge, distance) = (request.source, request.edge, request.distance.exact());
             goal.search = Some(Search { source, edge, distance, limits, from, is_over: false });
         }
@@ -86,12 +86,13 @@ impl Axis {
 
     /// Whether the active goal searches, or has searched.
     pub(super) fn probes(&self) -> bool {
-        self.goal.as_ref().is_some_and(|goal| goal.search.is_some())
+        self.task.goal().as_ref().is_some_and(|goal| goal.search.is_some())
     }
 
     /// Whether the active goal still searches.
     pub(super) fn searches(&self) -> bool {
-        let search = self.goal.as_ref().filter(|goal| goal.ending.is_none()).and_then(|goal| goal.search.as_ref());
+        let search =
+            self.task.goal().as_ref().filter(|goal| goal.ending.is_none()).and_then(|goal| goal.search.as_ref());
         search.is_some_and(Search::is_on)
     }
 
@@ -101,7 +102,7 @@ impl Axis {
         if !self.searches() {
             return;
         }
-        let Some((goal, search)) = self.goal.and_then(|goal| Some((goal, goal.search?))) else { return };
+        let Some((goal, search)) = self.task.goal().and_then(|goal| Some((goal, goal.search?))) else { return };
         let mark = match search.edge {
             ProbeEdge::Index => self.index_of_cycle().map(|place| (place, self.age_of(place), true)),
             _ => first_latch(cx.latches, search.source, search.edge)
@@ -111,7 +112,7 @@ impl Axis {
         let event = Event::new(Severity::Info, Kind::Mark, self.object(), Code::NONE).of_command(goal.sequence);
         let edge = Number::Count(i64::from(rising));
         cx.events.push(Event { age_ns, position: latched, ..event.with(edge, Number::None) });
-        if let Some(search) = self.goal.as_mut().and_then(|goal| goal.search.as_mut()) {
+        if let Some(search) = self.task.goal_mut().and_then(|goal| goal.search.as_mut()) {
             search.is_over = true;
         }
         if let Err(refusal) = self.turn_to(cx.cycle, latched + search.distance, search.limits) {
@@ -121,7 +122,7 @@ impl Axis {
 
     /// Raises an error if the index pulse has not come within its distance, as in homing.
     fn miss_index(&mut self, cx: &mut Context<'_>, search: &Search) {
-        let gone = (self.actual.position - search.from).nearest().saturating_abs();
+        let gone = (self.feedback.position() - search.from).nearest().saturating_abs();
         let most = self.parameters.homing_index_distance();
         if search.edge != ProbeEdge::Index || gone <= most {
             return;
@@ -133,8 +134,8 @@ impl Axis {
     /// Returns the time before this cycle at which the encoder was at `place` (ns), linear within the change of the
     /// cycle.
     pub(super) fn age_of(&self, place: Position) -> u32 {
-        let change = self.actual.change.to_f64();
-        let share = if change == 0.0 { 0.0 } else { (self.actual.position - place).to_f64() / change };
+        let change = self.feedback.change().to_f64();
+        let share = if change == 0.0 { 0.0 } else { (self.feedback.position() - place).to_f64() / change };
         // The cast saturates; an age is below a cycle.
         ((share.clamp(0.0, 1.0) * self.setup.cycle_ns as f64) as u32).min(self.setup.cycle_ns.saturating_sub(1) as u32)
     }
@@ -144,13 +145,13 @@ impl Axis {
     pub(super) fn position_at(&self, latch: &LatchView) -> Position {
         if let Some(position) = latch.captured.filter(|_| latch.object == self.object()) {
             // In the coordinate before this cycle.
-            return position + self.moved;
+            return position + self.observed.moved();
         }
         let (now, change) = if self.is_virtual() {
             // Its actual position is the command of the cycle before until this cycle ends.
-            (self.command.position, self.command.position - self.actual.position)
+            (self.command.position(), self.command.position() - self.feedback.position())
         } else {
-            (self.actual.position, self.actual.change)
+            (self.feedback.position(), self.feedback.change())
         };
         let share = f64::from(latch.age_ns) / self.setup.cycle_ns as f64;
         now - Position::from_f64(change.to_f64() * share)
@@ -163,8 +164,8 @@ impl Axis {
         let from = self.underlying();
         let course = self.course(cycle, from, Aim::Target(Position::whole(target.nearest())), limits);
         self.check_course(&course, from, limits)?;
-        self.generator = Generator::Plan(course);
-        if let Some(goal) = &mut self.goal {
+        self.motion.plan(course);
+        if let Some(goal) = self.task.goal_mut() {
             goal.target = Some(target);
         }
         self.check_overlay()
@@ -172,8 +173,8 @@ impl Axis {
 
     /// Ends the active goal and all related motions with a refusal: the axis stops.
     fn fail_goal(&mut self, cx: &mut Context<'_>, refusal: Refusal, limits: Limits) {
-        if let Some(goal) = self.goal.take() {
-            let event = Event::done(self.object(), goal.sequence, refusal.code, self.command.position);
+        if let Some(goal) = self.task.take_goal() {
+            let event = Event::done(self.object(), goal.sequence, refusal.code, self.command.position());
             cx.events.push(event.with(refusal.asked, refusal.limit));
         }
         self.end_all_motion(cx, Code::NOT_REACHED);

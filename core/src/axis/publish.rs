@@ -54,8 +54,11 @@ impl Axis {
             return Shown { error: error.nearest(), ..Shown::default() };
         }
         let Some(coupling) = self.coupling() else { return Shown::default() };
-        let shown =
-            displayed_values(coupling, leads, coupling.follower.error(self.command.position) + self.missing_distance());
+        let shown = displayed_values(
+            coupling,
+            leads,
+            coupling.follower.error(self.command.position()) + self.missing_distance(),
+        );
         Shown {
             status: shown.status | self.status_of_marks(),
             in_sync: shown.in_sync && !self.is_late() && self.has_marks(),
@@ -65,8 +68,8 @@ impl Axis {
 
     /// Returns REG_NORMTRACKERR: tracking error as a share of the command velocity per ms (%); 0 at rest (MACS-SYS-03).
     fn track_error(&self) -> f64 {
-        let per_ms = self.command.velocity / 1000.0;
-        let error = (self.command.position - self.actual.position).to_f64();
+        let per_ms = self.command.velocity() / 1000.0;
+        let error = (self.command.position() - self.feedback.position()).to_f64();
         let share = 100.0 * error / per_ms;
         // At almost no velocity the share is infinite.
         if per_ms == 0.0 || !share.is_finite() || !self.is_on() { 0.0 } else { share }
@@ -74,37 +77,37 @@ impl Axis {
 
     /// Writes all signals of this cycle.
     pub fn publish(&mut self, board: &mut Board, leads: &Leads) {
-        let Some(words) = words(board, self.signals) else { return };
+        let Some(words) = words(board, self.cycle.signals()) else { return };
         let shows_a_master = self.show_motion(words, leads);
         let mut set = |signal: AxisSignal, word: u64| words[signal as usize] = word;
         let int = i64::cast_unsigned;
         let bit = u64::from;
         let real = f64::to_bits;
         use AxisSignal::*;
-        let target = self.course_end().unwrap_or(self.command.position);
+        let target = self.course_end().unwrap_or(self.command.position());
         set(TargetPosition, int(target.floor()));
         if !shows_a_master {
             set(MasterPosition, 0);
             set(MasterVelocity, 0);
         }
-        set(InPosition, bit(self.judge.in_position));
-        set(OutputEffort, real(self.output.effort));
-        set(OutputControl, u64::from(self.output.control));
-        set(State, self.state as u64);
-        set(DriveState, self.shown.state() as u64);
-        set(Reference, self.reference as u64);
+        set(InPosition, bit(self.supervision.in_position));
+        set(OutputEffort, real(self.drive_data.output().effort));
+        set(OutputControl, u64::from(self.drive_data.output().control));
+        set(State, self.status.state() as u64);
+        set(DriveState, self.drive_data.shown().state() as u64);
+        set(Reference, self.status.reference() as u64);
         // An axis that is switched off again while its brake opens was never enabled.
-        set(Enabled, bit(self.is_on() && !self.is_opening() && self.state != AxisState::Disabled));
-        set(ModeOfOperation, int(self.shown.mode().into()));
+        set(Enabled, bit(self.is_on() && !self.is_opening() && self.status.state() != AxisState::Disabled));
+        set(ModeOfOperation, int(self.drive_data.shown().mode().into()));
         set(Homed, bit(self.is_referenced()));
-        set(Warning, bit(self.shown.warns()));
+        set(Warning, bit(self.drive_data.shown().warns()));
         set(Brake, bit(self.is_braked()));
         set(Error, u64::from(self.alarm.code().0));
-        set(LimitPositive, bit(self.switches.positive));
-        set(LimitNegative, bit(self.switches.negative));
-        set(ReferenceSwitch, bit(self.switches.home));
-        set(IndexCount, u64::from(self.index.0));
-        set(IndexPosition, int(self.index.1.floor()));
+        set(LimitPositive, bit(self.observed.switches().positive));
+        set(LimitNegative, bit(self.observed.switches().negative));
+        set(ReferenceSwitch, bit(self.observed.switches().home));
+        set(IndexCount, u64::from(self.observed.index_count()));
+        set(IndexPosition, int(self.observed.index_position().floor()));
         set(HomingPhase, self.homing.phase() as u64);
         set(Compensation, int(self.compensated()));
         let fault = self.fault();
@@ -147,16 +150,18 @@ impl Axis {
     /// Writes the signals that change while the axis only moves.
     #[inline]
     pub fn publish_motion(&mut self, board: &mut Board, leads: &Leads) {
-        let Some(words) = words(board, self.signals) else { return };
+        let Some(words) = words(board, self.cycle.signals()) else { return };
         self.show_motion(words, leads);
         // The target of a plan does not change; a motion without end shows its present position.
-        let is_led = matches!(&self.generator, Generator::Follow(_));
-        if is_led || matches!(&self.generator, Generator::Plan(course) if matches!(course.aim, Aim::Velocity(_))) {
-            words[AxisSignal::TargetPosition as usize] = self.command.position.floor().cast_unsigned();
+        let is_led = matches!(self.motion.generator(), Generator::Follow(_));
+        if is_led
+            || matches!(self.motion.generator(), Generator::Plan(course) if matches!(course.aim, Aim::Velocity(_)))
+        {
+            words[AxisSignal::TargetPosition as usize] = self.command.position().floor().cast_unsigned();
         }
         // An axis in a reduced cycle has no processing of the master motion.
         if let Some(coupling) = self.coupling() {
-            show_coupling(words, displayed_values(coupling, leads, coupling.follower.error(self.command.position)));
+            show_coupling(words, displayed_values(coupling, leads, coupling.follower.error(self.command.position())));
         }
     }
 
@@ -164,7 +169,7 @@ impl Axis {
     #[inline]
     fn show_motion(&mut self, words: &mut Words, leads: &Leads) -> bool {
         let master = self.watch_master(leads);
-        let command = self.command;
+        let command = self.command.motion();
         let position = command.position.floor();
         let (turns, within) = match self.setup.modulo {
             Some(modulo) => {
@@ -173,10 +178,10 @@ impl Axis {
             }
             None => (0, position),
         };
-        let in_velocity = matches!(&self.generator, Generator::Plan(course)
+        let in_velocity = matches!(self.motion.generator(), Generator::Plan(course)
             if matches!(course.aim, Aim::Velocity(velocity) if command.velocity == velocity)
                 && command.acceleration == 0.0);
-        let actual = self.actual.position.floor();
+        let actual = self.feedback.position().floor();
         let asked = if self.direction().units { self.commanded_increment() } else { position };
         let p = &self.parameters;
 
@@ -190,11 +195,11 @@ impl Axis {
         set(CommandVelocity, real(command.velocity));
         set(CommandAcceleration, real(command.acceleration));
         set(CommandJerk, real(command.jerk));
-        set(ActualCount, int(self.sensor.raw));
+        set(ActualCount, int(self.sources.sensor().raw));
         set(ActualPosition, int(actual));
-        set(ActualVelocity, real(self.actual.velocity));
-        set(ActualEffort, real(self.shown.effort()));
-        set(FollowingError, int(self.judge.following_error));
+        set(ActualVelocity, real(self.feedback.velocity()));
+        set(ActualEffort, real(self.drive_data.shown().effort()));
+        set(FollowingError, int(self.supervision.following_error));
         set(RegulatorError, int(if self.is_on() { asked.saturating_sub(actual) } else { 0 }));
         set(RegulatorOutput, real(self.regulator_output()));
         if self.closes_loop_here() {
@@ -207,15 +212,15 @@ impl Axis {
             set(RegulatorCurrent, real(current));
             set(RegulatorHeat, real(heat));
             set(RegulatorSetpoint, real(self.current_setpoint()));
-            set(OutputEffort, real(self.output.effort));
+            set(OutputEffort, real(self.drive_data.output().effort));
         }
         set(ModuloPosition, int(within));
         set(Turns, int(turns));
         set(InVelocity, bit(in_velocity));
         set(LimitSoftwarePositive, bit(p.max_position.is_some_and(|limit| position >= limit)));
         set(LimitSoftwareNegative, bit(p.min_position.is_some_and(|limit| position <= limit)));
-        set(OutputPosition, int(self.output.position));
-        set(OutputVelocity, real(self.output.velocity));
+        set(OutputPosition, int(self.drive_data.output().position));
+        set(OutputVelocity, real(self.drive_data.output().velocity));
         set(TrackError, real(self.track_error()));
         if let Some(master) = master {
             set(MasterPosition, real(master.position));
@@ -231,9 +236,9 @@ impl Axis {
 
     /// Writes the last latched position, and adds `more` to their number.
     pub(super) fn publish_latches(&self, board: &mut Board, position: Position, more: u32) {
-        let count = AxisSignal::LatchCount.of(self.signals);
-        board.set_int(AxisSignal::LatchPosition.of(self.signals), position.floor());
-        board.set_real(AxisSignal::LatchFraction.of(self.signals), position.fraction());
+        let count = AxisSignal::LatchCount.of(self.cycle.signals());
+        board.set_int(AxisSignal::LatchPosition.of(self.cycle.signals()), position.floor());
+        board.set_real(AxisSignal::LatchFraction.of(self.cycle.signals()), position.fraction());
         board.set_int(count, board.int(count).wrapping_add(more.into()));
     }
 }

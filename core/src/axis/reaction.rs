@@ -10,11 +10,10 @@
 
 use super::power::Power;
 use super::waiting::Until;
-use super::{Axis, AxisState, Context, Generator, Reference};
+use super::{Axis, AxisState, Context};
 use crate::code::{Class, Code};
 use crate::event::{Event, Kind, Number, Refusal, Severity};
-use crate::profile::Motion;
-use crate::vocabulary::{Notice, Owner};
+use crate::vocabulary::Notice;
 
 /// Whether the brake is finally closed with this value of error_reaction (MACS-IO-04).
 pub(super) fn closes_brake(reaction: i64) -> bool {
@@ -195,10 +194,10 @@ impl Axis {
             Reaction::Report if failure.lasts && !self.alarm.is_none() => return,
             deed => deed,
         };
-        if self.state == AxisState::ErrorStop {
+        if self.status.state() == AxisState::ErrorStop {
             return self.raise_further(cx, failure, class, deed);
         }
-        self.stops_others |= stops_all(failure.code) && self.parameters.supervision.following_error_stops_all == 1;
+        self.alarm.stop_others(stops_all(failure.code) && self.parameters.supervision.following_error_stops_all == 1);
         let deed = self.as_far_as_possible(deed, failure.moment);
         self.record(cx, failure);
         if deed == Reaction::Report {
@@ -215,32 +214,33 @@ impl Axis {
                 self.switch_off_with_brake(cx);
             }
             Reaction::DriveStops => {
-                self.power = Power::DriveStops { since: cx.cycle, then_off: self.creeps() };
+                self.status.set_power(Power::DriveStops { since: cx.cycle, then_off: self.creeps() });
                 self.command_actual_position();
             }
             Reaction::LeaveToDrive { then } => {
                 self.let_drive_stop(cx);
-                self.judge.after_stop = self.with_brake_of_abort(then);
+                self.supervision.after_stop = self.with_brake_of_abort(then);
             }
             Reaction::Stop { then } => {
                 if failure.moment != Moment::AtLimit || self.is_open_loop() {
                     self.brake_to_rest(cx, &self.stop_limits());
                 }
-                self.judge.after_stop = self.with_brake_of_abort(then);
+                self.supervision.after_stop = self.with_brake_of_abort(then);
             }
         }
         self.set_state(cx, AxisState::ErrorStop);
-        if let (Moment::Before, Generator::Plan(course)) = (failure.moment, &mut self.generator) {
-            course.begin_earlier();
-            self.command = course.at(cx.cycle);
+        if failure.moment == Moment::Before
+            && let Some(motion) = self.motion.begin_earlier(cx.cycle)
+        {
+            self.command.execute(motion);
         }
     }
 
     /// Returns this value of error_reaction, combined with a brake that an abort was to close.
     fn with_brake_of_abort(&self, then: i64) -> i64 {
         match then {
-            2 | 5 if closes_brake(self.judge.after_stop) => 3,
-            0 | 4 if closes_brake(self.judge.after_stop) => 1,
+            2 | 5 if closes_brake(self.supervision.after_stop) => 3,
+            0 | 4 if closes_brake(self.supervision.after_stop) => 1,
             _ => then,
         }
     }
@@ -264,10 +264,10 @@ impl Axis {
                     self.report_further(cx, failure);
                 }
                 // The present stop, or a drive that has stopped by itself, may leave the axis under power.
-                self.judge.after_stop = 1;
-                if matches!(self.power, Power::DriveStops { .. }) && self.has_stopped_by_itself(cx.cycle) {
-                    self.power = Power::Off;
-                    self.brake = true;
+                self.supervision.after_stop = 1;
+                if matches!(self.status.power(), Power::DriveStops { .. }) && self.has_stopped_by_itself(cx.cycle) {
+                    self.status.set_power(Power::Off);
+                    self.status.request_brake(true);
                 }
             }
             (Class::Switch, _) => self.report_further(cx, failure),
@@ -284,7 +284,7 @@ impl Axis {
         }
         self.alarm.set((found, allowed), self.fault_of(cx.cycle, code));
         // A waiting reset was meant for the state before.
-        self.waiting.fail_with(cx.events, self.setup.index, code, Until::Healthy, (found, allowed));
+        self.pending.waiting_mut().fail_with(cx.events, self.setup.index, code, Until::Healthy, (found, allowed));
         self.report_error(cx, failure);
     }
 
@@ -298,15 +298,13 @@ impl Axis {
     /// Reports the error.
     pub(super) fn report_error(&self, cx: &mut Context<'_>, Failure { code, numbers: (found, allowed), .. }: Failure) {
         let event = Event::new(Severity::Error, Kind::Error, self.object(), code).with(found, allowed);
-        cx.events.push(Event { position: self.actual.position, ..event });
+        cx.events.push(Event { position: self.feedback.position(), ..event });
     }
 
     /// Ends all active motions.
     fn end_all(&mut self, cx: &mut Context<'_>, failure: Failure) {
-        self.reference = Reference::Stop;
-        if self.owner != Owner::Native {
-            self.lost = Some((cx.cycle, self.owner));
-        }
+        self.status.end_reference();
+        self.alarm.note_lost(cx.cycle, self.status.owner());
         self.end_all_motion_with(cx, failure.code, failure.numbers);
     }
 
@@ -316,31 +314,31 @@ impl Axis {
             self.vocabularies.notice(Notice::Alarm((code.0 % 100) as u8));
         }
         // Nothing stops the axis any more: a brake that was to close at rest closes now (MACS-IO-04).
-        self.request_brake(brake || closes_brake(self.judge.after_stop));
-        self.power = Power::Off;
+        self.request_brake(brake || closes_brake(self.supervision.after_stop));
+        self.status.set_power(Power::Off);
         self.command_actual_position();
     }
 
     /// Stops the axis because of the error of another axis, in the same cycle, after its own step.
     pub fn stop_with_other(&mut self, cx: &mut Context<'_>, other: u16) {
         // Its actual position is known, its command may already be that of a stop.
-        let concerned = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
-        if self.is_virtual() || !concerned || self.state == AxisState::ErrorStop {
+        let concerned = self.is_on() || matches!(self.status.power(), Power::SwitchingOn { .. });
+        if self.is_virtual() || !concerned || self.status.state() == AxisState::ErrorStop {
             return;
         }
         self.raise(cx, Failure::of(Code::STOPPED_WITH_OTHER).with(Number::Count(other.into()), Number::None));
-        self.stops_others = false;
+        self.alarm.spare_others();
         self.settle_step(cx);
     }
 
     /// Whether an error of this cycle stops the other axes.
     pub fn stops_others(&self) -> bool {
-        self.stops_others
+        self.alarm.stops_others()
     }
 
     /// Whether the axis is on and is not being switched off.
     fn is_operating(&self) -> bool {
-        matches!(self.power, Power::On | Power::Opening { .. })
+        matches!(self.status.power(), Power::On | Power::Opening { .. })
     }
 
     /// Whether the axis may not stay where its drive has stopped it: 0 V is not standstill.
@@ -349,13 +347,13 @@ impl Axis {
     }
 
     pub(super) fn command_actual_position(&mut self) {
-        self.generator = Generator::Rest;
-        self.command = Motion::at_rest(self.actual.position);
+        self.motion.rest();
+        self.command.rest_at(self.feedback.position());
     }
 
     /// Whether an error reaction waits for the axis, which still moves, to come to rest.
     pub(super) fn is_finishing_stop(&self) -> bool {
-        matches!(self.judge.after_stop, 0 | 1 | 3) && self.is_on()
+        matches!(self.supervision.after_stop, 0 | 1 | 3) && self.is_on()
     }
 
     /// Executes the rest of an error reaction once the command is at rest.
@@ -363,7 +361,7 @@ impl Axis {
         if self.is_finishing_stop() && !self.has_settled_or_timed_out(cycle) {
             return;
         }
-        let reaction = std::mem::replace(&mut self.judge.after_stop, -1);
+        let reaction = std::mem::replace(&mut self.supervision.after_stop, -1);
         let has_drive = !self.is_virtual();
         match reaction {
             0 | 1 if has_drive => {
@@ -374,7 +372,7 @@ impl Axis {
             1 => self.request_brake(self.parameters.outputs.brake != 0),
             3 => self.request_brake(true),
             4 if has_drive && self.is_operating() => {
-                self.power = Power::DriveStops { since: cycle, then_off: self.creeps() };
+                self.status.set_power(Power::DriveStops { since: cycle, then_off: self.creeps() });
             }
             _ => {}
         }

@@ -57,7 +57,7 @@ impl Axis {
     /// Returns how much of this cycle is needed. `is_quiet`: no command, and no change that concerns all axes.
     #[inline]
     pub fn begin_cycle(&mut self, is_quiet: bool, input: Option<&DriveInput>) -> Pace {
-        let rhythm = &mut self.rhythm;
+        let rhythm = self.cycle.pace_mut();
         (rhythm.has_stepped, rhythm.has_compensated) = (false, false);
         let told = &rhythm.told;
         rhythm.goes_on = is_quiet
@@ -75,44 +75,44 @@ impl Axis {
     /// Returns how much of this cycle is executed.
     #[inline]
     pub fn pace(&self) -> Pace {
-        self.rhythm.pace
+        self.cycle.pace().pace
     }
 
     /// Whether it may switch outputs of the machine in this cycle.
     #[inline]
     pub fn switches_outputs(&self) -> bool {
-        self.rhythm.pace == Pace::Full || self.rhythm.switches
+        self.cycle.pace().pace == Pace::Full || self.cycle.pace().switches
     }
 
     /// Returns true if the loops that are closed here have been advanced in this cycle, and notes that they are now.
     pub(super) fn note_stepped(&mut self) -> bool {
-        std::mem::replace(&mut self.rhythm.has_stepped, true)
+        std::mem::replace(&mut self.cycle.pace_mut().has_stepped, true)
     }
 
     /// Returns true if the compensation of this cycle has been calculated, and notes that it is now.
     pub(super) fn note_compensated(&mut self) -> bool {
-        std::mem::replace(&mut self.rhythm.has_compensated, true)
+        std::mem::replace(&mut self.cycle.pace_mut().has_compensated, true)
     }
 
     /// Notes an effect from outside its cycle, or an event: the next cycles are full.
     pub fn require_full_cycle(&mut self) {
-        let CyclePace { told, has_stepped, has_compensated, .. } = self.rhythm;
-        self.rhythm = CyclePace { told, has_stepped, has_compensated, ..CyclePace::default() };
+        let CyclePace { told, has_stepped, has_compensated, .. } = *self.cycle.pace();
+        *self.cycle.pace_mut() = CyclePace { told, has_stepped, has_compensated, ..CyclePace::default() };
     }
 
     /// Executes the cycle of an axis at rest.
     #[inline]
     pub fn skip_cycle(&mut self) {
-        self.judge.pass();
-        self.streamed.pass();
+        self.supervision.pass();
+        self.command.streamed_mut().pass();
     }
 
     /// Decides after a full cycle how much the next one needs; `shown` is its command as other axes see it.
     pub fn decide_pace(&mut self, input: Option<&DriveInput>, shown: &Lead, axes: usize) {
-        let found = match self.generator {
+        let found = match *self.motion.generator() {
             // The inputs of a moving axis are compared first, which costs little.
             Generator::Rest
-                if self.compensation.is_settled()
+                if self.loops.compensation().is_settled()
                     && !self.regulates()
                     && self.is_inactive()
                     && self.rests_permanently(shown)
@@ -127,7 +127,7 @@ impl Axis {
         let found =
             if found == Pace::Full || input.is_some_and(fails) || !self.is_reducible() { Pace::Full } else { found };
         let switches = self.has_own_brake() || self.parameters.outputs.brake != 0 || self.speed_outputs().is_some();
-        let rhythm = &mut self.rhythm;
+        let rhythm = self.cycle.pace_mut();
         rhythm.switches = switches;
         rhythm.next = if rhythm.goes_on && rhythm.found == found { found } else { Pace::Full };
         rhythm.found = found;
@@ -140,34 +140,34 @@ impl Axis {
 
     /// Whether the axis is at rest, and nothing changes by itself any more.
     fn rests_permanently(&self, shown: &Lead) -> bool {
-        let holds = match self.state {
-            AxisState::Standstill => self.power == Power::On && self.judge.in_position,
-            AxisState::Disabled => self.power == Power::Off,
+        let holds = match self.status.state() {
+            AxisState::Standstill => self.status.power() == Power::On && self.supervision.in_position,
+            AxisState::Disabled => self.status.power() == Power::Off,
             _ => false,
         };
-        let at_rest = Motion::at_rest(self.command.position);
+        let at_rest = Motion::at_rest(self.command.position());
         holds
-            && self.command == at_rest
+            && self.command.motion() == at_rest
             && (shown.position, shown.change, shown.velocity) == (at_rest.position, Position::ZERO, 0.0)
-            && self.actual.change == Position::ZERO
-            && self.judge.is_settled(self.commanded_increment(), self.parameters.max_following_error)
-            && (self.is_virtual() || self.counter.is_settled())
-            && self.goal.is_none()
-            && self.at_limits.is_within()
-            && !self.is_led
+            && self.feedback.change() == Position::ZERO
+            && self.supervision.is_settled(self.commanded_increment(), self.parameters.max_following_error)
+            && (self.is_virtual() || self.feedback.counter().is_settled())
+            && self.task.goal().is_none()
+            && self.travel.at_limits().is_within()
+            && !self.status.is_led()
     }
 
     /// Whether there is only a motion: no stream, and no goal that needs more than to be reached.
     fn moves_alone(&self) -> bool {
         use AxisState::{ContinuousMotion, DiscreteMotion, SynchronizedMotion};
-        matches!(self.state, DiscreteMotion | ContinuousMotion | SynchronizedMotion)
-            && self.power == Power::On
-            && self.compensation.is_idle()
-            && self.reference != Reference::Stream
+        matches!(self.status.state(), DiscreteMotion | ContinuousMotion | SynchronizedMotion)
+            && self.status.power() == Power::On
+            && self.loops.compensation().is_idle()
+            && self.status.reference() != Reference::Stream
             && !self.has_track()
             && !self.probes()
-            && !self.judge.has_pending_reaction()
-            && self.judge.has_left_rest()
+            && !self.supervision.has_pending_reaction()
+            && self.supervision.has_left_rest()
             // Outputs for the sign of a velocity follow it.
             && !self.outputs_sign()
     }
@@ -175,33 +175,34 @@ impl Axis {
     /// Whether the parts that a reduced cycle omits are inactive.
     fn is_reducible(&self) -> bool {
         let p = &self.parameters;
-        let has_source = self.is_virtual() || self.actual.valid && self.shown.is_fresh() && self.counter.is_good();
+        let has_source = self.is_virtual()
+            || self.feedback.is_valid() && self.drive_data.shown().is_fresh() && self.feedback.counter().is_good();
         has_source
             && !p.needs_full_cycles()
             && !self.is_simulated()
             && !self.is_open_loop()
             && self.alarm.is_none()
-            && self.open_contact.is_none()
-            && self.switches == Default::default()
-            && self.switches_before == Default::default()
-            && self.overlay.is_none()
-            && self.phasing.is_none()
+            && self.alarm.open_contact().is_none()
+            && self.observed.switches() == Default::default()
+            && self.observed.switches_before() == Default::default()
+            && self.coupling.overlay().is_none()
+            && self.coupling.phasing().is_none()
             && !self.is_conditioned()
-            && self.engagement.is_none()
-            && self.leaving.is_none()
-            && self.touch_probes.are_settled()
-            && self.buffer.is_empty()
-            && self.waiting.is_empty()
-            && self.left.is_none()
-            && self.at_limits.is_free()
-            && self.moved == Position::ZERO
-            && !self.stops_others
+            && self.coupling.engagement().is_none()
+            && self.coupling.leaving().is_none()
+            && self.pending.touch_probes().are_settled()
+            && self.pending.buffer().is_empty()
+            && self.pending.waiting().is_empty()
+            && self.task.left().is_none()
+            && self.travel.at_limits().is_free()
+            && self.observed.moved() == Position::ZERO
+            && !self.alarm.stops_others()
             && !self.vocabularies.any_used()
-            && self.override_seen == p.velocity_override
-            && self.sensor.is_settled()
+            && self.observed.override_seen() == p.velocity_override
+            && self.sources.sensor().is_settled()
             && self.homing.is_settled()
-            && self.holding.is_settled(self.is_on())
-            && self.streamed.is_settled()
+            && self.brake.is_settled(self.is_on())
+            && self.command.streamed().is_settled()
     }
 }
 

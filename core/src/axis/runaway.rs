@@ -62,10 +62,10 @@ impl Axis {
             return;
         }
         if !self.has_loops() {
-            self.recovery = Recovery::default();
+            *self.loops.recovery_mut() = Recovery::default();
             return;
         }
-        if !self.shown.is_fresh() {
+        if !self.drive_data.shown().is_fresh() {
             return;
         }
         self.supervise_stop(cx);
@@ -75,13 +75,13 @@ impl Axis {
     }
 
     fn supervise_stop(&mut self, cx: &mut Context<'_>) {
-        let error = self.judge.following_error.unsigned_abs();
-        if self.state != AxisState::ErrorStop {
-            self.recovery.stop = None;
+        let error = self.supervision.following_error.unsigned_abs();
+        if self.status.state() != AxisState::ErrorStop {
+            self.loops.recovery_mut().stop = None;
             return;
         }
         let allowed = self.parameters.max_following_error.unsigned_abs();
-        let before = self.recovery.stop.unwrap_or(Stop { begun: error, least: error, waits: 0 });
+        let before = self.loops.recovery().stop.unwrap_or(Stop { begun: error, least: error, waits: 0 });
         // While the command moves, a slower axis may lag further behind.
         let is_stuck = error > allowed && self.rests() && error >= before.least;
         let stop = Stop {
@@ -89,10 +89,10 @@ impl Axis {
             least: if is_stuck { before.least } else { error },
             waits: if is_stuck { before.waits.saturating_add(1) } else { 0 },
         };
-        self.recovery.stop = Some(stop);
+        self.loops.recovery_mut().stop = Some(stop);
         let is_lost = error > allowed.saturating_mul(2) && error > stop.begun.saturating_add(allowed);
         if is_lost || stop.waits.saturating_mul(self.setup.cycle_ns) > PATIENCE_NS {
-            let (found, limit) = (self.judge.following_error, self.parameters.max_following_error);
+            let (found, limit) = (self.supervision.following_error, self.parameters.max_following_error);
             let failure = Failure::of(Code::RUNAWAY).with(Number::Position(found), Number::Position(limit));
             self.raise(cx, failure);
         }
@@ -100,11 +100,12 @@ impl Axis {
 
     fn supervise_standstill(&mut self, cx: &mut Context<'_>) {
         let standing = self.standstill_values();
-        (self.recovery.way, self.recovery.pushes) = standing;
+        let recovery = self.loops.recovery_mut();
+        (recovery.way, recovery.pushes) = standing;
         if self.is_standstill_too_long(standing) {
             let (way, pushes) = standing;
             // The cast saturates.
-            let way = if pushes > 0 { self.judge.following_error } else { way as i64 };
+            let way = if pushes > 0 { self.supervision.following_error } else { way as i64 };
             let limit = Number::Position(self.parameters.max_following_error);
             self.raise(cx, Failure::of(Code::ENCODER_STANDS).with(Number::Position(way), limit));
         }
@@ -114,13 +115,13 @@ impl Axis {
     /// before.
     #[inline]
     pub(super) fn standstill_values(&self) -> (f64, u64) {
-        let is_held = matches!(self.power, Power::Opening { .. } | Power::Closing { .. }) || self.is_braked();
+        let is_held = matches!(self.status.power(), Power::Opening { .. } | Power::Closing { .. }) || self.is_braked();
         // If the motor has an encoder of its own, a load that has not moved yet is no dead encoder.
         let turns = self.has_velocity_encoder() && self.velocity_change() != 0;
         if self.motor_change() != Position::ZERO || turns || is_held {
             return (0.0, 0);
         }
-        let Recovery { way, pushes, .. } = self.recovery;
+        let Recovery { way, pushes, .. } = *self.loops.recovery();
         if self.has_effort_command() {
             return (0.0, if self.is_at_largest_effort(ALL) { pushes.saturating_add(1) } else { 0 });
         }
@@ -140,11 +141,12 @@ impl Axis {
     /// Stores these values in a reduced cycle, in which nothing else needs supervision.
     #[inline]
     pub(super) fn store_standstill(&mut self, (way, pushes): (f64, u64)) {
-        (self.recovery.way, self.recovery.pushes) = (way, pushes);
+        let recovery = self.loops.recovery_mut();
+        (recovery.way, recovery.pushes) = (way, pushes);
     }
 
     /// Whether there is neither a stop nor a command without motion.
     pub(super) fn is_inactive(&self) -> bool {
-        self.recovery == Recovery::default()
+        *self.loops.recovery() == Recovery::default()
     }
 }

@@ -39,12 +39,12 @@ impl Axis {
     /// Stops the axis if a contact is open.
     pub(super) fn watch_contacts(&mut self, cx: &mut Context<'_>) {
         let now = self.setup.safety.open(cx.inputs).unwrap_or(Code::NONE);
-        let before = std::mem::replace(&mut self.open_contact, now);
+        let before = self.alarm.see_contact(now);
         if now.is_none() {
             return;
         }
-        let runs = if self.is_virtual() { !self.rests() } else { !matches!(self.power, Power::Off) };
-        let stops_for_it = self.state == AxisState::ErrorStop && self.alarm.code() == now;
+        let runs = if self.is_virtual() { !self.rests() } else { !matches!(self.status.power(), Power::Off) };
+        let stops_for_it = self.status.state() == AxisState::ErrorStop && self.alarm.code() == now;
         if !runs || stops_for_it {
             return;
         }
@@ -53,12 +53,12 @@ impl Axis {
 
     /// Returns an error while a contact is open.
     pub(super) fn check_contacts(&self) -> Result<(), Refusal> {
-        if self.open_contact.is_none() { Ok(()) } else { Err(self.refuse(self.open_contact)) }
+        if self.alarm.open_contact().is_none() { Ok(()) } else { Err(self.refuse(self.alarm.open_contact())) }
     }
 
     /// Raises an error again after a reset if its cause persists (MACS-ERR-04).
     pub(super) fn return_error(&mut self, cx: &mut Context<'_>, before: Code, lasting: Option<(Number, Number)>) {
-        if !self.open_contact.is_none() && before == self.open_contact {
+        if !self.alarm.open_contact().is_none() && before == self.alarm.open_contact() {
             self.raise(cx, Failure::of(before));
         } else if let Some((found, allowed)) = lasting {
             self.raise_following_error(cx, found, allowed);
@@ -70,13 +70,13 @@ impl Axis {
         ErrorSnapshot {
             code,
             cycle,
-            state: self.state,
-            reference: self.reference,
-            command: self.command.position,
-            velocity: self.command.velocity,
-            actual: self.actual.position.floor(),
-            actual_velocity: self.actual.velocity,
-            following_error: self.judge.following_error,
+            state: self.status.state(),
+            reference: self.status.reference(),
+            command: self.command.position(),
+            velocity: self.command.velocity(),
+            actual: self.feedback.position().floor(),
+            actual_velocity: self.feedback.velocity(),
+            following_error: self.supervision.following_error,
         }
     }
 }

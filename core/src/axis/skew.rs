@@ -35,7 +35,7 @@ impl Axis {
     /// # Errors
     /// They are too far from square, or their skew is unknown.
     pub fn admits_skew(&self, gantry: &Gantry) -> Result<(), Refusal> {
-        if self.power != Power::Off {
+        if self.status.power() != Power::Off {
             return Ok(());
         }
         self.check_skew_at_present(gantry).map_err(|(code, found, limit)| self.refuse(code).with(found, limit))
@@ -59,7 +59,7 @@ impl Axis {
 
     /// Reads the motion of its second drive.
     pub(super) fn read_second(&mut self, cx: &Context<'_>) {
-        self.holding.second_change = cx.gantry.as_deref().map_or(0, Gantry::second_change);
+        self.brake.second_change = cx.gantry.as_deref().map_or(0, Gantry::second_change);
     }
 
     /// Supervises the skew of both drives.
@@ -70,10 +70,11 @@ impl Axis {
         }
         if gantry.is_assumed() {
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SQUARE_ASSUMED);
-            cx.events.push(Event { position: self.actual.position, ..event });
+            cx.events.push(Event { position: self.feedback.position(), ..event });
         }
-        let is_left = if self.holding.had_power {
-            let stops = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop) || self.power != Power::On;
+        let is_left = if self.brake.had_power {
+            let stops = matches!(self.status.state(), AxisState::Stopping | AxisState::ErrorStop)
+                || self.status.power() != Power::On;
             let limits = if stops { self.stop_limits() } else { self.squaring_limits() };
             let is_left = !self.homing.is_running() && gantry.stop_squaring(&limits, cx.cycle);
             gantry.advance(cx.cycle);
@@ -81,13 +82,13 @@ impl Axis {
         } else {
             gantry.hold_present_difference()
         };
-        self.holding.second_moves = gantry.is_squaring();
+        self.brake.second_moves = gantry.is_squaring();
         if is_left {
             // The second drive is between its old position and square; the zero does not show where.
             self.homing.forget();
         }
         let limit = self.parameters.gantry.skew_limit();
-        let is_run = self.is_on() || matches!(self.power, Power::DriveStops { .. });
+        let is_run = self.is_on() || matches!(self.status.power(), Power::DriveStops { .. });
         let failure = match gantry.error(cx.cycle, limit, self.homing.is_running()).filter(|_| is_run) {
             // Data of different cycles show neither that the skew lasts nor that it has ended.
             None if is_run && !gantry.is_fresh() => return,
@@ -122,7 +123,7 @@ impl Axis {
     /// Clears earlier edges at the start of homing.
     pub(super) fn forget_edges(&mut self, cx: &mut Context<'_>) {
         if let Some(gantry) = cx.gantry.as_deref_mut() {
-            self.switches.home = gantry.begin_search();
+            self.observed.set_home(gantry.begin_search());
         }
     }
 
@@ -142,7 +143,7 @@ impl Axis {
     /// Whether the second drive moves into a limit switch during squaring.
     pub(super) fn squares_into_limit(&self, cx: &Context<'_>) -> bool {
         let way = cx.gantry.as_deref().filter(|gantry| gantry.is_squaring()).and_then(Gantry::squaring_is_upward);
-        way.is_some_and(|up| if up { self.switches.positive } else { self.switches.negative })
+        way.is_some_and(|up| if up { self.observed.switches().positive } else { self.observed.switches().negative })
     }
 
     /// Returns the distance moved with the switch of only one drive active, and the allowed distance, if it exceeds
@@ -166,8 +167,8 @@ impl Axis {
             return Err((Number::Position(self.turn_counts(way)), Number::Position(most)));
         }
         gantry.begin_squaring(square, &limits, cx.cycle);
-        self.holding.second_moves = gantry.is_squaring();
-        Ok(Some(self.actual.position - Position::whole(self.turn_counts(gone))))
+        self.brake.second_moves = gantry.is_squaring();
+        Ok(Some(self.feedback.position() - Position::whole(self.turn_counts(gone))))
     }
 
     /// Whether its second drive is being squared.

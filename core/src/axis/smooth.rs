@@ -163,7 +163,7 @@ impl Axis {
         }
         let by_index = MarkSignal::decode(self.parameters.marks.slave_type).input.is_none();
         // The cycle that begins the wait is counted at its end.
-        let was_at = self.actual.position - self.actual.change;
+        let was_at = self.feedback.position() - self.feedback.change();
         let slave = self.known_index().filter(|_| by_index).map(|index| was_at - index);
         let mean = Mean { velocity: lead.velocity * self.cycle_s(), since: 0.0 };
         Some(Smooth { start, master: None, slave, mean, waited: 0.0 })
@@ -189,7 +189,7 @@ impl Axis {
         let [of_master, of_slave] = self.marks_of_cycle(cx, signals, (leader, lead));
         let since = |way: Option<Position>, change, seen: Option<Position>| seen.or(way.map(|way| way + change));
         smooth.master = since(smooth.master, lead.change, of_master);
-        smooth.slave = since(smooth.slave, self.actual.change, of_slave);
+        smooth.slave = since(smooth.slave, self.feedback.change(), of_slave);
 
         self.check_closed_loop()?;
         self.check_free()?;
@@ -201,14 +201,14 @@ impl Axis {
         let begun = why.is_none();
         let coupling = self.coupling_by(leader, request, follower);
         // It has begun: the takeover must not end its own wait.
-        self.engagement = None;
+        self.coupling.set_engagement(None);
         self.take_over(cx, engagement.sequence, None);
         self.begin_conditioning(request.mode, lead);
         let velocity = smooth.mean.velocity;
         // One count does not give the speed, but the mean does.
         let filter = self.parameters.master_tau(true).map(|_| MasterFilter::settled(velocity));
-        self.conditioning.continue_filter(filter);
-        if let Some(path) = &mut self.conditioning.marks {
+        self.coupling.conditioning_mut().continue_filter(filter);
+        if let Some(path) = &mut self.coupling.conditioning_mut().marks {
             path.begin_smooth(smooth.start, velocity, begun.then_some(Curve { mean: smooth.mean, velocity }));
             let known = [(MarkSide::Master, smooth.master), (MarkSide::Slave, smooth.slave)];
             for (of, since) in known.into_iter().filter(|_| begun) {
@@ -226,14 +226,14 @@ impl Axis {
     fn report_fallback(&self, cx: &mut Context<'_>, start: i64, why: Fallback) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SMOOTH_START_FALLBACK);
         let event = event.with(Number::Count(why as i64), Number::Count(start));
-        cx.events.push(Event { position: self.command.position, ..event });
+        cx.events.push(Event { position: self.command.position(), ..event });
     }
 
     fn outcome(&self, engagement: &Engagement, smooth: &Smooth, lead: Lead) -> Result<Outcome, Refusal> {
         let Smooth { master, slave, mean, waited, .. } = *smooth;
         let cycle_ms = self.cycle_s() * 1e3;
         let group = self.master_group();
-        let rests = matches!(self.generator, Generator::Rest);
+        let rests = matches!(*self.motion.generator(), Generator::Rest);
         // A counted master shows its speed only after some time.
         let is_known = lead.uneven == 0.0 || mean.since >= MEAN_TIME;
         if is_known && mean.is_at_rest(cycle_ms) {
@@ -300,7 +300,7 @@ impl Axis {
         let geared = ratio.to_f64() * if speed < 0.0 { -rest.to_f64() } else { rest.to_f64() };
         let by_itself = (from.slope + ratio.to_f64()) / 2.0 * length as f64;
         let end = from.place + Position::from_f64(by_itself + geared);
-        let mark = self.actual.position - since;
+        let mark = self.feedback.position() - since;
         let period = self.slave_period(ratio);
         let marks = ((end - mark).to_f64() / period).round();
         let pair = mark + Position::from_f64(marks * period) - Position::from_f64(geared);
@@ -334,9 +334,9 @@ impl Axis {
     pub(super) fn supervise_curve(&mut self, cx: &mut Context<'_>, path: &mut MarkPath, change: f64) {
         let cycle_ms = self.cycle_s() * 1e3;
         let slave = self.underlying();
-        let Generator::Follow(coupling) = &mut self.generator else { return };
-        if let Some(start) = path.leaves_curve(change, cycle_ms, coupling.follower.transmission().approaches()) {
-            coupling.follower.replace_approach_by_gear(slave);
+        let Some(follower) = self.motion.coupled_mut() else { return };
+        if let Some(start) = path.leaves_curve(change, cycle_ms, follower.transmission().approaches()) {
+            follower.replace_approach_by_gear(slave);
             self.report_fallback(cx, start, Fallback::MasterChanged);
         }
     }

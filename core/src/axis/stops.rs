@@ -24,16 +24,16 @@ impl Axis {
         let refuse = |code| Err(Refusal::new(code, self.object()));
         // A stop is never refused: without room for another waiting command it still stops.
         let stops = matches!(action, Action::Disable(_) | Action::Halt(_) | Action::QuickStop(_));
-        if !stops && !self.waiting.has_room() {
+        if !stops && !self.pending.waiting().has_room() {
             return refuse(Code::TOO_MANY_WAITING);
         }
         if matches!(action, Action::Enable(_)) {
-            match self.power {
+            match self.status.power() {
                 Power::Off => {
                     self.check_lock()?;
                     self.check_contacts()?;
                 }
-                _ if self.state == AxisState::ErrorStop => return refuse(Code::IN_ERROR),
+                _ if self.status.state() == AxisState::ErrorStop => return refuse(Code::IN_ERROR),
                 Power::SwitchingOff | Power::Closing { .. } => return refuse(Code::NOT_AT_STANDSTILL),
                 _ => self.check_contacts()?,
             }
@@ -44,11 +44,11 @@ impl Axis {
     /// Lets a command wait. If too many wait, it ends at once with a warning that its end will not be reported.
     fn wait(&mut self, cx: &mut Context<'_>, sequence: u64, until: Until) {
         let done = Event::new(Severity::Info, Kind::Done, self.object(), Code::NONE).of_command(sequence);
-        let done = Event { position: self.command.position, ..done };
+        let done = Event { position: self.command.position(), ..done };
         if until == Until::Standstill && self.rests() && self.has_stopped_by_itself(cx.cycle) {
             // The axis is at rest: later commands of this cycle do not concern this one.
             cx.events.push(done);
-        } else if !self.waiting.add(sequence, until) {
+        } else if !self.pending.waiting_mut().add(sequence, until) {
             cx.events.push(Event { severity: Severity::Warn, code: Code::TOO_MANY_WAITING, ..done });
         }
     }
@@ -56,12 +56,18 @@ impl Axis {
     pub(super) fn enable(&mut self, cx: &mut Context<'_>, sequence: u64) {
         // A deactivation, an error or a stop that locks has priority in its cycle: the wait then ends at once.
         let is_free = self.check_lock().is_ok() && self.locked_in(cx.cycle).is_none();
-        if self.power == Power::Off && self.active && is_free {
+        if self.status.power() == Power::Off && self.observed.is_active() && is_free {
             // An abort has closed the brake while the axis was off.
-            self.brake = false;
+            self.status.release_brake();
             // A disable of the same cycle has reached its end, although the axis does not stay off.
-            self.waiting.end(cx.events, self.setup.index, Until::Disabled, Code::NONE, self.command.position);
-            self.power = Power::SwitchingOn { since: cx.cycle };
+            self.pending.waiting_mut().end(
+                cx.events,
+                self.setup.index,
+                Until::Disabled,
+                Code::NONE,
+                self.command.position(),
+            );
+            self.status.set_power(Power::SwitchingOn { since: cx.cycle });
         }
         self.wait(cx, sequence, Until::Enabled);
     }
@@ -76,18 +82,18 @@ impl Axis {
         self.end_all_motion(cx, Code::DISABLED);
         if self.is_virtual() {
             // A virtual axis is always on: only its motion has to end.
-            self.function = None;
+            self.task.leave_function();
             self.brake_to_rest(cx, &self.stop_limits());
             return;
         }
-        match self.power {
+        match self.status.power() {
             Power::On | Power::Opening { .. } => {
-                self.power = Power::SwitchingOff;
+                self.status.set_power(Power::SwitchingOff);
                 self.brake_to_rest(cx, &self.stop_limits());
             }
             Power::SwitchingOff | Power::Closing { .. } => {}
             Power::DriveStops { since, .. } if !self.has_stopped_by_itself(cx.cycle) => {
-                self.power = Power::DriveStops { since, then_off: true };
+                self.status.set_power(Power::DriveStops { since, then_off: true });
             }
             _ => self.switch_off(cx),
         }
@@ -104,8 +110,8 @@ impl Axis {
 
     pub(super) fn quick_stop(&mut self, cx: &mut Context<'_>, sequence: u64) {
         // From now on a quick stop locks the axis.
-        self.holding.interrupted = false;
-        self.holding.aborted = false;
+        self.brake.interrupted = false;
+        self.brake.aborted = false;
         self.stop_and_lock(cx, Code::QUICK_STOP);
         self.wait(cx, sequence, Until::Standstill);
     }
@@ -115,8 +121,8 @@ impl Axis {
     /// well. [`apply_stop_priority`](Self::apply_stop_priority) does the rest once all commands of the cycle are known.
     pub(super) fn stop_and_lock(&mut self, cx: &mut Context<'_>, code: Code) {
         self.end_all_motion(cx, code);
-        self.holding.locked = Some((cx.cycle, code));
-        if self.state == AxisState::ErrorStop {
+        self.brake.locked = Some((cx.cycle, code));
+        if self.status.state() == AxisState::ErrorStop {
             return;
         }
         let is_on = self.is_on();
@@ -130,7 +136,7 @@ impl Axis {
 
     /// Returns the code of the stop that locks in that cycle.
     pub(super) fn locked_in(&self, cycle: u64) -> Option<Code> {
-        self.holding.locked.filter(|(locked, _)| *locked == cycle).map(|(_, code)| code)
+        self.brake.locked.filter(|(locked, _)| *locked == cycle).map(|(_, code)| code)
     }
 
     /// Cancels commands of this cycle that would let the axis continue: they were meant for the state before the stop,
@@ -138,33 +144,33 @@ impl Axis {
     /// switched on is switched off again.
     pub(super) fn apply_stop_priority(&mut self, cx: &mut Context<'_>) {
         let Some(code) = self.locked_in(cx.cycle) else { return };
-        self.waiting.fail(cx.events, self.setup.index, code, Until::Enabled);
-        if matches!(self.power, Power::SwitchingOn { .. }) {
+        self.pending.waiting_mut().fail(cx.events, self.setup.index, code, Until::Enabled);
+        if matches!(self.status.power(), Power::SwitchingOn { .. }) {
             self.switch_off(cx);
         }
         // Without power and lock a reset lets no motion continue. Whether the power was removed in this cycle makes no
         // difference.
-        if self.is_on() || self.holding.had_power || self.state == AxisState::Stopping {
-            self.waiting.fail(cx.events, self.setup.index, code, Until::Healthy);
-            (self.holding.clears, self.holding.resumes) = (false, false);
-            if matches!(self.power, Power::Resetting { .. }) {
-                self.power = Power::Off;
+        if self.is_on() || self.brake.had_power || self.status.state() == AxisState::Stopping {
+            self.pending.waiting_mut().fail(cx.events, self.setup.index, code, Until::Healthy);
+            (self.brake.clears, self.brake.resumes) = (false, false);
+            if matches!(self.status.power(), Power::Resetting { .. }) {
+                self.status.set_power(Power::Off);
             }
         }
     }
 
     /// Stops and locks the axis. A brake closes at rest, or at once if nothing holds the axis (MACS-ERR-09, A-49).
     pub(super) fn abort(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        self.holding.interrupted = false;
+        self.brake.interrupted = false;
         let was_on = self.is_on();
         self.stop_and_lock(cx, Code::ABORTED);
         let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
-        self.holding.aborted = self.state == AxisState::Stopping;
+        self.brake.aborted = self.status.state() == AxisState::Stopping;
         if !was_on {
-            self.brake |= has_brake;
+            self.status.request_brake(has_brake);
         } else if has_brake {
             // The rest of an error reaction is executed as well.
-            self.judge.after_stop = if matches!(self.judge.after_stop, 0 | 1 | 4) { 1 } else { 3 };
+            self.supervision.after_stop = if matches!(self.supervision.after_stop, 0 | 1 | 4) { 1 } else { 3 };
         }
         self.wait(cx, sequence, Until::Standstill);
     }
@@ -177,14 +183,14 @@ impl Axis {
     /// Clears error and lock of an axis at rest; a drive in fault first has to leave it.
     fn begin_reset(&mut self, cx: &mut Context<'_>) {
         if self.drive_fails(cx) {
-            self.power = Power::Resetting { since: cx.cycle };
+            self.status.set_power(Power::Resetting { since: cx.cycle });
         } else {
             self.clear_error(cx);
         }
     }
 
     pub(super) fn drive_fails(&self, cx: &Context<'_>) -> bool {
-        cx.input.is_some_and(|input| !input.online || self.shown.is_in_fault())
+        cx.input.is_some_and(|input| !input.online || self.drive_data.shown().is_in_fault())
     }
 
     /// Leaves ERROR_STOP and STOPPING.
@@ -194,27 +200,28 @@ impl Axis {
             let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.alarm.code()).with(found, allowed);
             cx.events.push(Event { position: Position::whole(self.fault().actual), ..event });
         }
-        self.holding.aborted = false;
+        self.brake.aborted = false;
         let before = self.alarm.clear();
         self.vocabularies.notice(Notice::Reset);
-        let was_braked = std::mem::take(&mut self.brake);
+        let was_braked = self.status.release_brake();
         let mut lasting = self.lasting_following_error(cx.cycle).filter(|_| before == Code::FOLLOWING_ERROR);
-        if matches!(self.power, Power::DriveStops { .. }) {
-            self.power = Power::Off;
-        } else if was_braked && matches!(self.power, Power::On | Power::Opening { .. }) {
+        if matches!(self.status.power(), Power::DriveStops { .. }) {
+            self.status.set_power(Power::Off);
+        } else if was_braked && matches!(self.status.power(), Power::On | Power::Opening { .. }) {
             if lasting.is_some() && self.own_brake().is_some() {
                 // The brake holds it away from its command: the command starts at the actual position, as with enable.
                 self.note_stop_given_up();
                 self.command_actual_position();
-                self.judge.fill(self.commanded_increment());
+                self.supervision.fill(self.commanded_increment());
                 lasting = None;
             }
             // Its own brake opens again from the next cycle on, within its opening time.
-            self.power = self.power_is_on(cx.cycle.saturating_add(1));
+            let power = self.power_is_on(cx.cycle.saturating_add(1));
+            self.status.set_power(power);
         }
-        self.judge.forget(lasting.is_some());
-        if matches!(self.state, AxisState::ErrorStop | AxisState::Stopping) {
-            let state = if self.power == Power::On { AxisState::Standstill } else { AxisState::Disabled };
+        self.supervision.forget(lasting.is_some());
+        if matches!(self.status.state(), AxisState::ErrorStop | AxisState::Stopping) {
+            let state = if self.status.power() == Power::On { AxisState::Standstill } else { AxisState::Disabled };
             self.set_state(cx, state);
         }
         self.return_error(cx, before, lasting);
@@ -223,13 +230,13 @@ impl Axis {
     /// Ends a goal of this axis with a controlled stop; the active goal ends once the axis is at rest. Returns false if
     /// the goal belongs to another axis. `is_told`: another axis of the same goal has answered.
     pub fn cancel(&mut self, cx: &mut Context<'_>, sequence: u64, goal: u64, is_told: bool) -> bool {
-        let is_active = self.goal.is_some_and(|active| active.sequence == goal);
-        let is_overlay = self.overlay.is_some_and(|overlay| overlay.sequence == goal);
+        let is_active = self.task.goal().is_some_and(|active| active.sequence == goal);
+        let is_overlay = self.coupling.overlay().is_some_and(|overlay| overlay.sequence == goal);
         let (is_phase, is_engaging) = (self.is_phase(goal), goal != 0 && self.engaging() == goal);
         let answer = |kind| Event::new(Severity::Info, kind, self.object(), Code::NONE).of_command(sequence);
         let (accepted, done) = (answer(Kind::Accepted), answer(Kind::Done));
         if !is_active && !is_overlay && !is_phase && !is_engaging {
-            if !self.buffer.holds(goal) {
+            if !self.pending.buffer().holds(goal) {
                 return false;
             }
             cx.events.push(accepted);
@@ -259,7 +266,13 @@ impl Axis {
         self.end_phase(cx, Code::CANCELLED, NO_NUMBERS);
         self.end_engagement(cx, Code::NOT_REACHED, NO_NUMBERS);
         self.end_leaving(cx, Code::NOT_REACHED, NO_NUMBERS);
-        self.buffer.end(cx.events, self.setup.index, Code::NOT_REACHED, self.command.position, NO_NUMBERS);
+        self.pending.buffer_mut().end(
+            cx.events,
+            self.setup.index,
+            Code::NOT_REACHED,
+            self.command.position(),
+            NO_NUMBERS,
+        );
         let disengage = self.coupling().map_or(Disengage::Stop, |coupling| coupling.disengage);
         self.uncouple(cx, disengage, Code::CANCELLED);
     }
@@ -278,7 +291,7 @@ impl Axis {
             let course = self.course(cx.cycle, self.present_motion(), aim, limits);
             self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Speed, Generator::Plan(course));
         } else {
-            if let Some(goal) = &mut self.goal {
+            if let Some(goal) = self.task.goal_mut() {
                 goal.ending = Some(code);
             }
             self.brake_to_rest(cx, &limits);
@@ -288,51 +301,52 @@ impl Axis {
     /// Whether a halt may take over the motion: not while an error or a quick stop ends it.
     fn is_moving_freely(&self) -> bool {
         use AxisState::{ContinuousMotion, DiscreteMotion, Homing, SynchronizedMotion};
-        self.power == Power::On && matches!(self.state, DiscreteMotion | ContinuousMotion | Homing | SynchronizedMotion)
+        self.status.power() == Power::On
+            && matches!(self.status.state(), DiscreteMotion | ContinuousMotion | Homing | SynchronizedMotion)
     }
 
     /// Ends waiting commands whose condition is met or can no longer be met.
     pub(super) fn settle_waiting(&mut self, cx: &mut Context<'_>) {
-        if self.waiting.is_empty() && !self.holding.clears && !self.holding.resumes {
-            self.holding.coasts_since = None;
+        if self.pending.waiting().is_empty() && !self.brake.clears && !self.brake.resumes {
+            self.brake.coasts_since = None;
             return;
         }
         let stands = self.rests();
-        let locked = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop)
+        let locked = matches!(self.status.state(), AxisState::Stopping | AxisState::ErrorStop)
             || !self.alarm.is_none()
             || self.drive_fails(cx);
         // An axis whose drive still stops, or whose brake still closes, must not be reset.
-        let is_going = match self.power {
+        let is_going = match self.status.power() {
             Power::Resetting { .. } | Power::Closing { .. } => true,
             Power::DriveStops { .. } => !self.drive_fails(cx) && !self.has_stopped_by_itself(cx.cycle),
             _ => self.is_finishing_stop(),
         };
-        let clears = self.holding.clears || self.waiting.waits_for(Until::Healthy);
-        let resumes = self.holding.resumes && self.alarm.is_none();
+        let clears = self.brake.clears || self.pending.waiting().waits_for(Until::Healthy);
+        let resumes = self.brake.resumes && self.alarm.is_none();
         let is_due = stands && locked && !is_going && (clears || resumes);
         if self.may_reset(cx.cycle, is_due) {
-            (self.holding.clears, self.holding.resumes) = (false, false);
+            (self.brake.clears, self.brake.resumes) = (false, false);
             if clears {
                 self.begin_reset(cx);
             } else {
                 self.clear_error(cx);
             }
         }
-        self.holding.clears &= locked;
+        self.brake.clears &= locked;
         let has_stopped = self.has_stopped_by_itself(cx.cycle);
-        let position = self.command.position;
+        let position = self.command.position();
         let failed = Some(self.alarm.code()).filter(|code| !code.is_none());
         let (axis, opens) = (self.setup.index, self.is_opening());
         let (found, allowed) = self.alarm.numbers();
         let mut end = |until, code| {
             let done = Event::done(Object::Axis(axis), 0, code, position);
             let done = if Some(code) == failed { done.with(found, allowed) } else { done };
-            self.waiting.end_with(cx.events, until, done);
+            self.pending.waiting_mut().end_with(cx.events, until, done);
         };
-        match self.power {
+        match self.status.power() {
             Power::On => {
                 // An error that stopped it while its brake opened.
-                let stopped = failed.filter(|_| self.state == AxisState::ErrorStop);
+                let stopped = failed.filter(|_| self.status.state() == AxisState::ErrorStop);
                 end(Until::Enabled, stopped.unwrap_or(Code::NONE));
             }
             Power::DriveStops { .. } => end(Until::Enabled, failed.unwrap_or(Code::DISABLED)),
@@ -344,12 +358,12 @@ impl Axis {
         }
         if stands && has_stopped {
             end(Until::Standstill, Code::NONE);
-        } else if self.goal.is_some_and(|goal| goal.ending.is_none()) {
+        } else if self.task.goal().is_some_and(|goal| goal.ending.is_none()) {
             end(Until::Standstill, Code::REPLACED);
         }
-        let resets = matches!(self.power, Power::Resetting { .. });
+        let resets = matches!(self.status.power(), Power::Resetting { .. });
         // Until its brake is open it accepts no goal.
-        if failed.is_none() && !resets && !opens && self.state != AxisState::Stopping {
+        if failed.is_none() && !resets && !opens && self.status.state() != AxisState::Stopping {
             end(Until::Healthy, Code::NONE);
         }
     }

@@ -58,26 +58,26 @@ impl Axis {
     /// Executes a new setpoint, and stops after the timeout.
     pub(super) fn follow_stream(&mut self, cx: &mut Context<'_>) {
         let timeout = self.parameters.setpoint_timeout.unsigned_abs();
-        self.streamed.pass();
-        if self.streamed.silence.saturating_mul(self.setup.cycle_ns) > timeout {
-            self.streamed.told = Code::NONE;
+        self.command.streamed_mut().pass();
+        if self.command.streamed().silence.saturating_mul(self.setup.cycle_ns) > timeout {
+            self.command.streamed_mut().told = Code::NONE;
         }
         let new = cx.stream.and_then(|stream| *stream.axes.get(usize::from(self.setup.index))?);
         if let Some(setpoint) = new {
-            self.streamed.silence = 0;
+            self.command.streamed_mut().silence = 0;
             self.take_setpoint(cx, setpoint);
         }
-        let age = self.streamed.age.saturating_mul(self.setup.cycle_ns);
+        let age = self.command.streamed().age.saturating_mul(self.setup.cycle_ns);
         // Also a setpoint at override 0: it must not move the axis when the override changes.
-        let runs = matches!(&self.generator, Generator::Plan(course) if course.aim != Aim::Stop);
-        if self.reference != Reference::Stream || !runs {
+        let runs = matches!(self.motion.generator(), Generator::Plan(course) if course.aim != Aim::Stop);
+        if self.status.reference() != Reference::Stream || !runs {
             return;
         }
         if age > timeout {
             self.end_overlay(cx, Code::STREAM_TIMEOUT, NO_NUMBERS);
             self.brake_to_rest(cx, &self.parameters.default_goal_limits());
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::STREAM_TIMEOUT));
-        } else if self.streamed.duration.is_some_and(|duration| age >= duration) {
+        } else if self.command.streamed().duration.is_some_and(|duration| age >= duration) {
             self.stream_at(cx, 0.0);
         }
     }
@@ -87,15 +87,16 @@ impl Axis {
         let checked = self.check_setpoint(velocity);
         if self.is_held_at_limit(velocity, &checked) {
             // The stop continues.
-            (self.streamed.age, self.streamed.duration) = (0, duration);
+            let streamed = self.command.streamed_mut();
+            (streamed.age, streamed.duration) = (0, duration);
             return;
         }
         let velocity = match checked {
             Ok(true) => velocity,
             Ok(false) => return,
             Err(refusal) => {
-                if velocity != 0.0 && self.streamed.told != refusal.code {
-                    self.streamed.told = refusal.code;
+                if velocity != 0.0 && self.command.streamed().told != refusal.code {
+                    self.command.streamed_mut().told = refusal.code;
                     let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
                     let parameter = Some(const { Row::place(STREAM) });
                     cx.events.push(Event { parameter, ..event.with(refusal.asked, refusal.limit) });
@@ -110,7 +111,7 @@ impl Axis {
                 0.0
             }
         };
-        self.streamed = Streamed { age: 0, duration, silence: 0, told };
+        *self.command.streamed_mut() = Streamed { age: 0, duration, silence: 0, told };
         if velocity != 0.0 || !self.rests() {
             // A waiting coupling must not take the axis from the stream.
             self.end_engagement(cx, Code::REPLACED, NO_NUMBERS);
@@ -120,7 +121,7 @@ impl Axis {
 
     /// Whether a setpoint moves the axis.
     pub(super) fn streams(&self) -> bool {
-        self.state == AxisState::ContinuousMotion && self.reference == Reference::Stream
+        self.status.state() == AxisState::ContinuousMotion && self.status.reference() == Reference::Stream
     }
 
     /// Checks whether the axis may follow it. False: not yet, while the axis comes to rest by itself.
@@ -132,8 +133,8 @@ impl Axis {
             return Err(Refusal::new(Code::SETPOINT_NO_NUMBER, self.object()));
         }
         self.check_free()?;
-        if !self.streams() && self.state != AxisState::Standstill {
-            let stops = matches!(&self.generator, Generator::Plan(course) if course.aim == Aim::Stop);
+        if !self.streams() && self.status.state() != AxisState::Standstill {
+            let stops = matches!(self.motion.generator(), Generator::Plan(course) if course.aim == Aim::Stop);
             return if stops { Ok(false) } else { refuse(Code::STREAM_BUSY, Number::None) };
         }
         let most = self.velocity_for_base();
@@ -152,7 +153,7 @@ impl Axis {
         if self.check_course(&course, from, usual).is_err() {
             course = self.course(cx.cycle, from, aim, self.stop_limits());
         }
-        self.owner = Owner::Native;
+        self.status.set_owner(Owner::Native);
         self.begin_motion(cx, AxisState::ContinuousMotion, Reference::Stream, Generator::Plan(course));
     }
 }

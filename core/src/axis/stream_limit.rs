@@ -23,16 +23,16 @@ impl Axis {
     /// Whether a setpoint leads further into the software limit that has ended its stream. A setpoint that leads away
     /// clears that state.
     pub(super) fn is_held_at_limit(&mut self, velocity: f64, checked: &Result<bool, Refusal>) -> bool {
-        let Some(up) = self.at_limits.reported_stream().filter(|_| self.stops_streams()) else { return false };
+        let Some(up) = self.travel.at_limits().reported_stream().filter(|_| self.stops_streams()) else { return false };
         let is_away = if up { velocity < 0.0 } else { velocity > 0.0 };
         match checked {
             Ok(true) if is_away => {
-                self.at_limits.forget_stream();
+                self.travel.at_limits_mut().forget_stream();
                 false
             }
             Ok(true) if velocity == 0.0 => false,
             Ok(true) if self.streams() => self.ends_at_limit(up, velocity),
-            Ok(true) => self.room(up, self.command.position) <= self.rest_tolerance(),
+            Ok(true) => self.room(up, self.command.position()) <= self.rest_tolerance(),
             Ok(false) => false,
             Err(refusal) => is_software_limit(refusal) && !is_away,
         }
@@ -42,18 +42,19 @@ impl Axis {
     pub(super) fn note_refused_at_limit(&mut self, velocity: f64, refusal: &Refusal) {
         if self.stops_streams() && is_software_limit(refusal) {
             let up = velocity > 0.0;
-            self.at_limits.report_stream(up, self.room(up, self.command.position));
+            let room = self.room(up, self.command.position());
+            self.travel.at_limits_mut().report_stream(up, room);
         }
     }
 
     /// Returns the motion of a stream that ends at a limit, with the requested velocity; none if another motion is
     /// active, or the motion would pass the limit.
     pub(super) fn stream_to_limit(&self, cycle: u64, before: Motion, up: bool) -> Option<PlannedMotion> {
-        let Generator::Plan(PlannedMotion { aim: Aim::Velocity(asked), limits, .. }) = &self.generator else {
+        let Generator::Plan(PlannedMotion { aim: Aim::Velocity(asked), limits, .. }) = self.motion.generator() else {
             return None;
         };
         let is_towards = if up { *asked > 0.0 } else { *asked < 0.0 };
-        if !is_towards || !self.streams() || !self.stops_streams() || self.overlay.is_some() {
+        if !is_towards || !self.streams() || !self.stops_streams() || self.coupling.overlay().is_some() {
             return None;
         }
         let limit = Position::whole(self.limit(up));
@@ -66,7 +67,7 @@ impl Axis {
 
     /// Whether the active motion ends at a limit, either with any velocity (inc/s) of the stream, or with this one.
     fn ends_at_limit(&self, up: bool, asked: f64) -> bool {
-        let Generator::Plan(course) = &self.generator else { return false };
+        let Generator::Plan(course) = self.motion.generator() else { return false };
         let is_asked = course.aim == Aim::Stop || course.limits.velocity == asked.abs();
         is_asked && course.end_velocity() == 0.0 && self.room(up, course.end()) <= Position::from_f64(course::ROUNDING)
     }

@@ -123,7 +123,7 @@ impl Axis {
             Some([first, last]) => Some(self.check_window(first.exact(), last.exact())?),
             None => None,
         };
-        let armed = &self.touch_probes.armed;
+        let armed = &self.pending.touch_probes().armed;
         let same = armed.iter().position(|armed| armed.is_some_and(|armed| armed.source == source));
         let free = || armed.iter().position(Option::is_none);
         let Some(place) = same.or_else(free) else {
@@ -131,8 +131,8 @@ impl Axis {
             return Err(self.refuse(Code::TOO_MANY_TOUCH_PROBES).with(Number::None, most));
         };
         self.accepted(cx, sequence);
-        self.end_touch_probe(cx.events, place, Code::REPLACED, self.command.position);
-        self.touch_probes.put(place, Some(Armed { sequence, source, edge, continuous, window }));
+        self.end_touch_probe(cx.events, place, Code::REPLACED, self.command.position());
+        self.pending.touch_probes_mut().put(place, Some(Armed { sequence, source, edge, continuous, window }));
         Ok(())
     }
 
@@ -156,14 +156,14 @@ impl Axis {
         request: &AbortTrigger,
     ) -> Result<(), Refusal> {
         let is_meant = |armed: &Armed| request.source.is_none_or(|source| armed.source == source);
-        if !self.touch_probes.armed.iter().flatten().any(is_meant) {
+        if !self.pending.touch_probes().armed.iter().flatten().any(is_meant) {
             let source = request.source.map_or(Number::None, |source| Number::Count(source.to_number()));
             return Err(self.refuse(Code::TOUCH_PROBE_NOT_ARMED).with(source, Number::None));
         }
         self.accepted(cx, sequence);
         for place in 0..MAX_TOUCH_PROBES {
             if self.armed_at(place).is_some_and(|armed| is_meant(&armed)) {
-                self.end_touch_probe(cx.events, place, Code::CANCELLED, self.command.position);
+                self.end_touch_probe(cx.events, place, Code::CANCELLED, self.command.position());
             }
         }
         Ok(())
@@ -171,12 +171,12 @@ impl Axis {
 
     /// Ends touch probes with windows in a coordinate that is no longer that of the axis.
     fn end_outdated(&mut self, cx: &mut Context<'_>) {
-        if !std::mem::take(&mut self.touch_probes.is_outdated) {
+        if !std::mem::take(&mut self.pending.touch_probes_mut().is_outdated) {
             return;
         }
         for place in 0..MAX_TOUCH_PROBES {
             if self.armed_at(place).is_some_and(|armed| armed.window.is_some()) {
-                self.end_touch_probe(cx.events, place, Code::COORDINATE_CHANGED, self.command.position);
+                self.end_touch_probe(cx.events, place, Code::COORDINATE_CHANGED, self.command.position());
             }
         }
     }
@@ -184,16 +184,16 @@ impl Axis {
     /// Ends all touch probes when the power of the machine is removed.
     pub fn lose_touch_probes(&mut self, events: &mut EventQueue) {
         for place in 0..MAX_TOUCH_PROBES {
-            self.end_touch_probe(events, place, Code::DISABLED, self.command.position);
+            self.end_touch_probe(events, place, Code::DISABLED, self.command.position());
         }
     }
 
     fn armed_at(&self, place: usize) -> Option<Armed> {
-        self.touch_probes.armed.get(place).copied().flatten()
+        self.pending.touch_probes().armed.get(place).copied().flatten()
     }
 
     fn end_touch_probe(&mut self, events: &mut EventQueue, place: usize, code: Code, position: Position) {
-        if let Some(armed) = self.touch_probes.put(place, None) {
+        if let Some(armed) = self.pending.touch_probes_mut().put(place, None) {
             events.push(Event::done(self.object(), armed.sequence, code, position));
         }
     }
@@ -201,7 +201,7 @@ impl Axis {
     /// Records the latches of this cycle for which touch probes wait. Called before the commands of the cycle, so that
     /// a touch probe never records a latch that was there before it.
     pub(super) fn record_latches(&mut self, cx: &mut Context<'_>) {
-        if self.touch_probes.count == 0 {
+        if self.pending.touch_probes().count == 0 {
             return;
         }
         self.end_outdated(cx);
@@ -241,7 +241,7 @@ impl Axis {
         (position, age_ns, edge): (Position, u32, i64),
     ) -> bool {
         let source = Number::Count(armed.source.to_number());
-        if !self.actual.valid {
+        if !self.feedback.is_valid() {
             let code = Code::TOUCH_PROBE_NO_POSITION;
             let warning = Event::new(Severity::Warn, Kind::Warning, self.object(), code);
             cx.events.push(Event { age_ns, ..warning.with(source, Number::None) });
@@ -254,7 +254,8 @@ impl Axis {
         cx.events.push(Event { age_ns, position, ..latch.with(Number::Count(edge), source) });
         // Latches of its own device are already published.
         if armed.source != self.object() || armed.edge == ProbeEdge::Index {
-            self.touch_probes.recorded = (self.touch_probes.recorded.0.saturating_add(1), position);
+            let recorded = &mut self.pending.touch_probes_mut().recorded;
+            *recorded = (recorded.0.saturating_add(1), position);
         }
         if !armed.continuous {
             self.end_touch_probe(cx.events, place, Code::NONE, position);
@@ -264,9 +265,9 @@ impl Axis {
 
     /// Publishes the last record of the cycle.
     pub(super) fn publish_records(&mut self, board: &mut Board) {
-        let (count, position) = self.touch_probes.recorded;
+        let (count, position) = self.pending.touch_probes().recorded;
         if count > 0 {
-            self.touch_probes.recorded = Default::default();
+            self.pending.touch_probes_mut().recorded = Default::default();
             self.publish_latches(board, position, count);
         }
     }

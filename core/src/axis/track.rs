@@ -82,23 +82,24 @@ pub type Violation = (Number, Number);
 
 impl Axis {
     pub(super) fn tracker(&self) -> Option<Tracker> {
-        self.goal.as_ref().and_then(|goal| goal.track)
+        self.task.goal().as_ref().and_then(|goal| goal.track)
     }
 
     /// Returns its own trajectory, and the one that it follows until that begins.
     pub(super) fn trackers(&self) -> impl Iterator<Item = Tracker> {
-        self.goal.into_iter().flat_map(|goal| [goal.track, goal.before]).flatten()
+        self.task.goal().into_iter().flat_map(|goal| [goal.track, goal.before]).flatten()
     }
 
     /// Returns the trajectory that it follows; not its own while that waits for its start.
     fn leading(&self) -> Option<Tracker> {
-        self.goal.as_ref().and_then(|goal| goal.before.or(goal.track))
+        self.task.goal().as_ref().and_then(|goal| goal.before.or(goal.track))
     }
 
     /// Returns the trajectory that moves it in this cycle.
     fn led_by<'a>(&self, runs: &'a [Option<Run>]) -> Option<(Tracker, &'a Run)> {
-        let tracker =
-            self.leading().filter(|tracker| !tracker.waits && matches!(self.generator, Generator::Track(_)))?;
+        let tracker = self
+            .leading()
+            .filter(|tracker| !tracker.waits && matches!(*self.motion.generator(), Generator::Track(_)))?;
         Some((tracker, tracker.run(runs)?))
     }
 
@@ -112,7 +113,7 @@ impl Axis {
     /// Returns the indices of the trajectory that it follows until its own begins: among the active ones, and of its
     /// track.
     pub fn follows_before(&self) -> Option<(usize, usize)> {
-        let before = self.goal?.before?;
+        let before = self.task.goal().as_ref()?.before?;
         Some((usize::from(before.slot), usize::from(before.track)))
     }
 
@@ -138,31 +139,31 @@ impl Axis {
 
     /// Whether it belongs to a trajectory.
     pub(super) fn has_track(&self) -> bool {
-        self.goal.as_ref().is_some_and(|goal| goal.track.is_some())
+        self.task.goal().as_ref().is_some_and(|goal| goal.track.is_some())
     }
 
     /// Whether it is the axis of that track of that trajectory, between two cycles.
     pub fn tracks(&self, sequence: u64, slot: usize, track: usize) -> bool {
         let place = |tracker: Tracker| (usize::from(tracker.slot), usize::from(tracker.track));
-        self.goal.is_some_and(|goal| goal.sequence == sequence && goal.track.map(place) == Some((slot, track)))
+        self.task.goal().is_some_and(|goal| goal.sequence == sequence && goal.track.map(place) == Some((slot, track)))
     }
 
     /// Returns its trajectory: number, index among the active ones, index of its track.
     pub fn tracked(&self) -> Option<(u64, usize, usize)> {
-        let goal = self.goal?;
+        let goal = (*self.task.goal())?;
         goal.track.map(|tracker| (goal.sequence, usize::from(tracker.slot), usize::from(tracker.track)))
     }
 
     /// Returns the reason why it has left the trajectory of that command, with found and allowed value, and clears it.
     pub fn take_left(&mut self, sequence: u64) -> Option<(Code, Number, Number)> {
-        let (_, code, (found, allowed)) = self.left.filter(|(of, ..)| *of == sequence)?;
-        self.left = None;
+        let (_, code, (found, allowed)) = self.task.left().filter(|(of, ..)| *of == sequence)?;
+        self.task.forget_left();
         Some((code, found, allowed))
     }
 
     /// Whether its trajectory has been cancelled.
     pub fn is_cancelled(&self) -> bool {
-        self.goal.as_ref().is_some_and(|goal| goal.ending.is_some())
+        self.task.goal().as_ref().is_some_and(|goal| goal.ending.is_some())
     }
 
     /// Whether nothing moves its command.
@@ -212,32 +213,29 @@ impl Axis {
             shift,
         };
         let (sequence, target) = (run.sequence, run.trajectory.end(track, shift));
-        self.goal = Some(Goal { sequence, ending: None, target, search: None, track: Some(tracker), before });
+        self.task.begin(Goal { sequence, ending: None, target, search: None, track: Some(tracker), before });
     }
 
     /// Begins the started track, or waits for its start.
     pub fn begin_track(&mut self, cx: &mut Context<'_>, run: &Run) {
-        let Some(goal) = self.goal else { return };
+        let Some(goal) = *self.task.goal() else { return };
         let Some(tracker) = goal.track else { return };
         let generator = if !tracker.waits {
-            self.track_from(
-                self.present_motion(),
-                tracker.begin.position + tracker.shift,
-                run.trajectory.limits().margin,
-            )
+            let from = tracker.begin.position + tracker.shift;
+            Generator::Track(self.track_from(self.present_motion(), from, run.trajectory.limits().margin))
         } else {
             if goal.before.is_none() {
                 self.brake_to_rest(cx, &self.parameters.default_goal_limits());
             }
-            self.generator
+            *self.motion.generator()
         };
-        self.judge.rested_at = None;
-        self.owner = Owner::Native;
+        self.supervision.rested_at = None;
+        self.status.set_owner(Owner::Native);
         self.begin_motion(cx, AxisState::DiscreteMotion, Reference::Trajectory, generator);
     }
 
     /// Returns the follower of an axis with that motion, from which the track takes over at `from`.
-    fn track_from(&self, motion: Motion, from: Position, margin: f64) -> Generator {
+    fn track_from(&self, motion: Motion, from: Position, margin: f64) -> Follower {
         let p = &self.parameters;
         let down = p.deceleration_limit();
         let slack = 1.0 + margin.max(STEP_SLACK);
@@ -250,7 +248,7 @@ impl Axis {
         };
         let transmission = Transmission::Gear(Gear::new(Ratio::ONE));
         let follower = Follower::new(0.0, transmission, SyncMode::Position, motion, from - motion.position, bounds);
-        Generator::Track(if from == motion.position { follower.at_once() } else { follower })
+        if from == motion.position { follower.at_once() } else { follower }
     }
 
     /// Begins a waiting track when its cycle has come.
@@ -270,20 +268,20 @@ impl Axis {
         let planned = Motion { position: present.position - tracker.shift, ..present };
         let expected = tracker.begin;
         tracker.begin = self.takes_over_at(planned, run, usize::from(tracker.track));
-        (tracker.moved, tracker.waits) = (self.command.velocity, false);
+        (tracker.moved, tracker.waits) = (self.command.velocity(), false);
         // It was checked with the expected motion, which differs if the axis lags behind the trajectory before.
         tracker.smooth &= tracker.begin == expected;
         let from = tracker.begin.position + tracker.shift;
         tracker.exact = from == present.position;
-        self.generator = self.track_from(present, from, run.trajectory.limits().margin);
-        if let Some(goal) = &mut self.goal {
+        self.motion.track(self.track_from(present, from, run.trajectory.limits().margin));
+        if let Some(goal) = self.task.goal_mut() {
             (goal.track, goal.before) = (Some(tracker), None);
         }
     }
 
     /// Returns the motion of this cycle by the trajectory. None: no trajectory, and the axis already stops.
     pub(super) fn follow_track(&mut self, cx: &mut Context<'_>) -> Option<Motion> {
-        let Generator::Track(mut follower) = self.generator else { return None };
+        let Generator::Track(mut follower) = *self.motion.generator() else { return None };
         let Some((mut tracker, run)) = self.led_by(cx.runs) else {
             self.brake_to_rest(cx, &self.stop_limits());
             return None;
@@ -295,9 +293,9 @@ impl Axis {
         follower.set_halt(halt.map(|halt| halt + tracker.shift));
         let lead = Lead { position: sample.position, change, velocity: sample.velocity, uneven: 0.0, valid: true };
         // A position beyond a limit that comes only from rounding was not commanded, and must not cause a lag.
-        let held = (follower.target() - self.command.position).to_f64().abs() <= ROUNDING && tracker.exact;
-        let position = if held { follower.target() } else { self.command.position };
-        let slave = Motion { position, velocity: tracker.moved, ..self.command };
+        let held = (follower.target() - self.command.position()).to_f64().abs() <= ROUNDING && tracker.exact;
+        let position = if held { follower.target() } else { self.command.position() };
+        let slave = Motion { position, velocity: tracker.moved, ..self.command.motion() };
         let rule = if self.reverses_alone() { ReversingRule::Always } else { ReversingRule::Never };
         let next = follower.step(slave, (lead, &[]), self.cycle_s(), Reserve::default(), rule);
         tracker.moved = next.velocity;
@@ -306,11 +304,11 @@ impl Axis {
         let half = 0.5 * most * self.cycle_s() * (1.0 + run.trajectory.limits().margin.max(STEP_SLACK));
         let is_smooth = (sample.velocity - next.velocity).abs() <= half;
         tracker.exact = follower.phase() == Phase::Synchronized && is_smooth;
-        self.is_led = !tracker.exact;
-        if let Some(goal) = &mut self.goal {
+        self.status.set_led(!tracker.exact);
+        if let Some(goal) = self.task.goal_mut() {
             *if goal.before.is_some() { &mut goal.before } else { &mut goal.track } = Some(tracker);
         }
-        self.generator = Generator::Track(follower);
+        self.motion.track(follower);
         // On the spline its velocity is the present one of the spline, not the mean since the last cycle.
         let position = self.unrounded(next.position);
         Some(if tracker.exact { Motion { position, ..sample } } else { Motion { position, ..next } })
@@ -329,7 +327,7 @@ impl Axis {
     /// Removes the part of a position that is beyond a limit only by rounding.
     fn unrounded(&self, position: Position) -> Position {
         let (low, high) = (Position::whole(self.limit(false)), Position::whole(self.limit(true)));
-        let (now, rounding) = (self.command.position, Position::from_f64(ROUNDING));
+        let (now, rounding) = (self.command.position(), Position::from_f64(ROUNDING));
         match () {
             () if now <= high && position > high && position <= high + rounding => high,
             () if now >= low && position < low && position >= low - rounding => low,
@@ -339,8 +337,8 @@ impl Axis {
 
     /// Returns trajectory minus command (inc); none without one.
     pub(super) fn track_error_position(&self) -> Option<Position> {
-        match &self.generator {
-            Generator::Track(follower) => Some(follower.error(self.command.position)),
+        match self.motion.generator() {
+            Generator::Track(follower) => Some(follower.error(self.command.position())),
             _ => None,
         }
     }
@@ -370,7 +368,7 @@ impl Axis {
     fn answered(&self, cycle: u64, (run, tracker): (&Run, &Tracker)) -> Option<Motion> {
         let answered = cycle.checked_sub(self.age()).filter(|answered| *answered >= run.begins)?;
         // No drive measures its acceleration, so the commanded one is used.
-        let acceleration = tracker.asked(run, cycle).acceleration - self.command.acceleration;
+        let acceleration = tracker.asked(run, cycle).acceleration - self.command.acceleration();
         Some(Motion { acceleration, ..tracker.asked(run, answered) })
     }
 
@@ -380,7 +378,7 @@ impl Axis {
         let track = usize::from(tracker.track);
         let goal = run.trajectory.tracks().get(track)?.goal;
         let end = Motion::at_rest(run.trajectory.end(track, tracker.shift)?);
-        self.violation(&goal, Motion { acceleration: -self.command.acceleration, ..end })
+        self.violation(&goal, Motion { acceleration: -self.command.acceleration(), ..end })
     }
 
     /// Returns the violation if its command or its actual values are too far from a trajectory that ends in motion.
@@ -395,8 +393,8 @@ impl Axis {
 
     /// Returns the first violated tolerance. The acceleration of `wanted` is the error itself.
     fn violation(&self, tolerance: &Tolerance, wanted: Motion) -> Option<Violation> {
-        let position = (wanted.position - self.actual.position).to_f64();
-        let velocity = wanted.velocity - self.actual.velocity;
+        let position = (wanted.position - self.feedback.position()).to_f64();
+        let velocity = wanted.velocity - self.feedback.velocity();
         let whole = |value: f64| Number::Position(value as i64);
         let beyond = |error: f64, limit: Option<f64>| limit.filter(|limit| error.abs() > *limit);
         // The error is rounded away from 0, the tolerance towards 0, so that the reported error exceeds the reported
@@ -416,29 +414,29 @@ impl Axis {
     /// Whether its command rests at the end of its trajectory. An axis that may not move backward stays where rounding
     /// has led it.
     pub fn is_at_end(&self) -> bool {
-        let end = self.goal.and_then(|goal| goal.target);
+        let end = self.task.goal().and_then(|goal| goal.target);
         self.tracker().is_some_and(|tracker| !tracker.waits)
-            && matches!(self.generator, Generator::Track(_))
-            && end.is_some_and(|end| (end - self.command.position).to_f64().abs() <= ROUNDING)
-            && self.command.velocity == 0.0
+            && matches!(*self.motion.generator(), Generator::Track(_))
+            && end.is_some_and(|end| (end - self.command.position()).to_f64().abs() <= ROUNDING)
+            && self.command.velocity() == 0.0
     }
 
     /// Ends the trajectory successfully: the axis is at rest at its end.
     pub fn finish_track(&mut self, cx: &mut Context<'_>) {
-        let end = self.goal.take().and_then(|goal| goal.target);
-        self.generator = Generator::Rest;
-        self.command = self.resting(end.unwrap_or(self.command.position));
+        let end = self.task.take_goal().and_then(|goal| goal.target);
+        self.motion.rest();
+        self.command.execute(self.resting(end.unwrap_or(self.command.position())));
         self.set_state(cx, AxisState::Standstill);
     }
 
     /// Ends the trajectory in any other way: the axis stops, if it has not stopped yet.
     pub fn release_track(&mut self, cx: &mut Context<'_>) {
-        self.goal = None;
-        if self.is_on() && matches!(self.generator, Generator::Track(_)) {
+        self.task.take_goal();
+        if self.is_on() && matches!(*self.motion.generator(), Generator::Track(_)) {
             self.brake_to_rest(cx, &self.parameters.default_goal_limits());
         }
-        self.reference = Reference::Stop;
-        if self.rests() && self.state == AxisState::DiscreteMotion {
+        self.status.end_reference();
+        if self.rests() && self.status.state() == AxisState::DiscreteMotion {
             self.set_state(cx, AxisState::Standstill);
         }
     }

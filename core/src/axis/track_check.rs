@@ -171,7 +171,7 @@ impl Axis {
         let most = goal.unwrap_or(self.position_tolerance());
         let off = |from: Position| (end - from).to_f64().abs();
         // A client that requests the present position may mean the commanded or the actual one.
-        let off = off(self.command.position).min(off(self.actual.position));
+        let off = off(self.command.position()).min(off(self.feedback.position()));
         if off > most {
             let number = |value: f64| Number::Position(value as i64);
             let refusal = Refusal::new(Code::TRAJECTORY_WITHOUT_TIME, self.object());

@@ -27,7 +27,7 @@ impl Axis {
         if !self.has_track() || self.is_cancelled() {
             let stands = self.rests() && !self.has_track();
             let refusal = || self.refuse(Code::NO_TRAJECTORY);
-            return stands.then(|| (self.resting(self.command.position), None)).ok_or_else(refusal);
+            return stands.then(|| (self.resting(self.command.position()), None)).ok_or_else(refusal);
         }
         let mut outside = self.refuse(Code::NO_TRAJECTORY);
         // Its own trajectory comes first: the axis follows the one before only until that begins.

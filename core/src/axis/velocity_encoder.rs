@@ -134,7 +134,7 @@ impl Axis {
 
     /// Returns the form of the values from its drive.
     fn form_of_drive(&self) -> Form {
-        match (self.counter.form(), self.setup.wired) {
+        match (self.feedback.counter().form(), self.setup.wired) {
             // Its position has another source; the cell may define the form of the values from the drive.
             (Form::Incremental(64), Wired::Drive(form)) => form,
             (form, _) => form,
@@ -147,7 +147,7 @@ impl Axis {
             return;
         }
         let form = self.form_of_drive();
-        let feedback = &mut self.velocity_feedback;
+        let feedback = self.loops.velocity_feedback_mut();
         if feedback.reader.form() != form {
             feedback.reader = Reader::new(form);
         }
@@ -161,7 +161,7 @@ impl Axis {
 
     /// Whether the motion of the motor is unknown.
     pub(super) fn has_lost_velocity(&self) -> bool {
-        self.velocity_feedback.is_lost && self.has_velocity_encoder()
+        self.loops.velocity_feedback().is_lost && self.has_velocity_encoder()
     }
 
     /// Returns the change of the encoder of the velocity loop in this cycle (inc of that encoder, in the direction of
@@ -170,7 +170,7 @@ impl Axis {
         if !self.has_velocity_encoder() {
             return self.motor_change().floor();
         }
-        let change = self.turn_counts(self.velocity_feedback.change);
+        let change = self.turn_counts(self.loops.velocity_feedback().change);
         let sense = self.direction();
         // The direction of the position loop is that of the reference, so it also applies to this feedback.
         if sense.position == sense.velocity { change } else { change.wrapping_neg() }
@@ -194,13 +194,13 @@ impl Axis {
             return;
         }
         if !self.is_on() {
-            self.velocity_feedback.ways = Pair::default();
+            self.loops.velocity_feedback_mut().ways = Pair::default();
             return;
         }
         let ratio = self.per_velocity_encoder();
         let (load, motor) = (self.motor_change().to_f64(), self.velocity_change() as f64 * ratio);
         let allowed = self.parameters.max_following_error;
-        let ways = &mut self.velocity_feedback.ways;
+        let ways = &mut self.loops.velocity_feedback_mut().ways;
         let piece = (PIECE * allowed as f64).max(LEAST * ratio.max(1.0));
         ways.step(load, motor, piece);
         let apart = ways.distance();

@@ -21,35 +21,35 @@ use std::sync::Arc;
 impl Axis {
     fn view<'a>(&'a self, cycle: u64, owner: Owner, leads: &'a Leads, latches: &'a [LatchView]) -> View<'a> {
         let p = &self.parameters;
-        let position = self.command.position.floor();
+        let position = self.command.position().floor();
         View {
             object: self.object(),
             cycle,
             cycle_ns: self.setup.cycle_ns,
-            owns: self.owner == owner,
-            owned: self.lost == Some((cycle, owner)),
+            owns: self.status.owner() == owner,
+            owned: self.alarm.has_lost(cycle, owner),
             free: self.check_ready().is_ok(),
             // False until its brake is open, and again while it closes.
-            on: matches!(self.power, Power::On | Power::SwitchingOff),
-            closing: matches!(self.power, Power::Closing { .. }),
+            on: matches!(self.status.power(), Power::On | Power::SwitchingOff),
+            closing: matches!(self.status.power(), Power::Closing { .. }),
             locked: self.is_locked(),
-            in_error: self.state == AxisState::ErrorStop,
+            in_error: self.status.state() == AxisState::ErrorStop,
             error: self.alarm.code(),
-            contact: self.open_contact,
+            contact: self.alarm.open_contact(),
             homing: self.homing.is_running(),
             search_speed: self.search_speed(),
             homed: self.is_referenced(),
-            command: self.command,
+            command: self.command.motion(),
             present: self.present_motion(),
             rests: self.rests(),
             idle: self.is_idle_at_rest(),
             has_end: self.course_end().is_some(),
-            target: match &self.generator {
+            target: match self.motion.generator() {
                 Generator::Follow(coupling) => coupling.follower.target(),
-                _ => self.course_end().unwrap_or(self.command.position),
+                _ => self.course_end().unwrap_or(self.command.position()),
             },
-            actual: self.actual,
-            following_error: self.judge.following_error,
+            actual: self.feedback.lead(),
+            following_error: self.supervision.following_error,
             at_limit: p.max_position.is_some_and(|limit| position >= limit)
                 || p.min_position.is_some_and(|limit| position <= limit),
             modulo: self.setup.modulo,
@@ -66,8 +66,8 @@ impl Axis {
 
     /// Whether an error or a quick stop locks it, or a contact is open while it is on.
     fn is_locked(&self) -> bool {
-        matches!(self.state, AxisState::ErrorStop | AxisState::Stopping)
-            || self.power == Power::On && !self.open_contact.is_none()
+        matches!(self.status.state(), AxisState::ErrorStop | AxisState::Stopping)
+            || self.status.power() == Power::On && !self.alarm.open_contact().is_none()
     }
 
     /// Steps each vocabulary that has been used, in their order.
@@ -100,8 +100,8 @@ impl Axis {
         if let Some(writes) = writes {
             // The target as set by the order.
             tried.follow(&self.view(cx.cycle, owner, cx.leads, cx.latches));
-            if self.owner == owner {
-                self.reference = writes.reference;
+            if self.status.owner() == owner {
+                self.status.refer_to(writes.reference);
             }
             self.write_selection(cx, writes);
         }
@@ -116,10 +116,10 @@ impl Axis {
             let writes = self.vocabularies.deselect();
             return self.write_selection(cx, writes);
         }
-        if self.homing.is_running() || self.state != AxisState::Standstill {
+        if self.homing.is_running() || self.status.state() != AxisState::Standstill {
             return;
         }
-        let owner = self.owner;
+        let owner = self.status.owner();
         let Some(mut tried) = self.vocabularies.homing_owner(owner) else { return };
         let (order, writes) = tried.end_homing(&self.view(cx.cycle, owner, cx.leads, cx.latches));
         self.try_order(cx, owner, order);
@@ -207,7 +207,7 @@ impl Axis {
 
     /// Whether the active homing belongs to this vocabulary.
     fn homes_for(&self, owner: Owner) -> bool {
-        self.owner == owner && self.homing.is_running()
+        self.status.owner() == owner && self.homing.is_running()
     }
 
     /// Executes an order for which no command waits, and reports a refusal of the axis.
@@ -219,14 +219,14 @@ impl Axis {
 
     pub(super) fn warn_of(&self, cx: &mut Context<'_>, refusal: Refusal) {
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), refusal.code);
-        cx.events.push(Event { position: self.command.position, ..event.with(refusal.asked, refusal.limit) });
+        cx.events.push(Event { position: self.command.position(), ..event.with(refusal.asked, refusal.limit) });
     }
 
     /// Writes the signals of the vocabularies, in the order of the directory, after those of the axis.
     pub(super) fn publish_vocabularies(&mut self, board: &mut Board, leads: &Leads) {
         let Some(shown) = self.vocabularies.begin_publishing() else { return };
         let view = self.view(0, Owner::VOCABULARIES[0], leads, &[]);
-        let first = self.signals.plus(AxisSignal::COUNT);
-        self.vocabularies.publish(shown, self.owner, &view, |asked| self.allowed(asked), first, board);
+        let first = self.cycle.signals().plus(AxisSignal::COUNT);
+        self.vocabularies.publish(shown, self.status.owner(), &view, |asked| self.allowed(asked), first, board);
     }
 }

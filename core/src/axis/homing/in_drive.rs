@@ -130,18 +130,18 @@ impl Axis {
     pub(in super::super) fn follow_drive(&mut self) {
         let is_returning =
             matches!(self.homing.run, Some(Run { stage: Stage::InDrive(drive), .. }) if drive.returns.is_some());
-        if is_returning || self.shown.mode() != MODE_HOMING {
+        if is_returning || self.drive_data.shown().mode() != MODE_HOMING {
             // In the mode of the axis the drive moves to its command: a command that followed the actual position would
             // keep it moving.
-            self.command = Motion::at_rest(self.command.position);
+            self.command.rest_at(self.command.position());
         } else {
-            let ahead = self.actual.velocity * self.cycle_s() * (self.delay() as f64 + 1.0);
-            let place = Position::whole((self.actual.position + Position::from_f64(ahead)).nearest());
-            self.command = Motion { velocity: self.actual.velocity, ..Motion::at_rest(place) };
+            let ahead = self.feedback.velocity() * self.cycle_s() * (self.delay() as f64 + 1.0);
+            let place = Position::whole((self.feedback.position() + Position::from_f64(ahead)).nearest());
+            self.command.execute(Motion { velocity: self.feedback.velocity(), ..Motion::at_rest(place) });
         }
         // The drive follows its own motion, so the following error is 0, also in the cycles until it follows the axis
         // again.
-        self.judge.follow(self.actual.position.floor(), self.actual.velocity * self.cycle_s());
+        self.supervision.follow(self.feedback.position().floor(), self.feedback.velocity() * self.cycle_s());
     }
 
     pub(super) fn watch_drive(&mut self, cx: &mut Context<'_>) {
@@ -152,7 +152,7 @@ impl Axis {
             return;
         };
         let Some(input) = cx.input else { return };
-        let gone = (self.actual.position - drive.from).nearest().saturating_abs();
+        let gone = (self.feedback.position() - drive.from).nearest().saturating_abs();
         if let Some(most) = self.longest_search().filter(|most| gone > *most) {
             return self.fail_homing(cx, Code::HOMING_SWITCH_MISSED, Number::Position(gone), Number::Position(most));
         }
@@ -186,7 +186,7 @@ impl Axis {
                 }
                 Shown::Done => {
                     drive.returns = Some(cx.cycle);
-                    self.command = Motion::at_rest(self.command.position);
+                    self.command.rest_at(self.command.position());
                 }
                 Shown::Failed => {
                     return self.fail_homing(cx, Code::HOMING_IN_DRIVE_FAILED, Number::None, Number::None);
@@ -206,7 +206,7 @@ impl Axis {
 
     /// Sets the zero where the drive counts 0, plus `offset`.
     fn take_zero_of_drive(&mut self, cx: &mut Context<'_>, count: i64, offset: i64) {
-        let reference = self.actual.position - Position::whole(self.turn_counts(count));
+        let reference = self.feedback.position() - Position::whole(self.turn_counts(count));
         let zero = reference + Position::whole(offset);
         if !zero.is_legal() {
             let asked = Number::Position(zero.nearest());

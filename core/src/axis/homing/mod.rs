@@ -18,7 +18,7 @@ mod origin;
 mod search;
 
 use super::reaction::Failure;
-use super::{Axis, AxisState, Context, Generator, HomingPhase, Reference};
+use super::{Axis, AxisState, Context, HomingPhase, Reference};
 use crate::code::Code;
 use crate::command::HomingMethod;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
@@ -294,18 +294,18 @@ impl Axis {
     }
 
     fn check_at_rest(&self) -> Result<(), Refusal> {
-        if !self.rests() || self.goal.is_some() {
+        if !self.rests() || self.task.goal().is_some() {
             return Err(self.not_at_standstill());
         }
         Ok(())
     }
 
     fn begin_homing(&mut self, cx: &mut Context<'_>, run: Option<Run>) {
-        self.reference = Reference::Home;
+        self.status.refer_to(Reference::Home);
         self.set_state(cx, AxisState::Homing);
         match run {
             // The present position is the reference.
-            None => self.take_zero(cx, self.command.position + Position::whole(self.parameters.homing.offset)),
+            None => self.take_zero(cx, self.command.position() + Position::whole(self.parameters.homing.offset)),
             Some(run) => {
                 self.forget_edges(cx);
                 self.homing.run = Some(run);
@@ -350,7 +350,7 @@ impl Axis {
             if methods::is_macs(method) {
                 return Err(self.refuse(Code::HOMING_NOT_IN_DRIVE).with(named, Number::None));
             }
-            return Ok(Some(Run { stage: Stage::InDrive(InDrive::since(cycle, self.actual.position)), ..run }));
+            return Ok(Some(Run { stage: Stage::InDrive(InDrive::since(cycle, self.feedback.position())), ..run }));
         }
         // HOME without its input is refused.
         if methods::is_macs(method) && p.assigned.refswitch == 0 {
@@ -431,7 +431,7 @@ impl Axis {
             run.minutes = minutes;
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LASTS);
             let event = event.with(time(minutes.saturating_mul(MINUTE_NS)), Number::None);
-            cx.events.push(Event { position: self.actual.position, ..event });
+            cx.events.push(Event { position: self.feedback.position(), ..event });
         }
         false
     }
@@ -439,10 +439,10 @@ impl Axis {
     /// Ends homing if the axis is at rest at the end of its motion.
     pub(super) fn settle_homing(&mut self, cx: &mut Context<'_>) {
         let Some(Run { stage: Stage::Found { zero, .. }, .. }) = self.homing.run else { return };
-        if self.judge.in_position && Self::is_squaring(cx) {
+        if self.supervision.in_position && Self::is_squaring(cx) {
             return;
         }
-        if self.judge.in_position {
+        if self.supervision.in_position {
             self.take_zero(cx, zero);
         } else {
             self.report_long_wait(cx);
@@ -458,13 +458,13 @@ impl Axis {
         self.restore_limits(cx);
         self.vocabularies.notice(Notice::ZeroSet);
         (self.homing.done, self.homing.lost) = (true, false);
-        self.judge.rested_at = None;
-        self.reference = Reference::Stop;
+        self.supervision.rested_at = None;
+        self.status.end_reference();
         let number = Number::Position(shift);
         let homed = Event::new(Severity::Info, Kind::Homed, self.object(), Code::NONE).with(number, Number::None);
-        cx.events.push(Event { position: self.command.position, ..homed });
-        if let Some(goal) = self.goal.take() {
-            let done = Event::done(self.object(), goal.sequence, Code::NONE, self.command.position);
+        cx.events.push(Event { position: self.command.position(), ..homed });
+        if let Some(goal) = self.task.take_goal() {
+            let done = Event::done(self.object(), goal.sequence, Code::NONE, self.command.position());
             cx.events.push(done.with(number, Number::None));
         }
         self.set_state(cx, AxisState::Standstill);
@@ -479,8 +479,8 @@ impl Axis {
     /// Handles new raw counts of the drive: stored positions are no longer valid, unless homing has set the counts.
     pub(super) fn note_new_coordinate(&mut self) {
         self.vocabularies.notice(Notice::Jumped);
-        self.sensor.index_known = false;
-        self.touch_probes.note_new_coordinate();
+        self.sources.sensor_mut().index_known = false;
+        self.pending.touch_probes_mut().note_new_coordinate();
         if !self.homing.is_in_drive() {
             self.homing.forget();
             self.homing.broken = self.homing.is_running();

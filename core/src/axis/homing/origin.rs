@@ -1,11 +1,11 @@
 //! Sets the coordinate of an axis: neither the axis nor its followers move.
 
-use super::super::{Axis, Context, Reference};
+use super::super::{Axis, Context};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::{AxisParameters, ROWS, Row};
 use crate::position::{Length, Position};
-use crate::vocabulary::{Notice, Owner};
+use crate::vocabulary::Notice;
 
 impl Axis {
     /// Sets the present command position to `position` (DEFORIGIN, SETORIGIN; MACS-CMD-16).
@@ -15,7 +15,7 @@ impl Axis {
         sequence: u64,
         position: Length,
     ) -> Result<(), Refusal> {
-        let by = position.nearest.saturating_sub(self.command.position.nearest());
+        let by = position.nearest.saturating_sub(self.command.position().nearest());
         self.set_coordinate(cx, sequence, (position.nearest, by))
     }
 
@@ -26,7 +26,7 @@ impl Axis {
         sequence: u64,
         distance: Length,
     ) -> Result<(), Refusal> {
-        let place = self.command.position.nearest().saturating_add(distance.nearest);
+        let place = self.command.position().nearest().saturating_add(distance.nearest);
         self.set_coordinate(cx, sequence, (place, distance.nearest))
     }
 
@@ -99,36 +99,32 @@ impl Axis {
     /// Increases all positions by `by` (inc).
     pub(in super::super) fn move_coordinate(&mut self, by: i64) {
         let shift = Position::whole(by);
-        self.counter.shift(self.turn_counts(by));
-        self.shift_pulses(self.turn_counts(by));
-        self.compensation.shift(self.turn_counts(by));
-        self.origin = self.origin.wrapping_add(self.turn_counts(by));
-        self.command.position += shift;
-        self.actual.position += shift;
-        self.index.1 += shift;
-        self.judge.shift(by);
-        self.generator.shift(shift);
-        self.at_limits.shift(shift);
-        self.touch_probes.note_new_coordinate();
+        let counts = self.turn_counts(by);
+        self.feedback.shift(shift, counts);
+        self.shift_pulses(counts);
+        self.loops.compensation_mut().shift(counts);
+        self.command.shift(shift);
+        self.supervision.shift(by);
+        self.motion.shift(shift);
+        self.travel.at_limits_mut().shift(shift);
+        self.pending.touch_probes_mut().note_new_coordinate();
         self.vocabularies.notice(Notice::Shifted { by });
-        self.moved += shift;
+        self.observed.shift(shift);
     }
 
     /// Ends the motion of a vocabulary, which was commanded in the old coordinate.
     pub(in super::super) fn leave_vocabulary(&mut self) {
-        if std::mem::take(&mut self.owner) != Owner::Native {
-            self.reference = Reference::Stop;
-        }
+        self.status.leave_vocabulary();
     }
 
     /// Whether the coordinate was moved since the last call of [`take_moved`](Self::take_moved).
     #[inline]
     pub fn has_moved(&self) -> bool {
-        self.moved != Position::ZERO
+        self.observed.moved() != Position::ZERO
     }
 
     /// Returns the distance by which the coordinate was moved since the last call.
     pub fn take_moved(&mut self) -> Position {
-        std::mem::take(&mut self.moved)
+        self.observed.take_moved()
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::course::Aim;
 use super::methods::{Leg, Switch, Until, is_travel, legs};
-use super::{Axis, Context, Generator, HomingPhase, Run, Stage};
+use super::{Axis, Context, HomingPhase, Run, Stage};
 use crate::code::Code;
 use crate::event::Number;
 use crate::object::Object;
@@ -63,7 +63,7 @@ impl Axis {
         let Some(leg) = search.leg(run.method) else { return };
         // The axis is on the limit switch that would reverse it.
         search.turned = search.leg == 0 && leg.turns && self.meets_limit(leg, direction_of_leg(&run, leg, false));
-        search.from = self.actual.position;
+        search.from = self.feedback.position();
         search.was_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         run.stage = Stage::Search(search);
         self.homing.run = Some(run);
@@ -89,13 +89,13 @@ impl Axis {
         let velocity = run.speed(leg);
         let signed = velocity * f64::from(direction_of_leg(run, leg, turned));
         if self.is_open_loop() {
-            self.generator = Generator::Open { velocity: signed };
-            self.command.velocity = signed;
+            self.motion.run_open(signed);
+            self.command.run_at(signed);
             return;
         }
         let aim = Aim::velocity(signed);
         let course = self.course(cx.cycle, self.present_motion(), aim, Limits { velocity, ..limits });
-        self.generator = Generator::Plan(course);
+        self.motion.plan(course);
     }
 
     /// Checks whether the active leg has reached its end, or an error.
@@ -104,8 +104,8 @@ impl Axis {
         let Some(leg) = search.leg(run.method) else { return };
         let way = direction_of_leg(&run, leg, search.turned);
         // While the axis still reverses, edges belong to the leg before.
-        let goes = self.command.velocity * f64::from(way) > 0.0;
-        let change = along(self.actual.change, way);
+        let goes = self.command.velocity() * f64::from(way) > 0.0;
+        let change = along(self.feedback.change(), way);
         // An edge that the encoder passes against the direction of the leg does count: an axis at rest next to an edge
         // may jitter across it, and there would be no other edge.
         let trembles = change < Position::ZERO && self.gantry().is_none();
@@ -138,7 +138,7 @@ impl Axis {
         if goes && self.meets_limit(leg, way) {
             if leg.turns && !search.turned {
                 search.turned = true;
-                search.from = self.actual.position;
+                search.from = self.feedback.position();
                 run.stage = Stage::Search(search);
                 self.homing.run = Some(run);
                 // There is little distance after a limit switch.
@@ -152,7 +152,7 @@ impl Axis {
 
     /// Raises an error if a leg exceeds its longest distance.
     fn check_distance(&mut self, cx: &mut Context<'_>, method: i64, leg: &Leg, search: &Search) {
-        let gone = (self.actual.position - search.from).nearest().saturating_abs();
+        let gone = (self.feedback.position() - search.from).nearest().saturating_abs();
         let (most, code) = match leg.until {
             Until::Index => (Some(self.longest_to_index()), missed_index(method)),
             _ => (self.longest_search(), Code::HOMING_SWITCH_MISSED),
@@ -201,7 +201,7 @@ impl Axis {
         if let Some(place) = self.latched_edge(cx, switch, rising) {
             return place;
         }
-        if rising { self.actual.position } else { self.actual.position - self.actual.change }
+        if rising { self.feedback.position() } else { self.feedback.position() - self.feedback.change() }
     }
 
     /// Returns the position at which the input of a switch latched in this cycle: the first edge with that level.
@@ -259,7 +259,7 @@ impl Axis {
         }
         let aim = target.map_or(Aim::Stop, Aim::Target);
         let course = self.course(cx.cycle, self.present_motion(), aim, run.limits);
-        self.generator = Generator::Plan(course);
+        self.motion.plan(course);
     }
 
     /// Whether the axis moves into a limit switch that is not the switch of the leg.
@@ -276,7 +276,7 @@ impl Axis {
 
     /// Ends homing with an error if a limit switch becomes active on the way from the reference to the zero.
     pub(super) fn supervise_return(&mut self, cx: &mut Context<'_>) {
-        let velocity = self.command.velocity;
+        let velocity = self.command.velocity();
         let way = if velocity < 0.0 { -1 } else { 1 };
         if velocity != 0.0 && self.is_actuated(self.switch_at_end(way)) {
             self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
@@ -298,9 +298,9 @@ impl Axis {
     fn is_actuated(&self, switch: Switch) -> bool {
         match switch {
             Switch::Home if self.asks_for_cam() => self.vocabularies.cam(),
-            Switch::Home => self.switches.home,
-            Switch::Positive => self.switches.positive,
-            Switch::Negative => self.switches.negative,
+            Switch::Home => self.observed.switches().home,
+            Switch::Positive => self.observed.switches().positive,
+            Switch::Negative => self.observed.switches().negative,
         }
     }
 }

@@ -45,7 +45,7 @@ impl Axis {
             _ => return Err(refuse(Code::BAD_REQUEST)),
         };
         let mode = SyncMode::Position;
-        let follower = Follower::new(lead.uneven, transmission, mode, self.command, Position::ZERO, bounds);
+        let follower = Follower::new(lead.uneven, transmission, mode, self.command.motion(), Position::ZERO, bounds);
         let follower = follower.with_past(past, tables);
         let (disengage, accuracy) = (Disengage::Stop, p.sync_accuracy);
         Ok(Coupling { leader, disengage, accuracy, at_places: false, follower })
@@ -58,11 +58,11 @@ impl Axis {
 
     /// Switches the axis off: at once, or after its brake has closed if the axis is at rest.
     pub(in crate::axis) fn switch_off_with_brake(&mut self, cx: &mut Context<'_>) {
-        if matches!(self.power, Power::Closing { .. }) {
+        if matches!(self.status.power(), Power::Closing { .. }) {
             return;
         }
         if self.own_brake().is_some() && self.is_on() && self.rests() {
-            self.power = Power::SwitchingOff;
+            self.status.set_power(Power::SwitchingOff);
         } else {
             self.switch_off(cx);
         }
@@ -84,7 +84,7 @@ impl Axis {
         let result = self.carry_out(cx, owner, order);
         if result.is_ok() {
             let left = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LEFT);
-            cx.events.push(Event { position: self.command.position, ..left });
+            cx.events.push(Event { position: self.command.position(), ..left });
         } else {
             self.homing = homing;
         }
@@ -120,20 +120,20 @@ impl Axis {
     fn carry_out(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
         match order {
             Order::SwitchOn => {
-                if !self.active {
+                if !self.observed.is_active() {
                     return Err(Refusal::new(Code::NOT_ACTIVE, self.object()));
                 }
                 self.check_contacts()?;
-                if self.power == Power::Off && !self.is_virtual() {
+                if self.status.power() == Power::Off && !self.is_virtual() {
                     self.check_lock()?;
                     cx.gantry.as_deref().map_or(Ok(()), |gantry| self.admits_skew(gantry))?;
-                    self.power = Power::SwitchingOn { since: cx.cycle };
+                    self.status.set_power(Power::SwitchingOn { since: cx.cycle });
                 }
             }
             Order::SwitchOff => {
                 self.end_all_motion(cx, Code::REPLACED);
                 // Also an axis that is being switched on.
-                let runs = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
+                let runs = self.is_on() || matches!(self.status.power(), Power::SwitchingOn { .. });
                 if !self.is_virtual() && runs {
                     self.switch_off_with_brake(cx);
                 }
@@ -146,7 +146,7 @@ impl Axis {
                 self.check_free()?;
                 let course = self.admit_position(cx.cycle, self.present_motion(), target, limits)?;
                 self.end_all_motion(cx, Code::REPLACED);
-                self.judge.rested_at = None;
+                self.supervision.rested_at = None;
                 self.begin_motion(cx, AxisState::DiscreteMotion, reference, Generator::Plan(course));
             }
             Order::Velocity { velocity, limits } => {
@@ -154,15 +154,15 @@ impl Axis {
                 self.check_free()?;
                 let course = self.admit_velocity(cx.cycle, self.present_motion(), velocity, limits)?;
                 self.end_all_motion(cx, Code::REPLACED);
-                self.judge.rested_at = None;
+                self.supervision.rested_at = None;
                 let state = if velocity == 0.0 { AxisState::DiscreteMotion } else { AxisState::ContinuousMotion };
                 self.begin_motion(cx, state, Reference::Speed, Generator::Plan(course));
             }
             Order::Stop { limits } => {
                 self.end_all_motion(cx, Code::REPLACED);
                 // A stop by a quick stop or an error must not become softer.
-                let stops = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop);
-                if self.power == Power::On && !stops {
+                let stops = matches!(self.status.state(), AxisState::Stopping | AxisState::ErrorStop);
+                if self.status.power() == Power::On && !stops {
                     self.brake_to_rest(cx, &limits);
                 }
             }
@@ -177,20 +177,20 @@ impl Axis {
             }
             Order::HoldActualPosition => {
                 self.end_all_motion(cx, Code::REPLACED);
-                self.reference = Reference::Stop;
-                self.generator = Generator::Rest;
+                self.status.end_reference();
+                self.motion.rest();
                 use AxisState::{ContinuousMotion, Homing, SynchronizedMotion};
-                if matches!(self.state, ContinuousMotion | SynchronizedMotion | Homing) {
+                if matches!(self.status.state(), ContinuousMotion | SynchronizedMotion | Homing) {
                     self.set_state(cx, AxisState::DiscreteMotion);
                 }
-                self.command = Motion::at_rest(Position::whole(self.actual.position.floor()));
+                self.command.rest_at(Position::whole(self.feedback.position().floor()));
             }
             Order::Gear { .. } | Order::Cam { .. } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
                 let coupling = self.coupling_to_master(cx.leads, cx.tables, (&self.parameters, order))?;
                 self.end_all_motion(cx, Code::REPLACED);
-                self.judge.rested_at = None;
+                self.supervision.rested_at = None;
                 let is_cam = matches!(order, Order::Cam { .. });
                 let reference = if is_cam { Reference::Cam } else { Reference::Gear };
                 self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
@@ -203,7 +203,7 @@ impl Axis {
                     self.switch_speed_off(cx);
                 }
                 self.raise(cx, Failure::of(code).with(found, allowed));
-                self.owner = Owner::Native;
+                self.status.set_owner(Owner::Native);
                 return Ok(());
             }
             Order::Reset => {
@@ -222,7 +222,7 @@ impl Axis {
                 return Ok(());
             }
         }
-        self.owner = owner;
+        self.status.set_owner(owner);
         Ok(())
     }
 }
