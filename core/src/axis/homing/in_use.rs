@@ -5,10 +5,11 @@
 //! Refuses  set_position, with the name of the first of these motions
 //! Source   PLCopen part 1 (MC_SetPosition)
 
-use super::super::{Axis, AxisState, Generator, Reference};
+use crate::axis::state::{Axis, Generator};
 use crate::code::Code;
 use crate::command::Engage;
 use crate::event::{Number, Refusal};
+use crate::state::{AxisState, Reference};
 use crate::sync::Transmission;
 use crate::vocabulary::Owner;
 

@@ -1,6 +1,6 @@
 //! Sets the coordinate of an axis: neither the axis nor its followers move.
 
-use super::super::{Axis, Context};
+use crate::axis::state::{Axis, Context};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::{AxisParameters, ROWS, Row};
@@ -9,7 +9,7 @@ use crate::vocabulary::Notice;
 
 impl Axis {
     /// Sets the present command position to `position` (DEFORIGIN, SETORIGIN; MACS-CMD-16).
-    pub(in super::super) fn set_position(
+    pub(in crate::axis) fn set_position(
         &mut self,
         cx: &mut Context<'_>,
         sequence: u64,
@@ -20,7 +20,7 @@ impl Axis {
     }
 
     /// Increases all positions by `distance` (MC_SetPosition, relative).
-    pub(in super::super) fn shift_position(
+    pub(in crate::axis) fn shift_position(
         &mut self,
         cx: &mut Context<'_>,
         sequence: u64,
@@ -62,7 +62,7 @@ impl Axis {
 
     /// Moves the limits with the coordinate, so that they keep their physical positions (MACS-LIM-01). The distance is
     /// not saved with them.
-    pub(in super::super) fn shift_limits(&mut self, cx: &mut Context<'_>, by: i64) {
+    pub(in crate::axis) fn shift_limits(&mut self, cx: &mut Context<'_>, by: i64) {
         let before = *self.parameters;
         self.homing.limit_shift = self.homing.limit_shift.saturating_add(by);
         self.parameters.change(|values| values.shift_limits(by));
@@ -97,7 +97,7 @@ impl Axis {
     }
 
     /// Increases all positions by `by` (inc).
-    pub(in super::super) fn move_coordinate(&mut self, by: i64) {
+    pub(in crate::axis) fn move_coordinate(&mut self, by: i64) {
         let shift = Position::whole(by);
         let counts = self.turn_counts(by);
         self.feedback.shift(shift, counts);
@@ -113,7 +113,7 @@ impl Axis {
     }
 
     /// Ends the motion of a vocabulary, which was commanded in the old coordinate.
-    pub(in super::super) fn leave_vocabulary(&mut self) {
+    pub(in crate::axis) fn leave_vocabulary(&mut self) {
         self.status.leave_vocabulary();
     }
 

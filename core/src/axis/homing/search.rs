@@ -1,57 +1,18 @@
 //! Executes the legs of homing until the reference is found.
 
-use super::super::course::Aim;
-use super::methods::{Leg, Switch, Until, is_travel, legs};
-use super::{Axis, Context, HomingPhase, Run, Stage};
+use crate::axis::state::homing::Run;
+use crate::axis::state::homing::methods::{Until, is_travel};
+use crate::axis::state::homing::search::Search;
+use crate::axis::state::{Aim, Axis, Context, Leg, Stage, Switch};
 use crate::code::Code;
 use crate::event::Number;
 use crate::object::Object;
 use crate::position::Position;
 use crate::profile::Limits;
-use serde::{Deserialize, Serialize};
-
-/// State of the active leg.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Search {
-    leg: u8,
-    /// Whether a limit switch has reversed it.
-    turned: bool,
-    /// Position at its start.
-    from: Position,
-    /// State of its switch in the cycle before.
-    was_on: bool,
-}
-
-impl Search {
-    fn leg(&self, method: i64) -> Option<&'static Leg> {
-        legs(method).get(usize::from(self.leg))
-    }
-
-    pub(super) fn is_sound(&self, method: i64) -> bool {
-        self.leg(method).is_some()
-    }
-
-    pub(super) fn phase(&self, method: i64) -> HomingPhase {
-        self.leg(method).map_or(HomingPhase::None, phase)
-    }
-}
-
-/// Returns the phase in which the reference of a method is found.
-pub(super) fn last_phase(method: i64) -> HomingPhase {
-    legs(method).last().map_or(HomingPhase::None, phase)
-}
-
-fn phase(leg: &Leg) -> HomingPhase {
-    match leg.until {
-        Until::On(_) => HomingPhase::SearchSwitch,
-        Until::Off(_) => HomingPhase::LeaveSwitch,
-        Until::Index => HomingPhase::SearchIndex,
-    }
-}
 
 impl Axis {
     /// Begins the present leg. If its switch is already active at the start of homing, the leg is skipped.
-    pub(super) fn begin_leg(&mut self, cx: &mut Context<'_>) {
+    pub(in crate::axis) fn begin_leg(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
         Self::begin_leg_of_both(cx);
         if let Some(Leg { until: Until::On(switch), .. }) = search.leg(run.method)
@@ -99,7 +60,7 @@ impl Axis {
     }
 
     /// Checks whether the active leg has reached its end, or an error.
-    pub(super) fn search(&mut self, cx: &mut Context<'_>) {
+    pub(in crate::axis) fn search(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
         let Some(leg) = search.leg(run.method) else { return };
         let way = direction_of_leg(&run, leg, search.turned);
@@ -240,7 +201,7 @@ impl Axis {
     }
 
     /// Ends the search with the reference.
-    fn find(&mut self, cx: &mut Context<'_>, place: Position) {
+    pub(in crate::axis) fn find(&mut self, cx: &mut Context<'_>, place: Position) {
         let Some(mut run) = self.homing.run else { return };
         let zero = place + Position::whole(run.offset);
         if !zero.is_legal() {

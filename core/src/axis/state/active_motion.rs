@@ -1,7 +1,7 @@
 //! The generator of the command position, and the only functions that replace it.
 
-use super::super::course::PlannedMotion;
-use super::super::generator::{Coupling, Generator};
+use super::generator::{Coupling, Generator};
+use super::planned_motion::PlannedMotion;
 use crate::command::Level;
 use crate::position::Position;
 use crate::profile::Motion;

@@ -1,6 +1,6 @@
 //! Error of an axis, and what else prevents its motion.
 
-use super::super::alarm::{ActiveError, ErrorSnapshot, Numbers};
+use super::alarm::{ActiveError, ErrorSnapshot, Numbers};
 use crate::code::Code;
 use crate::vocabulary::Owner;
 use serde::{Deserialize, Serialize};

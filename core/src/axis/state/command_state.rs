@@ -1,6 +1,6 @@
 //! The command of an axis: the motion of this cycle, and the streamed setpoints.
 
-use super::super::stream::Streamed;
+use super::streamed::Streamed;
 use crate::position::Position;
 use crate::profile::Motion;
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,10 @@
 //! What is added to the active motion, and couplings that wait to begin or to end.
 
-use super::super::conditioning::Conditioning;
-use super::super::engage::Engagement;
-use super::super::leave::Leaving;
-use super::super::overlay::Overlay;
-use super::super::phase::Phasing;
+use super::conditioning::Conditioning;
+use super::engagement::Engagement;
+use super::leaving::Leaving;
+use super::overlay::Overlay;
+use super::phasing::Phasing;
 use serde::{Deserialize, Serialize};
 
 /// Motions in addition to the active one, processing of the master motion, waiting couplings.

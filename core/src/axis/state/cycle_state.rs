@@ -1,6 +1,6 @@
 //! How much of a cycle an axis executes, and its place among the signals.
 
-use super::super::rhythm::CyclePace;
+use super::pace::CyclePace;
 use crate::signal::Signal;
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,6 @@
 //! Data that an axis exchanges with its drive in a cycle.
 
-use super::super::shown::DriveShown;
+use super::drive_shown::DriveShown;
 use crate::drive::{DriveOutput, Mode};
 use serde::{Deserialize, Serialize};
 

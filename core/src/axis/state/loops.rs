@@ -1,9 +1,9 @@
 //! State of the loops that are closed here, of their feedback and of their supervision.
 
-use super::super::effort::EffortLoops;
-use super::super::position_loop::PositionLoop;
-use super::super::runaway::Recovery;
-use super::super::velocity_encoder::VelocityFeedback;
+use super::effort_loops::EffortLoops;
+use super::position_loop::PositionLoop;
+use super::recovery::Recovery;
+use super::velocity_feedback::VelocityFeedback;
 use crate::regulator::Compensator;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! What an axis has observed around its motion.
 
-use super::super::power::Watch;
-use super::super::switches::Switches;
+use super::power::Watch;
+use super::switches::Switches;
 use crate::position::Position;
 use serde::{Deserialize, Serialize};
 

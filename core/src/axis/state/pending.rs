@@ -1,8 +1,8 @@
 //! Commands whose end is pending: touch probes, goals in the buffer, commands that wait for a state.
 
-use super::super::buffer::Buffer;
-use super::super::touch_probe::TouchProbes;
-use super::super::waiting::Waiting;
+use super::buffer::Buffer;
+use super::touch_probes::TouchProbes;
+use super::waiting::Waiting;
 use serde::{Deserialize, Serialize};
 
 /// Commands whose end is pending.

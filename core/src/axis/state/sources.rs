@@ -1,7 +1,7 @@
 //! Sources of positions: that of the axis, and its view of its master.
 
-use super::super::feedback::Sensor;
-use super::super::master::MasterView;
+use super::master_view::MasterView;
+use super::sensor::Sensor;
 use serde::{Deserialize, Serialize};
 
 /// Sources of positions of an axis.

@@ -1,6 +1,6 @@
 //! Status of an axis: its state, the source of its command, its power, and the owner of its motion.
 
-use super::super::power::Power;
+use super::power::Power;
 use crate::code::Code;
 use crate::event::{Event, EventQueue, Kind, Number, Severity};
 use crate::object::Object;

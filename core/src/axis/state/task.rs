@@ -1,8 +1,8 @@
 //! The task for which an axis moves: its goal, or the function that it follows.
 
-use super::super::alarm::Numbers;
-use super::super::function::MovedBy;
-use super::super::goal::Goal;
+use super::alarm::Numbers;
+use super::goal::Goal;
+use super::moved_by::MovedBy;
 use crate::code::Code;
 use crate::object::Leader;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,6 @@
 //! Direction of travel, and state at the software limits.
 
-use super::super::limits::AtLimits;
+use super::at_limits::AtLimits;
 use serde::{Deserialize, Serialize};
 
 /// Direction of travel, and state at the software limits.

@@ -1,15 +1,12 @@
 //! Execution of the orders of a vocabulary on its axis.
 
-use super::super::course::{Aim, PlannedMotion};
-use super::super::generator::Coupling;
-use super::super::power::Power;
-use super::super::reaction::Failure;
-use super::super::{Axis, AxisState, Context, Generator, Reference};
+use crate::axis::state::{Aim, Axis, Context, Coupling, Failure, Generator, PlannedMotion, Power};
 use crate::code::Code;
 use crate::event::{Event, Kind, Refusal, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::{Limits, Motion};
+use crate::state::{AxisState, Reference};
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::Gear;
 use crate::sync::{Disengage, Leads, SyncMode, Transmission};

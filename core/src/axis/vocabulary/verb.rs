@@ -5,7 +5,7 @@
 //! Refuses  the whole command, or only the part that is not possible, as the vocabulary defines
 //! Source   SAIA-ERR-03, SAIA-ERR-04, WF-SET-02
 
-use crate::axis::{Axis, Context};
+use crate::axis::state::{Axis, Context};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal};
 use crate::parameter::Change;
