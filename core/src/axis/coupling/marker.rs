@@ -235,27 +235,12 @@ impl Axis {
             self.coupling.conditioning_mut().marks = Some(path);
             return Some(MarkStep { holds: true, master: since.unwrap_or_default(), ..MarkStep::default() });
         }
-        let Sides { mut seen, changes, lost, sync, marks, ratio } = match path.mode {
-            SyncMode::Marker => {
-                // During an approach the ratio of the gear after it applies.
-                let ratio = match coupling.follower.transmission() {
-                    Transmission::Approach(approach) => approach.ratio().to_f64(),
-                    gear => gear.signed_slope(),
-                };
-                let marks = Marks { start: path.start, ..self.parameters.marks };
-                let changes = [lead.change, self.feedback.change()];
-                Sides { seen, changes, lost: [0; 2], sync: self.parameters.sync, marks, ratio }
-            }
-            _ => match self.sides_of_cam(cx, &mut path, seen, (lead, passed_on)) {
-                Some(sides) => sides,
-                None => {
-                    path.cam.forget();
-                    self.coupling.conditioning_mut().marks = Some(path);
-                    return None;
-                }
-            },
+        let Some(sides) = self.sides_of_cycle(cx, &mut path, seen, (lead, passed_on)) else {
+            path.cam.forget();
+            self.coupling.conditioning_mut().marks = Some(path);
+            return None;
         };
-        let [of_master, of_slave] = &mut seen;
+        let Sides { mut seen, changes, lost, sync, marks, ratio } = sides;
         let change = changes[0].to_f64();
         if path.curve.is_some() {
             self.supervise_curve(cx, &mut path, change);
@@ -268,6 +253,51 @@ impl Axis {
         path.velocity += (change - path.velocity) * share;
         let asked = LawInputs { sync: &sync, marks: &marks, speed: (path.velocity / cycle_ms).abs(), ratio };
         path.marker.advance(changes[0], changes[1]);
+        self.take_marks(cx, &mut path, (&mut seen, lost), &asked);
+        let at_once = self.correct_by_pairs(cx, &mut path, &asked, (tau, runs, accuracy));
+        let gear = path.marker.law().gear_correction(&asked);
+        let way = at_once + path.spread.step(change, most);
+        let (way, master) =
+            if path.mode == SyncMode::MasterMarker { (Position::ZERO, way) } else { (way, Position::ZERO) };
+        let step = MarkStep { gear, way, master, holds: false };
+        let done = path.ordered - (self.ordered_of(&path) + path.remaining_corrections());
+        let is_done = if path.first < Position::ZERO { done <= path.first } else { done >= path.first };
+        if path.marker.has_begun() && is_done {
+            path.offset_waits = false;
+        }
+        self.coupling.conditioning_mut().marks = Some(path);
+        Some(step)
+    }
+
+    /// Returns both sides of the coupling in this cycle; none if a cam cannot be matched.
+    fn sides_of_cycle(
+        &self,
+        cx: &Context<'_>,
+        path: &mut MarkPath,
+        seen: [Seen; 2],
+        (lead, passed_on): (Lead, Position),
+    ) -> Option<Sides> {
+        if path.mode != SyncMode::Marker {
+            return self.sides_of_cam(cx, path, seen, (lead, passed_on));
+        }
+        // During an approach the ratio of the gear after it applies.
+        let ratio = match self.coupling()?.follower.transmission() {
+            Transmission::Approach(approach) => approach.ratio().to_f64(),
+            gear => gear.signed_slope(),
+        };
+        let marks = Marks { start: path.start, ..self.parameters.marks };
+        let changes = [lead.change, self.feedback.change()];
+        Some(Sides { seen, changes, lost: [0; 2], sync: self.parameters.sync, marks, ratio })
+    }
+
+    /// Takes the marks of this cycle. Reports when extra marks first appear, and when marks are first missed.
+    fn take_marks(
+        &self,
+        cx: &mut Context<'_>,
+        path: &mut MarkPath,
+        ([of_master, of_slave], lost): (&mut [Seen; 2], [u32; 2]),
+        asked: &LawInputs<'_>,
+    ) {
         for (of, seen, extra) in [(MarkSide::Master, of_master, 0), (MarkSide::Slave, of_slave, 1)] {
             let before = *path.marker.side(of);
             if let Some(lost) = lost.get(extra).filter(|lost| **lost > 0) {
@@ -278,7 +308,7 @@ impl Axis {
                 }
             }
             for mark in seen.sorted() {
-                let is_extra = path.marker.take(of, *mark, &asked) == Found::Extra;
+                let is_extra = path.marker.take(of, *mark, asked) == Found::Extra;
                 let told = path.extra.get(extra) == Some(&true);
                 if is_extra && !told {
                     self.report_marks(cx, Code::MARK_EXTRA, of);
@@ -287,21 +317,33 @@ impl Axis {
                     *flag = is_extra;
                 }
             }
-            path.marker.check_missed(of, &asked);
+            path.marker.check_missed(of, asked);
             if path.marker.side(of).counts().0 != before.counts().0 && !before.is_missed() {
                 self.report_marks(cx, Code::MARK_MISSED, of);
             }
         }
+    }
 
+    /// Commands the correction of each new pair of marks, and returns the sum of those that are moved at once. `runs`:
+    /// whether the slave is synchronized; `accuracy`: its accuracy (inc).
+    fn correct_by_pairs(
+        &mut self,
+        cx: &mut Context<'_>,
+        path: &mut MarkPath,
+        asked: &LawInputs<'_>,
+        (tau, runs, accuracy): (Option<f64>, bool, i64),
+    ) -> Position {
+        let LawInputs { sync, marks, ratio, .. } = *asked;
+        let cycle_ms = self.cycle_s() * 1e3;
         let mut at_once = Position::ZERO;
         loop {
-            let under_way = (self.ordered_of(&path) + path.remaining_corrections() + at_once).to_f64();
+            let under_way = (self.ordered_of(path) + path.remaining_corrections() + at_once).to_f64();
             let offset = self.coupling.conditioning().offset_given() as f64;
             let sense = if path.velocity * ratio < 0.0 { -1.0 } else { 1.0 };
-            let situation = Situation { asked, offset, under_way, runs, sense };
+            let situation = Situation { asked: *asked, offset, under_way, runs, sense };
             let had_begun = path.marker.has_begun();
-            let was_faulty = path.marker.is_faulty(&marks);
-            let Some(pair) = path.marker.pair(&situation, accuracy) else { break };
+            let was_faulty = path.marker.is_faulty(marks);
+            let Some(pair) = path.marker.pair(&situation, accuracy) else { return at_once };
             if !had_begun && marks.start < OFFSET_LATER {
                 path.offset_waits = false;
             }
@@ -316,7 +358,7 @@ impl Axis {
                 } else {
                     self.add_late(correction, rates, ratio.abs());
                 }
-            } else if let Some((over, is_time)) = spread_over(&asked, tau, cycle_ms) {
+            } else if let Some((over, is_time)) = spread_over(asked, tau, cycle_ms) {
                 path.spread.add(correction, over, is_time);
             } else {
                 at_once += correction;
@@ -324,23 +366,11 @@ impl Axis {
             let event = Event::new(Severity::Info, Kind::Mark, self.object(), Code::NONE);
             let event = Event { position: self.feedback.position(), ..event };
             cx.events.push(event.with(Number::Real(pair.error), Number::Real(pair.correction)));
-            if path.marker.is_faulty(&marks) && !was_faulty {
+            if path.marker.is_faulty(marks) && !was_faulty {
                 let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::MARK_FAULT);
                 cx.events.push(event.with(Number::Real(pair.error), Number::Count(accuracy.saturating_abs())));
             }
         }
-        let gear = path.marker.law().gear_correction(&asked);
-        let way = at_once + path.spread.step(change, most);
-        let (way, master) =
-            if path.mode == SyncMode::MasterMarker { (Position::ZERO, way) } else { (way, Position::ZERO) };
-        let step = MarkStep { gear, way, master, holds: false };
-        let done = path.ordered - (self.ordered_of(&path) + path.remaining_corrections());
-        let is_done = if path.first < Position::ZERO { done <= path.first } else { done >= path.first };
-        if path.marker.has_begun() && is_done {
-            path.offset_waits = false;
-        }
-        self.coupling.conditioning_mut().marks = Some(path);
-        Some(step)
     }
 
     /// Returns the commanded distance of the corrected side that has not been moved yet, without spread corrections.
