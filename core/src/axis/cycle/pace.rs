@@ -108,7 +108,7 @@ impl Axis {
     /// Whether the axis is at rest, and nothing changes by itself any more.
     fn rests_permanently(&self, shown: &Lead) -> bool {
         let holds = match self.status.state() {
-            AxisState::Standstill => self.status.power() == Power::On && self.supervision.in_position,
+            AxisState::Standstill => self.status.power() == Power::On && self.supervision.is_in_position(),
             AxisState::Disabled => self.status.power() == Power::Off,
             _ => false,
         };

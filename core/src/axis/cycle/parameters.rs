@@ -13,7 +13,7 @@ impl Axis {
     /// Sets the parameters before its first cycle.
     pub fn begin_with(&mut self, parameters: AxisParameters) {
         self.parameters.set(parameters);
-        self.observed.see_override(parameters.velocity_override);
+        self.observed.set_override_seen(parameters.velocity_override);
     }
 
     /// Returns true if it has changed parameters by itself since the last call.

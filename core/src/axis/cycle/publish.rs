@@ -89,7 +89,7 @@ impl Axis {
             set(MasterPosition, 0);
             set(MasterVelocity, 0);
         }
-        set(InPosition, bit(self.supervision.in_position));
+        set(InPosition, bit(self.supervision.is_in_position()));
         set(OutputEffort, real(self.drive_data.output().effort));
         set(OutputControl, u64::from(self.drive_data.output().control));
         set(State, self.status.state() as u64);
@@ -198,7 +198,7 @@ impl Axis {
         set(ActualPosition, int(actual));
         set(ActualVelocity, real(self.feedback.velocity()));
         set(ActualEffort, real(self.drive_data.shown().effort()));
-        set(FollowingError, int(self.supervision.following_error));
+        set(FollowingError, int(self.supervision.following_error()));
         set(RegulatorError, int(if self.is_on() { asked.saturating_sub(actual) } else { 0 }));
         set(RegulatorOutput, real(self.regulator_output()));
         if self.closes_loop_here() {

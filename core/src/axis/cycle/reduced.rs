@@ -76,7 +76,7 @@ impl Axis {
         self.note_direction();
         self.supervision.note_step(cycle, self.feedback.change(), self.rest_tolerance());
         if !self.is_virtual() {
-            self.supervision.following_error = error;
+            self.supervision.set_following_error(error);
         }
         self.command.streamed_mut().pass();
         let asked = self.commanded_increment();

@@ -37,8 +37,8 @@ impl Axis {
     pub fn begin_step(&mut self, cx: &mut Context<'_>) {
         self.take_shifts(cx);
         self.supervise_source(cx);
-        self.alarm.spare_others();
-        (self.brake.had_power, self.brake.asks_anew) = (self.is_on(), false);
+        self.alarm.let_others_continue();
+        self.brake.begin_cycle(self.is_on());
         self.watch_contacts(cx);
         self.read_second(cx);
         self.supervise(cx);
@@ -80,7 +80,7 @@ impl Axis {
         self.settle_leaving(cx);
         self.settle_conditioning();
         self.switch_drive(cx);
-        if self.brake.had_power && !self.travel.at_limits().is_free() && !self.is_on() {
+        if self.brake.had_power() && !self.travel.at_limits().is_free() && !self.is_on() {
             self.note_stop_given_up();
         }
         self.command_brake(cx.cycle);

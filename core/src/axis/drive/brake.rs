@@ -28,7 +28,7 @@ impl Axis {
 
     /// Returns the output of the own brake and its level.
     pub fn brake_output(&self) -> Option<(u16, bool)> {
-        self.own_brake().map(|brake| (brake.output, self.brake.closed == brake.closes_with_one))
+        self.own_brake().map(|brake| (brake.output, self.brake.is_closed() == brake.closes_with_one))
     }
 
     /// Whether the error reaction or an abort requests the brake.
@@ -40,19 +40,19 @@ impl Axis {
     /// Whether the brake is requested in this cycle, also if it was requested before.
     #[inline]
     pub fn is_brake_requested_now(&self) -> bool {
-        self.brake.asks_anew
+        self.brake.is_requested_now()
     }
 
     /// Requests the brake, for an error or its remaining reaction. Also closes a brake that was opened after the last
     /// request.
     pub(in crate::axis) fn request_brake(&mut self, asks: bool) {
         self.status.request_brake(asks);
-        self.brake.asks_anew |= asks;
+        self.brake.request_now(asks);
     }
 
     /// Whether the brake is closed, as far as the axis controls it.
     pub(in crate::axis) fn is_braked(&self) -> bool {
-        if self.own_brake().is_some() { self.brake.closed } else { self.status.is_brake_requested() }
+        if self.own_brake().is_some() { self.brake.is_closed() } else { self.status.is_brake_requested() }
     }
 
     /// Whether a motion command is active.
@@ -64,7 +64,7 @@ impl Axis {
 
     /// Stores the edges of the machine inputs of this cycle.
     pub fn set_edges(&mut self, edges: Edges) {
-        self.brake.edges = edges;
+        self.brake.set_edges(edges);
     }
 
     /// Called when the drive is in operation and holds: opens the brake first, if there is one.
@@ -85,7 +85,7 @@ impl Axis {
         if matches!(self.status.power(), Power::Closing { .. }) {
             return;
         }
-        let since = if self.brake.closed { self.brake.closed_at } else { cycle };
+        let since = self.brake.closed_since().unwrap_or(cycle);
         let holds = self.has_brake_time_elapsed(cycle, since, |brake| brake.engage_ns);
         self.status.set_power(if holds { Power::Off } else { Power::Closing { since } });
     }
@@ -93,8 +93,8 @@ impl Axis {
     /// Whether a drive that stops by itself has stopped, and the closing time of the brake has elapsed.
     pub(in crate::axis) fn has_stopped_by_itself(&self, cycle: u64) -> bool {
         let Power::DriveStops { since, .. } = self.status.power() else { return true };
-        let is_held =
-            self.brake.closed && self.has_brake_time_elapsed(cycle, self.brake.closed_at, |brake| brake.engage_ns);
+        let has_elapsed = |closed| self.has_brake_time_elapsed(cycle, closed, |brake| brake.engage_ns);
+        let is_held = self.brake.closed_since().is_some_and(has_elapsed);
         self.has_drive_stopped(cycle, since) && (self.own_brake().is_none() || is_held)
     }
 
@@ -114,21 +114,17 @@ impl Axis {
             // An error reaction closes it although the power is on.
             Power::On | Power::SwitchingOff | Power::Opening { .. } => !self.status.is_brake_requested(),
             // The drive stops by itself and then switches itself off.
-            Power::DriveStops { since, .. } => !self.brake.closed && !self.has_drive_stopped(cycle, since),
+            Power::DriveStops { since, .. } => !self.brake.is_closed() && !self.has_drive_stopped(cycle, since),
             _ => false,
         };
-        if !holds && !self.brake.closed {
-            self.brake.closed_at = cycle;
-        }
-        self.brake.closed = !holds;
+        self.brake.hold(holds, cycle);
     }
 
     /// Whether a reset that `is_due` may be executed: the motor no longer coasts without power, or the time for waiting
     /// has elapsed.
     pub(in crate::axis) fn may_reset(&mut self, cycle: u64, is_due: bool) -> bool {
         let coasts = is_due && self.status.power() == Power::Off && !self.is_virtual() && self.turns(cycle);
-        let since = self.brake.coasts_since.unwrap_or(cycle);
-        self.brake.coasts_since = coasts.then_some(since);
+        let since = self.brake.coasts_since(coasts, cycle);
         is_due && (!coasts || self.has_timed_out(cycle, since))
     }
 
@@ -136,7 +132,7 @@ impl Axis {
     /// closed. The wait is limited like that of a reset for a coasting motor. There is no wait if the axis runs away.
     /// In open loop the wait has ended before.
     pub(in crate::axis) fn has_settled_or_timed_out(&mut self, cycle: u64) -> bool {
-        let since = *self.brake.settles_since.get_or_insert(cycle);
+        let since = self.brake.settles_since(cycle);
         let is_led = !self.is_virtual() && !self.is_open_loop();
         let settles = is_led && (self.moves() || !self.is_compensated()) && !self.runs_away();
         !settles || self.has_timed_out(cycle, since)
@@ -144,29 +140,28 @@ impl Axis {
 
     /// Whether its encoder and that of the second drive are at rest.
     pub(in crate::axis) fn encoder_is_at_rest(&self) -> bool {
-        self.feedback.velocity() == 0.0 && self.feedback.change() == Position::ZERO && self.brake.second_change == 0
+        self.feedback.velocity() == 0.0 && self.feedback.change() == Position::ZERO && self.brake.second_change() == 0
     }
 
     /// Executes the edges of the machine inputs.
     pub(in crate::axis) fn execute_inputs(&mut self, cx: &mut Context<'_>) {
-        let edges = std::mem::take(&mut self.brake.edges);
+        let edges = self.brake.take_edges();
         if edges.clears && (!self.alarm.is_none() || self.drive_fails(cx)) {
-            self.brake.clears = true;
+            self.brake.wait_to_clear();
         }
         if edges.interrupts {
             self.stop_simulated_master(cx);
             self.interrupt(cx);
         }
         if self.status.state() != AxisState::Stopping {
-            self.brake.interrupted = false;
+            self.brake.set_interrupted(false);
         }
-        self.brake.resumes |= edges.resumes;
-        self.brake.resumes &= self.brake.interrupted && self.alarm.is_none();
+        self.brake.wait_to_resume(edges.resumes, self.alarm.is_none());
     }
 
     /// Whether I_BREAK has stopped the axis.
     pub(in crate::axis) fn is_interrupted(&self) -> bool {
-        self.brake.interrupted
+        self.brake.is_interrupted()
     }
 
     /// Ends the active motion, stops, and locks the axis until it is resumed or reset.
@@ -176,9 +171,10 @@ impl Axis {
         let was_on = self.is_on();
         self.stop_and_lock(cx, Code::INTERRUPTED);
         if was_on && !is_locked {
-            self.brake.interrupted = true;
+            self.brake.set_interrupted(true);
             // As after an error: with ERRCOND 1 and 3 the brake closes once the axis is at rest.
-            self.supervision.after_stop = if matches!(self.parameters.error_reaction, 1 | 3) { 3 } else { -1 };
+            let closes = matches!(self.parameters.error_reaction, 1 | 3);
+            self.supervision.react_after_stop(if closes { 3 } else { -1 });
         }
     }
 }

@@ -111,7 +111,7 @@ impl Axis {
                     // It is unknown whether the drive still stops.
                     self.raise(cx, Failure::of(code).before_motion());
                 } else if then_off && self.has_stopped_by_itself(cx.cycle) {
-                    let reaction = std::mem::replace(&mut self.supervision.after_stop, -1);
+                    let reaction = self.supervision.take_after_stop();
                     // An output that controls a brake closes it with the power; no other signal would do that.
                     let has_brake = self.creeps() && self.parameters.outputs.brake != 0;
                     self.request_brake(closes_brake(reaction) || has_brake);

@@ -58,7 +58,7 @@ impl Axis {
 
     /// Reads the motion of its second drive.
     pub(in crate::axis) fn read_second(&mut self, cx: &Context<'_>) {
-        self.brake.second_change = cx.gantry.as_deref().map_or(0, Gantry::second_change);
+        self.brake.set_second_change(cx.gantry.as_deref().map_or(0, Gantry::second_change));
     }
 
     /// Supervises the skew of both drives.
@@ -71,7 +71,7 @@ impl Axis {
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::SQUARE_ASSUMED);
             cx.events.push(Event { position: self.feedback.position(), ..event });
         }
-        let is_left = if self.brake.had_power {
+        let is_left = if self.brake.had_power() {
             let stops = matches!(self.status.state(), AxisState::Stopping | AxisState::ErrorStop)
                 || self.status.power() != Power::On;
             let limits = if stops { self.stop_limits() } else { self.squaring_limits() };
@@ -81,7 +81,7 @@ impl Axis {
         } else {
             gantry.hold_present_difference()
         };
-        self.brake.second_moves = gantry.is_squaring();
+        self.brake.set_second_moves(gantry.is_squaring());
         if is_left {
             // The second drive is between its old position and square; the zero does not show where.
             self.homing.forget();
@@ -166,7 +166,7 @@ impl Axis {
             return Err((Number::Position(self.turn_counts(way)), Number::Position(most)));
         }
         gantry.begin_squaring(square, &limits, cx.cycle);
-        self.brake.second_moves = gantry.is_squaring();
+        self.brake.set_second_moves(gantry.is_squaring());
         Ok(Some(self.feedback.position() - Position::whole(self.turn_counts(gone))))
     }
 

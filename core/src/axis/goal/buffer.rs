@@ -148,7 +148,7 @@ impl Axis {
             Ok(course) => {
                 let sequence = next.sequence;
                 self.task.begin(Goal { sequence, ending: None, target, search: None, track: None, before: None });
-                self.supervision.rested_at = None;
+                self.supervision.forget_rest();
                 let moves_on = matches!(course.aim, Aim::Velocity(_));
                 let state = if moves_on { AxisState::ContinuousMotion } else { AxisState::DiscreteMotion };
                 let generator = Generator::Plan(course.with_lead(lead));

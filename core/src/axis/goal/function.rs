@@ -51,7 +51,7 @@ impl Axis {
         }
         self.end_all_motion(cx, Code::REPLACED);
         self.homing.forget_end();
-        self.supervision.rested_at = None;
+        self.supervision.forget_rest();
         self.task.follow(by);
         self.begin_function(cx, by);
     }

@@ -71,7 +71,7 @@ impl Axis {
         self.end_all_motion(cx, Code::REPLACED);
         self.homing.forget_end();
         self.task.begin(Goal { sequence, ending: None, target, search: None, track: None, before: None });
-        self.supervision.rested_at = None;
+        self.supervision.forget_rest();
     }
 
     pub(in crate::axis) fn accepted(&self, cx: &mut Context<'_>, sequence: u64) {
@@ -126,7 +126,7 @@ impl Axis {
         match self.status.state() {
             AxisState::ErrorStop => Err(self.refuse(Code::IN_ERROR)),
             AxisState::Stopping if self.is_interrupted() => Err(self.refuse(Code::INTERRUPTED)),
-            AxisState::Stopping if self.brake.aborted => Err(self.refuse(Code::ABORTED)),
+            AxisState::Stopping if self.brake.is_aborted() => Err(self.refuse(Code::ABORTED)),
             AxisState::Stopping => Err(self.refuse(Code::QUICK_STOPPED)),
             _ => Ok(()),
         }
@@ -254,7 +254,7 @@ impl Axis {
     }
 
     fn goal_target(&self) -> Option<Position> {
-        self.task.goal().and_then(|goal| goal.target).or(self.supervision.rested_at)
+        self.task.goal().and_then(|goal| goal.target).or(self.supervision.rested_at())
     }
 
     /// Checks that a target is within all position limits of `p`.

@@ -109,8 +109,8 @@ impl Axis {
 
     pub(in crate::axis) fn quick_stop(&mut self, cx: &mut Context<'_>, sequence: u64) {
         // From now on a quick stop locks the axis.
-        self.brake.interrupted = false;
-        self.brake.aborted = false;
+        self.brake.set_interrupted(false);
+        self.brake.set_aborted(false);
         self.stop_and_lock(cx, Code::QUICK_STOP);
         self.wait(cx, sequence, Until::Standstill);
     }
@@ -120,7 +120,7 @@ impl Axis {
     /// well. [`apply_stop_priority`](Self::apply_stop_priority) does the rest once all commands of the cycle are known.
     pub(in crate::axis) fn stop_and_lock(&mut self, cx: &mut Context<'_>, code: Code) {
         self.end_all_motion(cx, code);
-        self.brake.locked = Some((cx.cycle, code));
+        self.brake.lock(cx.cycle, code);
         if self.status.state() == AxisState::ErrorStop {
             return;
         }
@@ -135,7 +135,7 @@ impl Axis {
 
     /// Returns the code of the stop that locks in that cycle.
     pub(in crate::axis) fn locked_in(&self, cycle: u64) -> Option<Code> {
-        self.brake.locked.filter(|(locked, _)| *locked == cycle).map(|(_, code)| code)
+        self.brake.locked_in(cycle)
     }
 
     /// Cancels commands of this cycle that would let the axis continue: they were meant for the state before the stop,
@@ -149,9 +149,9 @@ impl Axis {
         }
         // Without power and lock a reset lets no motion continue. Whether the power was removed in this cycle makes no
         // difference.
-        if self.is_on() || self.brake.had_power || self.status.state() == AxisState::Stopping {
+        if self.is_on() || self.brake.had_power() || self.status.state() == AxisState::Stopping {
             self.pending.waiting_mut().fail(cx.events, self.setup.index, code, Until::Healthy);
-            (self.brake.clears, self.brake.resumes) = (false, false);
+            self.brake.end_waits();
             if matches!(self.status.power(), Power::Resetting { .. }) {
                 self.status.set_power(Power::Off);
             }
@@ -160,16 +160,17 @@ impl Axis {
 
     /// Stops and locks the axis. A brake closes at rest, or at once if nothing holds the axis (MACS-ERR-09, A-49).
     pub(in crate::axis) fn abort(&mut self, cx: &mut Context<'_>, sequence: u64) {
-        self.brake.interrupted = false;
+        self.brake.set_interrupted(false);
         let was_on = self.is_on();
         self.stop_and_lock(cx, Code::ABORTED);
         let has_brake = self.own_brake().is_some() || self.parameters.outputs.brake != 0;
-        self.brake.aborted = self.status.state() == AxisState::Stopping;
+        self.brake.set_aborted(self.status.state() == AxisState::Stopping);
         if !was_on {
             self.status.request_brake(has_brake);
         } else if has_brake {
             // The rest of an error reaction is executed as well.
-            self.supervision.after_stop = if matches!(self.supervision.after_stop, 0 | 1 | 4) { 1 } else { 3 };
+            let removes_power = matches!(self.supervision.after_stop(), 0 | 1 | 4);
+            self.supervision.react_after_stop(if removes_power { 1 } else { 3 });
         }
         self.wait(cx, sequence, Until::Standstill);
     }
@@ -199,7 +200,7 @@ impl Axis {
             let event = Event::new(Severity::Info, Kind::Reset, self.object(), self.alarm.code()).with(found, allowed);
             cx.events.push(Event { position: Position::whole(self.fault().actual), ..event });
         }
-        self.brake.aborted = false;
+        self.brake.set_aborted(false);
         let before = self.alarm.clear();
         self.vocabularies.notice(Notice::Reset);
         let was_braked = self.status.release_brake();
@@ -306,8 +307,8 @@ impl Axis {
 
     /// Ends waiting commands whose condition is met or can no longer be met.
     pub(in crate::axis) fn settle_waiting(&mut self, cx: &mut Context<'_>) {
-        if self.pending.waiting().is_empty() && !self.brake.clears && !self.brake.resumes {
-            self.brake.coasts_since = None;
+        if self.pending.waiting().is_empty() && !self.brake.clears() && !self.brake.resumes() {
+            self.brake.forget_coasting();
             return;
         }
         let stands = self.rests();
@@ -320,18 +321,18 @@ impl Axis {
             Power::DriveStops { .. } => !self.drive_fails(cx) && !self.has_stopped_by_itself(cx.cycle),
             _ => self.is_finishing_stop(),
         };
-        let clears = self.brake.clears || self.pending.waiting().waits_for(Until::Healthy);
-        let resumes = self.brake.resumes && self.alarm.is_none();
+        let clears = self.brake.clears() || self.pending.waiting().waits_for(Until::Healthy);
+        let resumes = self.brake.resumes() && self.alarm.is_none();
         let is_due = stands && locked && !is_going && (clears || resumes);
         if self.may_reset(cx.cycle, is_due) {
-            (self.brake.clears, self.brake.resumes) = (false, false);
+            self.brake.end_waits();
             if clears {
                 self.begin_reset(cx);
             } else {
                 self.clear_error(cx);
             }
         }
-        self.brake.clears &= locked;
+        self.brake.keep_clearing(locked);
         let has_stopped = self.has_stopped_by_itself(cx.cycle);
         let position = self.command.position();
         let failed = Some(self.alarm.code()).filter(|code| !code.is_none());

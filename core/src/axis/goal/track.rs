@@ -177,7 +177,7 @@ impl Axis {
             }
             *self.motion.generator()
         };
-        self.supervision.rested_at = None;
+        self.supervision.forget_rest();
         self.status.set_owner(Owner::Native);
         self.begin_motion(cx, AxisState::DiscreteMotion, Reference::Trajectory, generator);
     }

@@ -27,7 +27,7 @@ impl Axis {
     /// reach it, so that it can be taken over from there.
     pub(in crate::axis) fn follow_drive(&mut self) {
         let is_returning =
-            matches!(self.homing.run, Some(Run { stage: Stage::InDrive(drive), .. }) if drive.returns.is_some());
+            matches!(self.homing.run(), Some(Run { stage: Stage::InDrive(drive), .. }) if drive.returns.is_some());
         if is_returning || self.drive_data.shown().mode() != MODE_HOMING {
             // In the mode of the axis the drive moves to its command: a command that followed the actual position would
             // keep it moving.
@@ -43,7 +43,7 @@ impl Axis {
     }
 
     pub(super) fn watch_drive(&mut self, cx: &mut Context<'_>) {
-        let Some((mut run, mut drive)) = self.homing.run.and_then(|run| match run.stage {
+        let Some((mut run, mut drive)) = self.homing.run().and_then(|run| match run.stage {
             Stage::InDrive(drive) => Some((run, drive)),
             _ => None,
         }) else {
@@ -71,7 +71,7 @@ impl Axis {
             }
             drive.shown_since = None;
             run.stage = Stage::InDrive(drive);
-            self.homing.run = Some(run);
+            self.homing.continue_run(run);
             return;
         }
         let shown_since = *drive.shown_since.get_or_insert(cx.cycle);
@@ -99,7 +99,7 @@ impl Axis {
             drive = drive.start(cx.cycle, told);
         }
         run.stage = Stage::InDrive(drive);
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
     }
 
     /// Sets the zero where the drive counts 0, plus `offset`.
@@ -115,7 +115,7 @@ impl Axis {
 
     /// Replaces the output to the drive during homing in the drive.
     pub(in crate::axis) fn ask_for_homing(&self, output: DriveOutput) -> DriveOutput {
-        let Some(Run { method, speeds: [fast, _, slow], limits, stage: Stage::InDrive(drive), .. }) = self.homing.run
+        let Some(Run { method, speeds: [fast, _, slow], limits, stage: Stage::InDrive(drive), .. }) = self.homing.run()
         else {
             return output;
         };

@@ -64,7 +64,7 @@ impl Axis {
     /// not saved with them.
     pub(in crate::axis) fn shift_limits(&mut self, cx: &mut Context<'_>, by: i64) {
         let before = *self.parameters;
-        self.homing.limit_shift = self.homing.limit_shift.saturating_add(by);
+        self.homing.shift_limits(by);
         self.parameters.change(|values| values.shift_limits(by));
         for place in const { [Row::place("min_position"), Row::place("max_position")] } {
             let Some(row) = ROWS.get(usize::from(place)) else { continue };
@@ -77,13 +77,13 @@ impl Axis {
 
     /// Restores the given limits: the zero of the machine is found.
     pub(super) fn restore_limits(&mut self, cx: &mut Context<'_>) {
-        self.shift_limits(cx, self.homing.limit_shift.saturating_neg());
+        self.shift_limits(cx, self.homing.limit_shift().saturating_neg());
     }
 
     /// Returns the active parameters for saving: with limits in the coordinate of the zero of the machine.
     pub fn parameters_to_keep(&self) -> AxisParameters {
         let mut parameters = *self.parameters;
-        parameters.shift_limits(self.homing.limit_shift.saturating_neg());
+        parameters.shift_limits(self.homing.limit_shift().saturating_neg());
         parameters
     }
 
@@ -91,7 +91,7 @@ impl Axis {
     pub fn kept_parameters(&self, layer: AxisParameters) -> AxisParameters {
         let mut parameters = layer;
         let turned = (layer.macs.posdrct < 0) != (self.parameters.macs.posdrct < 0);
-        let shift = self.homing.limit_shift;
+        let shift = self.homing.limit_shift();
         parameters.shift_limits(if turned { shift.saturating_neg() } else { shift });
         parameters
     }

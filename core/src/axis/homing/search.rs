@@ -27,12 +27,12 @@ impl Axis {
         search.from = self.feedback.position();
         search.was_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         run.stage = Stage::Search(search);
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         self.move_along_leg(cx, &run, leg, search.turned, run.limits);
     }
 
     fn searching(&self) -> Option<(Run, Search)> {
-        let run = self.homing.run?;
+        let run = self.homing.run()?;
         match run.stage {
             Stage::Search(search) => Some((run, search)),
             _ => None,
@@ -75,7 +75,7 @@ impl Axis {
         let is_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         let was_on = std::mem::replace(&mut search.was_on, is_on);
         run.stage = Stage::Search(search);
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         if let Some((gone, most)) =
             self.distance_with_one_switch(cx).filter(|_| self.watched(leg) == Some(Switch::Home))
         {
@@ -101,7 +101,7 @@ impl Axis {
                 search.turned = true;
                 search.from = self.feedback.position();
                 run.stage = Stage::Search(search);
-                self.homing.run = Some(run);
+                self.homing.continue_run(run);
                 // There is little distance after a limit switch.
                 let limits = Limits { deceleration: self.parameters.deceleration_limit(), ..run.limits };
                 return self.move_along_leg(cx, &run, leg, true, limits);
@@ -146,7 +146,7 @@ impl Axis {
             return self.find(cx, place);
         }
         run.stage = Stage::Search(next);
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         self.begin_leg(cx);
         // A pulse of the same cycle counts if the sample shows that it is beyond the edge.
         if let Some((run, search)) = self.searching()
@@ -194,7 +194,7 @@ impl Axis {
     /// if set.
     fn longest_to_index(&self) -> i64 {
         let p = &self.parameters;
-        let is_travel = self.homing.run.is_some_and(|run| is_travel(run.method));
+        let is_travel = self.homing.run().is_some_and(|run| is_travel(run.method));
         let revolution =
             (is_travel && p.encoder.pulses_or_step > 0).then(|| p.encoder.pulses_or_step.saturating_mul(4));
         p.homing.index_distance.or(revolution).unwrap_or_else(|| p.homing_index_distance())
@@ -202,7 +202,7 @@ impl Axis {
 
     /// Ends the search with the reference.
     pub(in crate::axis) fn find(&mut self, cx: &mut Context<'_>, place: Position) {
-        let Some(mut run) = self.homing.run else { return };
+        let Some(mut run) = self.homing.run() else { return };
         let zero = place + Position::whole(run.offset);
         if !zero.is_legal() {
             let asked = Number::Position(zero.nearest());
@@ -214,7 +214,7 @@ impl Axis {
             return self.fail_homing(cx, Code::POSITION_OUT_OF_RANGE, asked, Number::None);
         }
         run.stage = Stage::Found { zero, goes: target.is_some() };
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         if self.is_open_loop() {
             return self.switch_speed_off(cx);
         }
@@ -253,7 +253,7 @@ impl Axis {
 
     /// Whether the cam of the active reference travel comes from the commands of the vocabulary (MD15).
     fn asks_for_cam(&self) -> bool {
-        self.parameters.homing.cam_source == 0 && self.homing.run.is_some_and(|run| is_travel(run.method))
+        self.parameters.homing.cam_source == 0 && self.homing.run().is_some_and(|run| is_travel(run.method))
     }
 
     fn is_actuated(&self, switch: Switch) -> bool {

@@ -140,7 +140,7 @@ impl Axis {
             None => self.take_zero(cx, self.command.position() + Position::whole(self.parameters.homing.offset)),
             Some(run) => {
                 self.forget_edges(cx);
-                self.homing.run = Some(run);
+                self.homing.continue_run(run);
                 self.begin_leg(cx);
             }
         }
@@ -224,13 +224,13 @@ impl Axis {
 
     /// Advances homing by one cycle, after the axis has moved and before its commands.
     pub(in crate::axis) fn step_homing(&mut self, cx: &mut Context<'_>) {
-        if std::mem::take(&mut self.homing.unsure) {
+        if self.homing.take_unsure() {
             self.vocabularies.notice(Notice::ZeroLost);
         }
-        if std::mem::take(&mut self.homing.lost) && !self.has_fixed_zero() {
+        if self.homing.take_lost() && !self.has_fixed_zero() {
             cx.events.push(Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LOST));
         }
-        if std::mem::take(&mut self.homing.broken) && self.homing.is_running() {
+        if self.homing.take_broken() && self.homing.is_running() {
             return self.fail_homing(cx, Code::HOMING_LOST, Number::None, Number::None);
         }
         if self.homing.is_running() && self.squares_into_limit(cx) {
@@ -239,7 +239,7 @@ impl Axis {
         if self.end_if_too_long(cx) {
             return;
         }
-        match self.homing.run.map(|run| run.stage) {
+        match self.homing.run().map(|run| run.stage) {
             Some(Stage::Search(_)) => self.search(cx),
             Some(Stage::InDrive(_)) => self.watch_drive(cx),
             Some(Stage::Found { goes: true, .. }) => self.supervise_return(cx),
@@ -251,7 +251,7 @@ impl Axis {
     /// has ended.
     fn end_if_too_long(&mut self, cx: &mut Context<'_>) -> bool {
         let most = self.parameters.homing.max_time;
-        let Some(run) = &mut self.homing.run else { return false };
+        let Some(run) = self.homing.run() else { return false };
         let time_ns = cx.cycle.saturating_sub(run.began).saturating_mul(self.setup.cycle_ns);
         let time = |ns: u64| Number::Time(i64::try_from(ns).unwrap_or(i64::MAX));
         if most > 0 && time_ns > most.unsigned_abs() {
@@ -260,7 +260,7 @@ impl Axis {
         }
         let minutes = time_ns / MINUTE_NS;
         if !run.is_own() && minutes > run.minutes {
-            run.minutes = minutes;
+            self.homing.note_minutes(minutes);
             let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LASTS);
             let event = event.with(time(minutes.saturating_mul(MINUTE_NS)), Number::None);
             cx.events.push(Event { position: self.feedback.position(), ..event });
@@ -270,11 +270,11 @@ impl Axis {
 
     /// Ends homing if the axis is at rest at the end of its motion.
     pub(in crate::axis) fn settle_homing(&mut self, cx: &mut Context<'_>) {
-        let Some(Run { stage: Stage::Found { zero, .. }, .. }) = self.homing.run else { return };
-        if self.supervision.in_position && Self::is_squaring(cx) {
+        let Some(Run { stage: Stage::Found { zero, .. }, .. }) = self.homing.run() else { return };
+        if self.supervision.is_in_position() && Self::is_squaring(cx) {
             return;
         }
-        if self.supervision.in_position {
+        if self.supervision.is_in_position() {
             self.take_zero(cx, zero);
         } else {
             self.report_long_wait(cx);
@@ -284,13 +284,12 @@ impl Axis {
     /// Makes this position the zero and ends homing.
     pub(super) fn take_zero(&mut self, cx: &mut Context<'_>, zero: Position) {
         let shift = zero.nearest();
-        let run = self.homing.run.take();
+        let run = self.homing.finish();
         self.move_coordinate(shift.wrapping_neg());
         self.compensate_from_zero(run.map_or(0, |run| run.approach()), run.is_none_or(|run| run.is_own()));
         self.restore_limits(cx);
         self.vocabularies.notice(Notice::ZeroSet);
-        (self.homing.done, self.homing.lost) = (true, false);
-        self.supervision.rested_at = None;
+        self.supervision.forget_rest();
         self.status.end_reference();
         let number = Number::Position(shift);
         let homed = Event::new(Severity::Info, Kind::Homed, self.object(), Code::NONE).with(number, Number::None);
@@ -314,8 +313,7 @@ impl Axis {
         self.sources.sensor_mut().index_known = false;
         self.pending.touch_probes_mut().note_new_coordinate();
         if !self.homing.is_in_drive() {
-            self.homing.forget();
-            self.homing.broken = self.homing.is_running();
+            self.homing.break_counts();
         }
     }
 

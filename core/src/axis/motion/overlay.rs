@@ -50,7 +50,7 @@ impl Axis {
     pub(in crate::axis) fn rests(&self) -> bool {
         matches!(*self.motion.generator(), Generator::Rest)
             && self.coupling.overlay().is_none()
-            && !self.brake.second_moves
+            && !self.brake.second_moves()
     }
 
     /// Returns the active motion without superimposed motion.
@@ -154,7 +154,7 @@ impl Axis {
         self.end_overlay(cx, Code::REPLACED, NO_NUMBERS);
         self.coupling.set_overlay(Some(overlay));
         self.renew_override_share();
-        self.supervision.rested_at = None;
+        self.supervision.forget_rest();
         self.accepted(cx, sequence);
         if self.status.state() == AxisState::Standstill {
             self.set_state(cx, AxisState::DiscreteMotion);
@@ -327,7 +327,7 @@ impl Axis {
     /// override.
     fn renew_override_share(&mut self) {
         if self.parameters.velocity_override < 100.0 {
-            self.observed.see_override(UNSEEN);
+            self.observed.set_override_seen(UNSEEN);
         }
     }
 

@@ -80,7 +80,7 @@ impl Axis {
             }
             self.motion.plan(next);
         }
-        self.observed.see_override(share);
+        self.observed.set_override_seen(share);
     }
 
     /// Plans the active motion again from the present motion.

@@ -29,31 +29,37 @@ impl ActiveMotion {
     }
 
     /// Begins any motion. State and source of the command change with it: see `Axis::begin_motion`.
+    #[inline]
     pub(in crate::axis) fn begin(&mut self, generator: Generator) {
         self.generator = generator;
     }
 
     /// Ends the motion: the position stays.
+    #[inline]
     pub(in crate::axis) fn rest(&mut self) {
         self.generator = Generator::Rest;
     }
 
     /// Continues with a planned motion.
-    pub(in crate::axis) fn plan(&mut self, course: PlannedMotion) {
-        self.generator = Generator::Plan(course);
+    #[inline]
+    pub(in crate::axis) fn plan(&mut self, planned: PlannedMotion) {
+        self.generator = Generator::Plan(planned);
     }
 
     /// Continues as follower of the trajectory of the goal.
+    #[inline]
     pub(in crate::axis) fn track(&mut self, follower: Follower) {
         self.generator = Generator::Track(follower);
     }
 
     /// Runs a drive without position loop at a velocity (inc/s).
+    #[inline]
     pub(in crate::axis) fn run_open(&mut self, velocity: f64) {
         self.generator = Generator::Open { velocity };
     }
 
     /// Opens the position loop: the loops inside it run at this value (-1 to 1).
+    #[inline]
     pub(in crate::axis) fn run_out_an(&mut self, value: f64, level: Level) {
         self.generator = Generator::OutAn { value, level };
     }

@@ -38,51 +38,61 @@ impl AlarmState {
     }
 
     /// Returns the numbers of the last error.
+    #[inline]
     pub(in crate::axis) fn numbers(&self) -> Numbers {
         self.error.numbers()
     }
 
     /// Returns the snapshot of the axis at the last error.
+    #[inline]
     pub(in crate::axis) fn fault(&self) -> &ErrorSnapshot {
         self.error.fault()
     }
 
     /// Sets an error.
+    #[inline]
     pub(in crate::axis) fn set(&mut self, numbers: Numbers, fault: ErrorSnapshot) {
         self.error.set(numbers, fault);
     }
 
     /// Clears the error and returns its code.
+    #[inline]
     pub(in crate::axis) fn clear(&mut self) -> Code {
         self.error.clear()
     }
 
     /// Returns the code of the open contact that prevents motion.
+    #[inline]
     pub(in crate::axis) fn open_contact(&self) -> Code {
         self.open_contact
     }
 
     /// Sets the code of the open contact, and returns that of the cycle before.
-    pub(in crate::axis) fn see_contact(&mut self, code: Code) -> Code {
+    #[inline]
+    pub(in crate::axis) fn replace_contact(&mut self, code: Code) -> Code {
         std::mem::replace(&mut self.open_contact, code)
     }
 
     /// Whether an error of this cycle stops the other axes, too.
+    #[inline]
     pub(in crate::axis) fn stops_others(&self) -> bool {
         self.stops_others
     }
 
     /// Lets an error of this cycle stop the other axes if `stops`.
+    #[inline]
     pub(in crate::axis) fn stop_others(&mut self, stops: bool) {
         self.stops_others |= stops;
     }
 
     /// Lets the other axes continue.
-    pub(in crate::axis) fn spare_others(&mut self) {
+    #[inline]
+    pub(in crate::axis) fn let_others_continue(&mut self) {
         self.stops_others = false;
     }
 
     /// Whether an error of that cycle has ended the motion of that vocabulary.
+    #[inline]
     pub(in crate::axis) fn has_lost(&self, cycle: u64, owner: Owner) -> bool {
         self.lost == Some((cycle, owner))
     }

@@ -50,15 +50,18 @@ impl CommandState {
     }
 
     /// Runs a drive without position loop at a velocity (inc/s) from this cycle on.
+    #[inline]
     pub(in crate::axis) fn run_at(&mut self, velocity: f64) {
         self.motion.velocity = velocity;
     }
 
     /// Shifts the position with the coordinate; the axis does not move.
+    #[inline]
     pub(in crate::axis) fn shift(&mut self, by: Position) {
         self.motion.position += by;
     }
 
+    #[inline]
     pub(in crate::axis) fn streamed(&self) -> &Streamed {
         &self.streamed
     }

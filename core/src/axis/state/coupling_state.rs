@@ -24,14 +24,17 @@ impl CouplingState {
         &self.overlay
     }
 
+    #[inline]
     pub(in crate::axis) fn overlay_mut(&mut self) -> Option<&mut Overlay> {
         self.overlay.as_mut()
     }
 
+    #[inline]
     pub(in crate::axis) fn set_overlay(&mut self, overlay: Option<Overlay>) {
         self.overlay = overlay;
     }
 
+    #[inline]
     pub(in crate::axis) fn take_overlay(&mut self) -> Option<Overlay> {
         self.overlay.take()
     }
@@ -42,14 +45,17 @@ impl CouplingState {
         &self.phasing
     }
 
+    #[inline]
     pub(in crate::axis) fn phasing_mut(&mut self) -> Option<&mut Phasing> {
         self.phasing.as_mut()
     }
 
+    #[inline]
     pub(in crate::axis) fn set_phasing(&mut self, phasing: Option<Phasing>) {
         self.phasing = phasing;
     }
 
+    #[inline]
     pub(in crate::axis) fn take_phasing(&mut self) -> Option<Phasing> {
         self.phasing.take()
     }
@@ -60,6 +66,7 @@ impl CouplingState {
         &self.conditioning
     }
 
+    #[inline]
     pub(in crate::axis) fn conditioning_mut(&mut self) -> &mut Conditioning {
         &mut self.conditioning
     }
@@ -70,10 +77,12 @@ impl CouplingState {
         &self.engagement
     }
 
+    #[inline]
     pub(in crate::axis) fn set_engagement(&mut self, engagement: Option<Engagement>) {
         self.engagement = engagement;
     }
 
+    #[inline]
     pub(in crate::axis) fn take_engagement(&mut self) -> Option<Engagement> {
         self.engagement.take()
     }
@@ -84,10 +93,12 @@ impl CouplingState {
         &self.leaving
     }
 
+    #[inline]
     pub(in crate::axis) fn set_leaving(&mut self, leaving: Option<Leaving>) {
         self.leaving = leaving;
     }
 
+    #[inline]
     pub(in crate::axis) fn take_leaving(&mut self) -> Option<Leaving> {
         self.leaving.take()
     }

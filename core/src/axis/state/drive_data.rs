@@ -36,11 +36,13 @@ impl DriveData {
     }
 
     /// Replaces the command to the drive.
+    #[inline]
     pub(in crate::axis) fn set_output(&mut self, output: DriveOutput) {
         self.output = output;
     }
 
     /// Sets control word and mode.
+    #[inline]
     pub(in crate::axis) fn set_control(&mut self, control: u16, mode: Mode) {
         self.output = DriveOutput { control, mode, ..self.output };
     }
@@ -55,6 +57,7 @@ impl DriveData {
     }
 
     /// Adds a compensation to the commanded position (inc of the drive).
+    #[inline]
     pub(in crate::axis) fn add_position(&mut self, by: i64) {
         self.output.position = self.output.position.wrapping_add(by);
     }

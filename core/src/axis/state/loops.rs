@@ -34,6 +34,7 @@ impl Loops {
         &self.compensation
     }
 
+    #[inline]
     pub(in crate::axis) fn compensation_mut(&mut self) -> &mut Compensator {
         &mut self.compensation
     }
@@ -65,6 +66,7 @@ impl Loops {
         &self.velocity_feedback
     }
 
+    #[inline]
     pub(in crate::axis) fn velocity_feedback_mut(&mut self) -> &mut VelocityFeedback {
         &mut self.velocity_feedback
     }

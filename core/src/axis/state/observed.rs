@@ -38,19 +38,23 @@ impl Observed {
     }
 
     /// Whether the machine is active, so that the axis may be switched on and moved.
+    #[inline]
     pub(in crate::axis) fn is_active(&self) -> bool {
         self.active
     }
 
+    #[inline]
     pub(in crate::axis) fn set_active(&mut self, active: bool) {
         self.active = active;
     }
 
     /// Returns the supervision of a drive whose axis is off.
+    #[inline]
     pub(in crate::axis) fn watch(&self) -> &Watch {
         &self.watch
     }
 
+    #[inline]
     pub(in crate::axis) fn watch_mut(&mut self) -> &mut Watch {
         &mut self.watch
     }
@@ -68,31 +72,37 @@ impl Observed {
     }
 
     /// Sets the switches of a new cycle.
+    #[inline]
     pub(in crate::axis) fn read_switches(&mut self, switches: Switches) {
         self.switches_before = std::mem::replace(&mut self.switches, switches);
     }
 
     /// Sets the reference switch of this cycle.
+    #[inline]
     pub(in crate::axis) fn set_home(&mut self, is_on: bool) {
         self.switches.home = is_on;
     }
 
     /// Returns the number of index pulses so far.
+    #[inline]
     pub(in crate::axis) fn index_count(&self) -> u32 {
         self.index.0
     }
 
     /// Returns the position of the last index pulse.
+    #[inline]
     pub(in crate::axis) fn index_position(&self) -> Position {
         self.index.1
     }
 
     /// Counts an index pulse at a position.
+    #[inline]
     pub(in crate::axis) fn note_index(&mut self, position: Position) {
         self.index = (self.index.0.wrapping_add(1), position);
     }
 
     /// Mirrors positions: the counting direction was changed.
+    #[inline]
     pub(in crate::axis) fn mirror(&mut self) {
         self.index.1 = -self.index.1;
     }
@@ -110,11 +120,13 @@ impl Observed {
     }
 
     /// Notes a move of the coordinate for followers.
+    #[inline]
     pub(in crate::axis) fn note_moved(&mut self, by: Position) {
         self.moved += by;
     }
 
     /// Returns the move of the coordinate, and clears it.
+    #[inline]
     pub(in crate::axis) fn take_moved(&mut self) -> Position {
         std::mem::take(&mut self.moved)
     }
@@ -126,7 +138,8 @@ impl Observed {
     }
 
     /// Sets the override of the active plan (%).
-    pub(in crate::axis) fn see_override(&mut self, share: f64) {
+    #[inline]
+    pub(in crate::axis) fn set_override_seen(&mut self, share: f64) {
         self.override_seen = share;
     }
 }

@@ -84,6 +84,7 @@ impl PositionFeedback {
     }
 
     /// Mirrors the position: the counting direction was changed.
+    #[inline]
     pub(in crate::axis) fn mirror(&mut self) {
         self.actual.position = -self.actual.position;
     }

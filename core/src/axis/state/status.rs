@@ -69,11 +69,13 @@ impl Status {
     }
 
     /// Sets the source of the command from now on.
+    #[inline]
     pub(in crate::axis) fn refer_to(&mut self, reference: Reference) {
         self.reference = reference;
     }
 
     /// Ends the source of the command: the axis stops, or is at rest.
+    #[inline]
     pub(in crate::axis) fn end_reference(&mut self) {
         self.reference = Reference::Stop;
     }
@@ -83,6 +85,7 @@ impl Status {
         self.power
     }
 
+    #[inline]
     pub(in crate::axis) fn set_power(&mut self, power: Power) {
         self.power = power;
     }
@@ -105,6 +108,7 @@ impl Status {
     }
 
     /// Whether the reference of the drive is below 0.
+    #[inline]
     pub(in crate::axis) fn is_backwards(&self) -> bool {
         self.is_backwards
     }
@@ -121,11 +125,13 @@ impl Status {
     }
 
     /// Requests the brake if `asks`; an earlier request stays.
+    #[inline]
     pub(in crate::axis) fn request_brake(&mut self, asks: bool) {
         self.brake |= asks;
     }
 
     /// Ends the request of the brake. Returns true if there was one.
+    #[inline]
     pub(in crate::axis) fn release_brake(&mut self) -> bool {
         std::mem::take(&mut self.brake)
     }
@@ -136,6 +142,7 @@ impl Status {
         self.owner
     }
 
+    #[inline]
     pub(in crate::axis) fn set_owner(&mut self, owner: Owner) {
         self.owner = owner;
     }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub(in crate::axis) const STILL_NS: u64 = 5_000_000;
 
 /// Value of [`Supervision::waits_since`] after the wait was reported.
-pub(in crate::axis) const LONG_WAIT_REPORTED: u64 = u64::MAX;
+const LONG_WAIT_REPORTED: u64 = u64::MAX;
 
 /// State of the supervision of an axis.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -19,27 +19,27 @@ pub(in crate::axis) struct Supervision {
     length: usize,
     place: usize,
     /// Command to which the actual position of this cycle responds, minus that actual position (inc).
-    pub following_error: i64,
-    pub(in crate::axis) exceeded_since: Option<u64>,
+    following_error: i64,
+    exceeded_since: Option<u64>,
     /// Round robin: number of successive checks with an exceeded following error.
-    pub(in crate::axis) exceeded_times: u64,
+    exceeded_times: u64,
     /// Cycle in which a following error was last reported.
-    pub(in crate::axis) told: Option<u64>,
-    pub(in crate::axis) inside_since: Option<u64>,
+    told: Option<u64>,
+    inside_since: Option<u64>,
     /// In the target window: the actual position, and the cycle in which it was read.
-    pub(in crate::axis) reading: Option<(u64, i64)>,
+    reading: Option<(u64, i64)>,
     /// Cycle since which a goal waits for its target window; [`LONG_WAIT_REPORTED`] after that was reported.
-    pub(in crate::axis) waits_since: Option<u64>,
+    waits_since: Option<u64>,
     /// Whether the axis is at rest at the target and has been within the window for long enough.
-    pub in_position: bool,
+    in_position: bool,
     /// Travel of the encoder since motion was last detected.
     drift: Position,
     /// Cycle in which motion was last detected.
-    pub(in crate::axis) drifted: Option<u64>,
+    drifted: Option<u64>,
     /// Error reaction that waits for the end of a stop; below 0 for none.
-    pub after_stop: i64,
+    after_stop: i64,
     /// End of the last goal before rounding to whole increments.
-    pub rested_at: Option<Position>,
+    rested_at: Option<Position>,
     /// Command positions of the last cycles, in a ring. A cycle accesses two of them.
     #[serde(with = "past")]
     past: [i64; PAST],
@@ -70,6 +70,7 @@ impl Supervision {
     }
 
     /// Whether its ring has the same length as that of `other`.
+    #[inline]
     pub(in crate::axis) fn has_ring_of(&self, other: &Self) -> bool {
         self.length == other.length && self.place < self.length
     }
@@ -103,6 +104,7 @@ impl Supervision {
     }
 
     /// Notes that the following error is within its limit.
+    #[inline]
     pub(in crate::axis) fn keep_within(&mut self) {
         (self.exceeded_since, self.exceeded_times) = (None, 0);
     }
@@ -121,6 +123,7 @@ impl Supervision {
     }
 
     /// Notes that the actual position is outside the target window.
+    #[inline]
     pub(in crate::axis) fn leave_window(&mut self) {
         (self.inside_since, self.reading) = (None, None);
     }
@@ -143,21 +146,25 @@ impl Supervision {
     }
 
     /// Returns the index of the oldest stored command.
+    #[inline]
     fn oldest(&self) -> usize {
         if self.place + 1 < self.length { self.place + 1 } else { 0 }
     }
 
     /// Returns the command to which the actual position of this cycle responds.
+    #[inline]
     pub(in crate::axis) fn answered_command(&self) -> i64 {
         self.past.get(self.oldest()).copied().unwrap_or_default()
     }
 
     /// Stores the same command for another cycle.
+    #[inline]
     pub(in crate::axis) fn pass(&mut self) {
         self.place = self.oldest();
     }
 
     /// Whether a reaction waits until the axis is at rest.
+    #[inline]
     pub(in crate::axis) fn has_pending_reaction(&self) -> bool {
         self.after_stop != -1
     }
@@ -177,6 +184,145 @@ impl Supervision {
         if let Some(past) = self.past.get_mut(self.place) {
             *past = command;
         }
+    }
+
+    /// Returns the command to which the actual position of this cycle responds, minus that actual position (inc).
+    #[inline]
+    pub(in crate::axis) fn following_error(&self) -> i64 {
+        self.following_error
+    }
+
+    #[inline]
+    pub(in crate::axis) fn set_following_error(&mut self, error: i64) {
+        self.following_error = error;
+    }
+
+    /// Returns the cycle since which the following error has been exceeded; none while it is allowed.
+    #[inline]
+    pub(in crate::axis) fn exceeded_since(&self) -> Option<u64> {
+        self.exceeded_since
+    }
+
+    /// Notes an exceeded following error, and returns the cycle since which it has been exceeded.
+    #[inline]
+    pub(in crate::axis) fn note_exceeded(&mut self, cycle: u64) -> u64 {
+        *self.exceeded_since.get_or_insert(cycle)
+    }
+
+    /// Returns the number of successive checks with an exceeded following error.
+    #[inline]
+    pub(in crate::axis) fn exceeded_times(&self) -> u64 {
+        self.exceeded_times
+    }
+
+    /// Counts a check of the following error.
+    #[inline]
+    pub(in crate::axis) fn count_check(&mut self, is_within: bool) {
+        self.exceeded_times = if is_within { 0 } else { self.exceeded_times.saturating_add(1) };
+    }
+
+    /// Returns the cycle in which a following error was last reported.
+    #[inline]
+    pub(in crate::axis) fn reported_at(&self) -> Option<u64> {
+        self.told
+    }
+
+    /// Notes that a following error is reported in that cycle.
+    #[inline]
+    pub(in crate::axis) fn note_report(&mut self, cycle: u64) {
+        self.told = Some(cycle);
+    }
+
+    /// Returns the cycle since which the actual position has been within the target window; the present one at first.
+    #[inline]
+    pub(in crate::axis) fn inside_since(&mut self, cycle: u64) -> u64 {
+        *self.inside_since.get_or_insert(cycle)
+    }
+
+    /// Returns the last reading in the target window, its cycle first; the present one at first.
+    #[inline]
+    pub(in crate::axis) fn reading(&mut self, cycle: u64, position: i64) -> (u64, i64) {
+        *self.reading.get_or_insert((cycle, position))
+    }
+
+    /// Replaces the reading in the target window.
+    #[inline]
+    pub(in crate::axis) fn read_again(&mut self, cycle: u64, position: i64) {
+        self.reading = Some((cycle, position));
+    }
+
+    /// Returns the cycle since which a goal waits for its target window, the present one at first; none after the wait
+    /// was reported.
+    #[inline]
+    pub(in crate::axis) fn waits_since(&mut self, cycle: u64) -> Option<u64> {
+        Some(*self.waits_since.get_or_insert(cycle)).filter(|since| *since != LONG_WAIT_REPORTED)
+    }
+
+    /// Notes that the wait for the target window was reported.
+    #[inline]
+    pub(in crate::axis) fn note_long_wait(&mut self) {
+        self.waits_since = Some(LONG_WAIT_REPORTED);
+    }
+
+    /// Whether the axis is at rest at the target and has been within the window for long enough.
+    #[inline]
+    pub(in crate::axis) fn is_in_position(&self) -> bool {
+        self.in_position
+    }
+
+    #[inline]
+    pub(in crate::axis) fn set_in_position(&mut self, in_position: bool) {
+        self.in_position = in_position;
+    }
+
+    /// Clears the state of a rest.
+    #[inline]
+    pub(in crate::axis) fn leave_rest(&mut self) {
+        self.leave_window();
+        self.waits_since = None;
+        self.in_position = false;
+    }
+
+    /// Returns the cycle in which motion of the encoder was last detected.
+    #[inline]
+    pub(in crate::axis) fn drifted(&self) -> Option<u64> {
+        self.drifted
+    }
+
+    /// Returns the error reaction that waits for the end of a stop; below 0 for none.
+    #[inline]
+    pub(in crate::axis) fn after_stop(&self) -> i64 {
+        self.after_stop
+    }
+
+    /// Lets an error reaction wait for the end of a stop; below 0: none.
+    #[inline]
+    pub(in crate::axis) fn react_after_stop(&mut self, reaction: i64) {
+        self.after_stop = reaction;
+    }
+
+    /// Returns the error reaction that waits for the end of a stop, and ends its wait.
+    #[inline]
+    pub(in crate::axis) fn take_after_stop(&mut self) -> i64 {
+        std::mem::replace(&mut self.after_stop, -1)
+    }
+
+    /// Returns the end of the last goal before rounding to whole increments.
+    #[inline]
+    pub(in crate::axis) fn rested_at(&self) -> Option<Position> {
+        self.rested_at
+    }
+
+    /// Sets the end of a goal that is done, before rounding to whole increments.
+    #[inline]
+    pub(in crate::axis) fn rest_at(&mut self, end: Option<Position>) {
+        self.rested_at = end;
+    }
+
+    /// Notes that the end of the last goal no longer counts.
+    #[inline]
+    pub(in crate::axis) fn forget_rest(&mut self) {
+        self.rested_at = None;
     }
 }
 

@@ -33,11 +33,13 @@ impl Task {
     }
 
     /// Begins a goal; the goal before has ended.
+    #[inline]
     pub(in crate::axis) fn begin(&mut self, goal: Goal) {
         self.goal = Some(goal);
     }
 
     /// Ends the goal and returns it.
+    #[inline]
     pub(in crate::axis) fn take_goal(&mut self) -> Option<Goal> {
         self.goal.take()
     }
@@ -49,31 +51,37 @@ impl Task {
     }
 
     /// Lets a function move the axis from now on.
+    #[inline]
     pub(in crate::axis) fn follow(&mut self, by: MovedBy) {
         self.function = Some(by);
     }
 
     /// Takes the axis from its function.
+    #[inline]
     pub(in crate::axis) fn leave_function(&mut self) {
         self.function = None;
     }
 
     /// Takes the axis from the function with that sink. Returns true if it has moved the axis.
+    #[inline]
     pub(in crate::axis) fn leave_sink(&mut self, sink: Leader) -> bool {
         self.function.take_if(|by| by.sink == sink).is_some()
     }
 
     /// Returns the trajectory that it has left in this cycle, and the reason.
+    #[inline]
     pub(in crate::axis) fn left(&self) -> Option<LeftTrack> {
         self.left
     }
 
     /// Notes that it has left the trajectory of that command.
+    #[inline]
     pub(in crate::axis) fn leave_track(&mut self, left: LeftTrack) {
         self.left = Some(left);
     }
 
     /// Clears the note that it has left a trajectory.
+    #[inline]
     pub(in crate::axis) fn forget_left(&mut self) {
         self.left = None;
     }

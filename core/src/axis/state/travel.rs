@@ -14,6 +14,7 @@ pub(in crate::axis) struct Travel {
 
 impl Travel {
     /// Returns the velocity of the last motion, whose sign is its direction; 0 before the first one.
+    #[inline]
     pub(in crate::axis) fn last_direction(&self) -> f64 {
         self.last_direction
     }
@@ -27,6 +28,7 @@ impl Travel {
     }
 
     /// Mirrors the direction: the counting direction was changed.
+    #[inline]
     pub(in crate::axis) fn mirror(&mut self) {
         self.last_direction = 0.0 - self.last_direction;
     }

@@ -192,7 +192,7 @@ impl Axis {
     /// Begins an admitted motion of a vocabulary instead of the present one.
     fn order_motion(&mut self, cx: &mut Context<'_>, state: AxisState, reference: Reference, generator: Generator) {
         self.end_all_motion(cx, Code::REPLACED);
-        self.supervision.rested_at = None;
+        self.supervision.forget_rest();
         self.begin_motion(cx, state, reference, generator);
     }
 

@@ -45,7 +45,7 @@ impl Axis {
                 _ => self.course_end().unwrap_or(self.command.position()),
             },
             actual: self.feedback.lead(),
-            following_error: self.supervision.following_error,
+            following_error: self.supervision.following_error(),
             at_limit: p.max_position.is_some_and(|limit| position >= limit)
                 || p.min_position.is_some_and(|limit| position <= limit),
             modulo: self.setup.modulo,

@@ -145,13 +145,13 @@ impl Axis {
             }
             Reaction::LeaveToDrive { then } => {
                 self.let_drive_stop(cx);
-                self.supervision.after_stop = self.with_brake_of_abort(then);
+                self.supervision.react_after_stop(self.with_brake_of_abort(then));
             }
             Reaction::Stop { then } => {
                 if failure.moment != Moment::AtLimit || self.is_open_loop() {
                     self.brake_to_rest(cx, &self.stop_limits());
                 }
-                self.supervision.after_stop = self.with_brake_of_abort(then);
+                self.supervision.react_after_stop(self.with_brake_of_abort(then));
             }
         }
         self.set_state(cx, AxisState::ErrorStop);
@@ -165,8 +165,8 @@ impl Axis {
     /// Returns this value of error_reaction, combined with a brake that an abort was to close.
     fn with_brake_of_abort(&self, then: i64) -> i64 {
         match then {
-            2 | 5 if closes_brake(self.supervision.after_stop) => 3,
-            0 | 4 if closes_brake(self.supervision.after_stop) => 1,
+            2 | 5 if closes_brake(self.supervision.after_stop()) => 3,
+            0 | 4 if closes_brake(self.supervision.after_stop()) => 1,
             _ => then,
         }
     }
@@ -190,7 +190,7 @@ impl Axis {
                     self.report_further(cx, failure);
                 }
                 // The present stop, or a drive that has stopped by itself, may leave the axis under power.
-                self.supervision.after_stop = 1;
+                self.supervision.react_after_stop(1);
                 if matches!(self.status.power(), Power::DriveStops { .. }) && self.has_stopped_by_itself(cx.cycle) {
                     self.status.set_power(Power::Off);
                     self.status.request_brake(true);
@@ -240,7 +240,7 @@ impl Axis {
             self.vocabularies.notice(Notice::Alarm((code.0 % 100) as u8));
         }
         // Nothing stops the axis any more: a brake that was to close at rest closes now (MACS-IO-04).
-        self.request_brake(brake || closes_brake(self.supervision.after_stop));
+        self.request_brake(brake || closes_brake(self.supervision.after_stop()));
         self.status.set_power(Power::Off);
         self.command_actual_position();
     }
@@ -253,7 +253,7 @@ impl Axis {
             return;
         }
         self.raise(cx, Failure::of(Code::STOPPED_WITH_OTHER).with(Number::Count(other.into()), Number::None));
-        self.alarm.spare_others();
+        self.alarm.let_others_continue();
         self.settle_step(cx);
     }
 
@@ -279,7 +279,7 @@ impl Axis {
 
     /// Whether an error reaction waits for the axis, which still moves, to come to rest.
     pub(in crate::axis) fn is_finishing_stop(&self) -> bool {
-        matches!(self.supervision.after_stop, 0 | 1 | 3) && self.is_on()
+        matches!(self.supervision.after_stop(), 0 | 1 | 3) && self.is_on()
     }
 
     /// Executes the rest of an error reaction once the command is at rest.
@@ -287,7 +287,7 @@ impl Axis {
         if self.is_finishing_stop() && !self.has_settled_or_timed_out(cycle) {
             return;
         }
-        let reaction = std::mem::replace(&mut self.supervision.after_stop, -1);
+        let reaction = self.supervision.take_after_stop();
         let has_drive = !self.is_virtual();
         match reaction {
             0 | 1 if has_drive => {

@@ -50,7 +50,7 @@ impl Axis {
     }
 
     fn supervise_stop(&mut self, cx: &mut Context<'_>) {
-        let error = self.supervision.following_error.unsigned_abs();
+        let error = self.supervision.following_error().unsigned_abs();
         if self.status.state() != AxisState::ErrorStop {
             self.loops.recovery_mut().stop = None;
             return;
@@ -67,7 +67,7 @@ impl Axis {
         self.loops.recovery_mut().stop = Some(stop);
         let is_lost = error > allowed.saturating_mul(2) && error > stop.begun.saturating_add(allowed);
         if is_lost || stop.waits.saturating_mul(self.setup.cycle_ns) > PATIENCE_NS {
-            let (found, limit) = (self.supervision.following_error, self.parameters.max_following_error);
+            let (found, limit) = (self.supervision.following_error(), self.parameters.max_following_error);
             let failure = Failure::of(Code::RUNAWAY).with(Number::Position(found), Number::Position(limit));
             self.raise(cx, failure);
         }
@@ -80,7 +80,7 @@ impl Axis {
         if self.is_standstill_too_long(standing) {
             let (way, pushes) = standing;
             // The cast saturates.
-            let way = if pushes > 0 { self.supervision.following_error } else { way as i64 };
+            let way = if pushes > 0 { self.supervision.following_error() } else { way as i64 };
             let limit = Number::Position(self.parameters.max_following_error);
             self.raise(cx, Failure::of(Code::ENCODER_STANDS).with(Number::Position(way), limit));
         }

@@ -14,7 +14,7 @@ impl Axis {
     /// Stops the axis if a contact is open.
     pub(in crate::axis) fn watch_contacts(&mut self, cx: &mut Context<'_>) {
         let now = self.setup.safety.open(cx.inputs).unwrap_or(Code::NONE);
-        let before = self.alarm.see_contact(now);
+        let before = self.alarm.replace_contact(now);
         if now.is_none() {
             return;
         }
@@ -56,7 +56,7 @@ impl Axis {
             velocity: self.command.velocity(),
             actual: self.feedback.position().floor(),
             actual_velocity: self.feedback.velocity(),
-            following_error: self.supervision.following_error,
+            following_error: self.supervision.following_error(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Supervision of a cycle: following error and arrival at the target.
 
 use crate::axis::state::alarm::NO_NUMBERS;
-use crate::axis::state::supervision::{LONG_WAIT_REPORTED, STILL_NS};
+use crate::axis::state::supervision::STILL_NS;
 use crate::axis::state::{Axis, Context, Failure, Power};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Severity};
@@ -20,7 +20,7 @@ impl Axis {
     pub(in crate::axis) fn check_errors(&mut self, cx: &mut Context<'_>) {
         self.supervision.note_step(cx.cycle, self.feedback.change(), self.rest_tolerance());
         if !self.is_on() {
-            self.supervision.following_error = 0;
+            self.supervision.set_following_error(0);
             return;
         }
         self.judge_jump(cx);
@@ -28,7 +28,7 @@ impl Axis {
             return;
         }
         if self.is_open_loop() || self.out_an().is_some() {
-            self.supervision.following_error = 0;
+            self.supervision.set_following_error(0);
         } else if !self.is_virtual() {
             self.check_following(cx, self.following_error());
         }
@@ -38,11 +38,8 @@ impl Axis {
     pub(in crate::axis) fn check_arrival(&mut self, cx: &mut Context<'_>) {
         self.supervision.keep(self.commanded_increment());
         if !self.is_on() {
-            self.brake.settles_since = None;
-            self.supervision.following_error = 0;
-            self.supervision.leave_window();
-            self.supervision.waits_since = None;
-            self.supervision.in_position = false;
+            self.supervision.set_following_error(0);
+            self.leave_rest();
         } else if self.rests() {
             self.check_rest(cx);
         } else {
@@ -50,12 +47,10 @@ impl Axis {
         }
     }
 
-    /// Clears the state of a rest when the axis moves.
+    /// Clears the state of a rest when the axis moves or is off.
     fn leave_rest(&mut self) {
-        self.brake.settles_since = None;
-        self.supervision.leave_window();
-        self.supervision.waits_since = None;
-        self.supervision.in_position = false;
+        self.brake.forget_settling();
+        self.supervision.leave_rest();
     }
 
     /// Returns the command to which the actual position of this cycle responds, minus that position (inc).
@@ -70,7 +65,7 @@ impl Axis {
     }
 
     fn check_following(&mut self, cx: &mut Context<'_>, error: i64) {
-        self.supervision.following_error = error;
+        self.supervision.set_following_error(error);
         let is_within = error.unsigned_abs() <= self.parameters.max_following_error.unsigned_abs();
         let lasts = match self.parameters.supervision.following_error_check {
             1 => self.exceeds_tolerated_checks(cx.cycle, is_within),
@@ -93,13 +88,13 @@ impl Axis {
 
     /// Raises a following error.
     pub(super) fn raise_following_error(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
-        self.supervision.told = Some(cx.cycle);
+        self.supervision.note_report(cx.cycle);
         self.raise(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
     }
 
     /// Whether the axis moves away from its command, beyond the allowed following error.
     pub(in crate::axis) fn runs_away(&self) -> bool {
-        let (error, most) = (self.supervision.following_error, self.parameters.max_following_error);
+        let (error, most) = (self.supervision.following_error(), self.parameters.max_following_error);
         let leads_off =
             if error > 0 { self.feedback.change() < Position::ZERO } else { self.feedback.change() > Position::ZERO };
         error.unsigned_abs() > most.unsigned_abs() && leads_off
@@ -108,10 +103,10 @@ impl Axis {
     /// Returns the following error if it still lasts longer than tolerated.
     pub(in crate::axis) fn lasting_following_error(&self, cycle: u64) -> Option<(Number, Number)> {
         let lasts = match self.parameters.supervision.following_error_check {
-            1 => self.supervision.exceeded_times > self.tolerated_times(),
-            _ => self.supervision.exceeded_since.is_some_and(|since| self.is_too_long(cycle, since)),
+            1 => self.supervision.exceeded_times() > self.tolerated_times(),
+            _ => self.supervision.exceeded_since().is_some_and(|since| self.is_too_long(cycle, since)),
         };
-        let error = Number::Position(self.supervision.following_error);
+        let error = Number::Position(self.supervision.following_error());
         (lasts && self.is_on()).then_some((error, Number::Position(self.parameters.max_following_error)))
     }
 
@@ -126,13 +121,13 @@ impl Axis {
     pub(in crate::axis) fn turns(&self, cycle: u64) -> bool {
         let age = |drifted| cycle.saturating_sub(drifted).saturating_mul(self.setup.cycle_ns);
         self.drive_data.shown().is_awaited(self.setup.missed_cycles)
-            || self.supervision.drifted.is_some_and(|drifted| age(drifted) < STILL_NS)
+            || self.supervision.drifted().is_some_and(|drifted| age(drifted) < STILL_NS)
     }
 
     /// Whether the encoder moved in this cycle, faster than an encoder at rest may creep. One cycle is enough here,
     /// while a reset waits: an axis that its drive stops does not coast.
     pub(in crate::axis) fn moves(&self) -> bool {
-        let change = self.feedback.change().to_f64().abs().max(self.brake.second_change.saturating_abs() as f64);
+        let change = self.feedback.change().to_f64().abs().max(self.brake.second_change().saturating_abs() as f64);
         let moved = change * STILL_NS as f64;
         self.drive_data.shown().is_awaited(self.setup.missed_cycles)
             || moved > self.rest_tolerance().to_f64() * self.setup.cycle_ns as f64
@@ -144,7 +139,7 @@ impl Axis {
             self.supervision.keep_within();
             return false;
         }
-        let since = *self.supervision.exceeded_since.get_or_insert(cycle);
+        let since = self.supervision.note_exceeded(cycle);
         self.is_too_long(cycle, since)
     }
 
@@ -169,16 +164,19 @@ impl Axis {
         if !is_new || turn(cycle) % count != place {
             return false;
         }
-        self.supervision.exceeded_times = if is_within { 0 } else { self.supervision.exceeded_times.saturating_add(1) };
-        self.supervision.exceeded_times > self.tolerated_times()
+        self.supervision.count_check(is_within);
+        self.supervision.exceeded_times() > self.tolerated_times()
     }
 
     /// Reports a following error without reaction again as long as it lasts (MACS-ERR-03), also in addition to another
     /// error.
     fn repeat(&mut self, cx: &mut Context<'_>, found: Number, allowed: Number) {
-        let age = self.supervision.told.map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
+        let age = self
+            .supervision
+            .reported_at()
+            .map(|told| cx.cycle.saturating_sub(told).saturating_mul(self.setup.cycle_ns));
         if age.is_none_or(|age| age >= REPEAT_NS) {
-            self.supervision.told = Some(cx.cycle);
+            self.supervision.note_report(cx.cycle);
             self.report_error(cx, Failure::of(Code::FOLLOWING_ERROR).with(found, allowed));
         }
     }
@@ -186,7 +184,8 @@ impl Axis {
     /// Handles the end of the generator: the goal is reached, or the reaction that ended it is complete.
     fn check_rest(&mut self, cx: &mut Context<'_>) {
         self.finish_stop(cx.cycle);
-        self.supervision.in_position = self.is_in_window(cx) && self.is_compensated();
+        let in_position = self.is_in_window(cx) && self.is_compensated();
+        self.supervision.set_in_position(in_position);
         if self.homing.is_running() {
             return self.settle_homing(cx);
         }
@@ -198,13 +197,13 @@ impl Axis {
         }
         let missed = self.searches();
         let ending = if missed { Some(Code::PROBE_MISSED) } else { self.task.goal().and_then(|goal| goal.ending) };
-        let reached = self.supervision.in_position || self.task.goal().is_none() || (ending.is_some() && !missed);
+        let reached = self.supervision.is_in_position() || self.task.goal().is_none() || (ending.is_some() && !missed);
         if !reached {
             self.report_long_wait(cx);
         }
         if reached {
             if ending.is_none() {
-                self.supervision.rested_at = self.task.goal().and_then(|goal| goal.target);
+                self.supervision.rest_at(self.task.goal().and_then(|goal| goal.target));
             }
             self.end_goal(cx, ending.unwrap_or(Code::NONE));
             if missed {
@@ -219,7 +218,7 @@ impl Axis {
             if self.pending.buffer().is_empty() {
                 self.set_state(cx, AxisState::Standstill);
             } else {
-                let before = self.supervision.rested_at;
+                let before = self.supervision.rested_at();
                 self.begin_next(cx, self.command.motion(), 0.0, before);
             }
         }
@@ -228,12 +227,12 @@ impl Axis {
     /// Reports once that a goal waits too long for its target window (MACS-TGT-06).
     pub(in crate::axis) fn report_long_wait(&mut self, cx: &mut Context<'_>) {
         let patience = self.parameters.supervision.in_position_timeout.unsigned_abs();
-        let since = *self.supervision.waits_since.get_or_insert(cx.cycle);
+        let Some(since) = self.supervision.waits_since(cx.cycle) else { return };
         let waited = cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
-        if patience == 0 || since == LONG_WAIT_REPORTED || waited < patience {
+        if patience == 0 || waited < patience {
             return;
         }
-        self.supervision.waits_since = Some(LONG_WAIT_REPORTED);
+        self.supervision.note_long_wait();
         let distance = self.commanded_increment().saturating_sub(self.feedback.position().floor());
         let event = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::IN_POSITION_TIMEOUT);
         let window = Number::Position(self.parameters.in_position_window);
@@ -256,7 +255,7 @@ impl Axis {
         if window > 0 && most > 0 && self.parameters.in_position_time > 0 && !self.is_virtual() {
             return self.reads_the_same_twice(cx.cycle, most);
         }
-        let since = *self.supervision.inside_since.get_or_insert(cx.cycle);
+        let since = self.supervision.inside_since(cx.cycle);
         let time = self.parameters.in_position_time.unsigned_abs();
         window == 0 || time == 0 || cx.cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns) > time
     }
@@ -265,15 +264,15 @@ impl Axis {
     /// stays true.
     fn reads_the_same_twice(&mut self, cycle: u64, most: i64) -> bool {
         let here = self.feedback.position().floor();
-        let (since, before) = *self.supervision.reading.get_or_insert((cycle, here));
-        if self.supervision.in_position {
+        let (since, before) = self.supervision.reading(cycle, here);
+        if self.supervision.is_in_position() {
             return true;
         }
         let waited = cycle.saturating_sub(since).saturating_mul(self.setup.cycle_ns);
         if waited < self.parameters.in_position_time.unsigned_abs() {
             return false;
         }
-        self.supervision.reading = Some((cycle, here));
+        self.supervision.read_again(cycle, here);
         here.abs_diff(before) < most.unsigned_abs()
     }
 }

@@ -15,19 +15,19 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(in crate::axis) struct Homing {
     /// Whether the axis is referenced.
-    pub(in crate::axis) done: bool,
+    done: bool,
     /// Whether the reference was lost and this has not been reported yet.
-    pub(in crate::axis) lost: bool,
+    lost: bool,
     /// Whether positions relative to any zero, of homing or set by a command, have become invalid.
-    pub(in crate::axis) unsure: bool,
+    unsure: bool,
     /// Whether the counts started again during homing.
-    pub(in crate::axis) broken: bool,
+    broken: bool,
     /// Active homing.
-    pub(in crate::axis) run: Option<Run>,
+    run: Option<Run>,
     /// Whether homing was ended early and the axis has not come to rest since.
     ends: bool,
     /// Distance by which set_position has moved the software limits since the last homing (inc).
-    pub(in crate::axis) limit_shift: i64,
+    limit_shift: i64,
 }
 
 /// Active homing, with the parameters of its start.
@@ -63,11 +63,13 @@ pub(in crate::axis) enum Stage {
 impl Run {
     /// Returns the direction in which the reference is approached, in the coordinate of the axis: 1 or -1; 0 for a
     /// method without motion.
+    #[inline]
     pub(in crate::axis) fn approach(&self) -> i8 {
         methods::legs(self.method).last().map_or(0, |leg| leg.way * self.sense)
     }
 
     /// Whether the axis moves there by its command.
+    #[inline]
     pub(in crate::axis) fn is_own(&self) -> bool {
         !matches!(self.stage, Stage::InDrive(_))
     }
@@ -84,27 +86,87 @@ impl Run {
 }
 
 impl Homing {
+    /// Returns the active homing.
+    #[inline]
+    pub(in crate::axis) fn run(&self) -> Option<Run> {
+        self.run
+    }
+
+    /// Begins homing, or continues it in another stage.
+    #[inline]
+    pub(in crate::axis) fn continue_run(&mut self, run: Run) {
+        self.run = Some(run);
+    }
+
+    /// Ends active homing with its zero, and returns it.
+    pub(in crate::axis) fn finish(&mut self) -> Option<Run> {
+        (self.done, self.lost) = (true, false);
+        self.run.take()
+    }
+
+    /// Notes the whole minutes of homing in the drive that were reported.
+    pub(in crate::axis) fn note_minutes(&mut self, minutes: u64) {
+        if let Some(run) = &mut self.run {
+            run.minutes = minutes;
+        }
+    }
+
+    /// Whether positions relative to any zero have become invalid since the last call.
+    #[inline]
+    pub(in crate::axis) fn take_unsure(&mut self) -> bool {
+        std::mem::take(&mut self.unsure)
+    }
+
+    /// Whether the reference was lost since the last call.
+    #[inline]
+    pub(in crate::axis) fn take_lost(&mut self) -> bool {
+        std::mem::take(&mut self.lost)
+    }
+
+    /// Whether the counts started again during homing since the last call.
+    #[inline]
+    pub(in crate::axis) fn take_broken(&mut self) -> bool {
+        std::mem::take(&mut self.broken)
+    }
+
+    /// Handles counts that start again: the reference is lost, and active homing cannot continue.
+    pub(in crate::axis) fn break_counts(&mut self) {
+        self.forget();
+        self.broken = self.is_running();
+    }
+
+    /// Notes that the software limits move by `by` (inc) with the coordinate.
+    #[inline]
+    pub(in crate::axis) fn shift_limits(&mut self, by: i64) {
+        self.limit_shift = self.limit_shift.saturating_add(by);
+    }
+
+    #[inline]
     pub(in crate::axis) fn is_homed(&self) -> bool {
         self.done
     }
 
     /// Whether homing is active. Then neither software limits nor limit switches stop the axis; homing itself handles
     /// the switches.
+    #[inline]
     pub(in crate::axis) fn is_running(&self) -> bool {
         self.run.is_some()
     }
 
     /// Whether the drive moves by itself.
+    #[inline]
     pub(in crate::axis) fn is_in_drive(&self) -> bool {
         matches!(self.run, Some(Run { stage: Stage::InDrive(_), .. }))
     }
 
     /// Whether homing is not active and has nothing left to report.
+    #[inline]
     pub(in crate::axis) fn is_settled(&self) -> bool {
         self.run.is_none() && !self.lost && !self.unsure && !self.broken && !self.ends
     }
 
     /// Returns the difference between its coordinate and that of its own zero (inc).
+    #[inline]
     pub(in crate::axis) fn limit_shift(&self) -> i64 {
         self.limit_shift
     }
@@ -120,6 +182,7 @@ impl Homing {
     }
 
     /// Ends active homing without a zero.
+    #[inline]
     pub(in crate::axis) fn stop(&mut self) {
         self.ends |= self.run.take().is_some();
     }
@@ -131,11 +194,13 @@ impl Homing {
     }
 
     /// Whether the axis still stops after homing was ended.
+    #[inline]
     pub(in crate::axis) fn is_ending(&self) -> bool {
         self.ends
     }
 
     /// Called when the axis is at rest or does something else.
+    #[inline]
     pub(in crate::axis) fn forget_end(&mut self) {
         self.ends = false;
     }
@@ -148,11 +213,13 @@ impl Homing {
     }
 
     /// Called when the encoder that gave the reference is no longer in use.
+    #[inline]
     pub(in crate::axis) fn forget_reference_of_encoder(&mut self) {
         self.lost = true;
     }
 
     /// Mirrors the stored distances.
+    #[inline]
     pub(in crate::axis) fn turn_over(&mut self) {
         self.limit_shift = self.limit_shift.saturating_neg();
     }
