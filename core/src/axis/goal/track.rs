@@ -35,7 +35,7 @@ impl Axis {
 
     /// Returns its own trajectory, and the one that it follows until that begins.
     pub(in crate::axis) fn trackers(&self) -> impl Iterator<Item = Tracker> {
-        self.task.goal().into_iter().flat_map(|goal| [goal.track, goal.before]).flatten()
+        self.task.goal().iter().flat_map(|goal| [goal.track, goal.before]).flatten()
     }
 
     /// Returns the trajectory that it follows; not its own while that waits for its start.
