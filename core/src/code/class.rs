@@ -1,4 +1,4 @@
-//! What an error does to its axis, by kind; `axis/reaction.rs` does it.
+//! What an error does to its axis, by kind; `axis/watch/reaction.rs` does it.
 
 /// Kinds of errors by what they do to their axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

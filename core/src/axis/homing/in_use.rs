@@ -5,10 +5,11 @@
 //! Refuses  set_position, with the name of the first of these motions
 //! Source   PLCopen part 1 (MC_SetPosition)
 
-use super::super::{Axis, AxisState, Generator, Reference};
+use crate::axis::state::{Axis, Generator};
 use crate::code::Code;
 use crate::command::Engage;
 use crate::event::{Number, Refusal};
+use crate::state::{AxisState, Reference};
 use crate::sync::Transmission;
 use crate::vocabulary::Owner;
 
@@ -51,9 +52,9 @@ impl Axis {
     pub(super) fn check_coordinate_free(&self) -> Result<(), Refusal> {
         let moves = self.is_on() && !self.is_idle_at_rest();
         let is_pair = |engage: Engage| matches!(engage, Engage::InPosition { .. });
-        let waits_for_places = self.engagement.is_some_and(|waits| is_pair(waits.request.engage));
+        let waits_for_places = self.coupling.engagement().is_some_and(|waits| is_pair(waits.request.engage));
         let used = waits_for_places.then_some(Use::Engaging);
-        let used = used.or(self.touch_probes.have_window().then_some(Use::Window));
+        let used = used.or(self.pending.touch_probes().have_window().then_some(Use::Window));
         let used = if moves { self.use_in_motion()?.or(used) } else { used };
         match used {
             None => Ok(()),
@@ -66,18 +67,18 @@ impl Axis {
     /// # Errors
     /// The axis stops, homes, or moves in another way that ends by itself.
     fn use_in_motion(&self) -> Result<Option<Use>, Refusal> {
-        let goal = self.goal.as_ref().filter(|goal| goal.ending.is_none());
-        let runs = matches!(self.state, AxisState::ContinuousMotion | AxisState::SynchronizedMotion);
-        Ok(Some(match &self.generator {
+        let goal = self.task.goal().as_ref().filter(|goal| goal.ending.is_none());
+        let runs = matches!(self.status.state(), AxisState::ContinuousMotion | AxisState::SynchronizedMotion);
+        Ok(Some(match self.motion.generator() {
             _ if goal.is_some_and(|goal| goal.track.is_some()) => Use::Trajectory,
             _ if self.homing.is_running() => return Err(self.not_at_standstill()),
-            _ if !self.buffer.is_empty() => Use::Waiting,
+            _ if !self.pending.buffer().is_empty() => Use::Waiting,
             _ if goal.is_some_and(|goal| goal.target.is_some()) => Use::Target,
-            _ if self.owner != Owner::Native => Use::Vocabulary,
+            _ if self.status.owner() != Owner::Native => Use::Vocabulary,
             _ if !runs || self.is_open_loop() => return Err(self.not_at_standstill()),
-            _ if self.reference == Reference::Function => Use::Function,
-            _ if self.overlay.is_some() => Use::Superimposed,
-            _ if self.engagement.is_some() => Use::Engaging,
+            _ if self.status.reference() == Reference::Function => Use::Function,
+            _ if self.coupling.overlay().is_some() => Use::Superimposed,
+            _ if self.coupling.engagement().is_some() => Use::Engaging,
             _ if self.leaves_at_own_place() => Use::Leaving,
             Generator::Follow(coupling) if coupling.follower.mode().has_marks() => Use::Marks,
             Generator::Follow(coupling) if coupling.at_places => Use::Places,

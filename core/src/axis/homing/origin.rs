@@ -1,32 +1,32 @@
 //! Sets the coordinate of an axis: neither the axis nor its followers move.
 
-use super::super::{Axis, Context, Reference};
+use crate::axis::state::{Axis, Context};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal, Severity};
 use crate::parameter::{AxisParameters, ROWS, Row};
 use crate::position::{Length, Position};
-use crate::vocabulary::{Notice, Owner};
+use crate::vocabulary::Notice;
 
 impl Axis {
     /// Sets the present command position to `position` (DEFORIGIN, SETORIGIN; MACS-CMD-16).
-    pub(in super::super) fn set_position(
+    pub(in crate::axis) fn set_position(
         &mut self,
         cx: &mut Context<'_>,
         sequence: u64,
         position: Length,
     ) -> Result<(), Refusal> {
-        let by = position.nearest.saturating_sub(self.command.position.nearest());
+        let by = position.nearest.saturating_sub(self.command.position().nearest());
         self.set_coordinate(cx, sequence, (position.nearest, by))
     }
 
     /// Increases all positions by `distance` (MC_SetPosition, relative).
-    pub(in super::super) fn shift_position(
+    pub(in crate::axis) fn shift_position(
         &mut self,
         cx: &mut Context<'_>,
         sequence: u64,
         distance: Length,
     ) -> Result<(), Refusal> {
-        let place = self.command.position.nearest().saturating_add(distance.nearest);
+        let place = self.command.position().nearest().saturating_add(distance.nearest);
         self.set_coordinate(cx, sequence, (place, distance.nearest))
     }
 
@@ -62,9 +62,9 @@ impl Axis {
 
     /// Moves the limits with the coordinate, so that they keep their physical positions (MACS-LIM-01). The distance is
     /// not saved with them.
-    pub(in super::super) fn shift_limits(&mut self, cx: &mut Context<'_>, by: i64) {
+    pub(in crate::axis) fn shift_limits(&mut self, cx: &mut Context<'_>, by: i64) {
         let before = *self.parameters;
-        self.homing.limit_shift = self.homing.limit_shift.saturating_add(by);
+        self.homing.shift_limits(by);
         self.parameters.change(|values| values.shift_limits(by));
         for place in const { [Row::place("min_position"), Row::place("max_position")] } {
             let Some(row) = ROWS.get(usize::from(place)) else { continue };
@@ -77,13 +77,13 @@ impl Axis {
 
     /// Restores the given limits: the zero of the machine is found.
     pub(super) fn restore_limits(&mut self, cx: &mut Context<'_>) {
-        self.shift_limits(cx, self.homing.limit_shift.saturating_neg());
+        self.shift_limits(cx, self.homing.limit_shift().saturating_neg());
     }
 
     /// Returns the active parameters for saving: with limits in the coordinate of the zero of the machine.
     pub fn parameters_to_keep(&self) -> AxisParameters {
         let mut parameters = *self.parameters;
-        parameters.shift_limits(self.homing.limit_shift.saturating_neg());
+        parameters.shift_limits(self.homing.limit_shift().saturating_neg());
         parameters
     }
 
@@ -91,44 +91,40 @@ impl Axis {
     pub fn kept_parameters(&self, layer: AxisParameters) -> AxisParameters {
         let mut parameters = layer;
         let turned = (layer.macs.posdrct < 0) != (self.parameters.macs.posdrct < 0);
-        let shift = self.homing.limit_shift;
+        let shift = self.homing.limit_shift();
         parameters.shift_limits(if turned { shift.saturating_neg() } else { shift });
         parameters
     }
 
     /// Increases all positions by `by` (inc).
-    pub(in super::super) fn move_coordinate(&mut self, by: i64) {
+    pub(in crate::axis) fn move_coordinate(&mut self, by: i64) {
         let shift = Position::whole(by);
-        self.counter.shift(self.turn_counts(by));
-        self.shift_pulses(self.turn_counts(by));
-        self.compensation.shift(self.turn_counts(by));
-        self.origin = self.origin.wrapping_add(self.turn_counts(by));
-        self.command.position += shift;
-        self.actual.position += shift;
-        self.index.1 += shift;
-        self.judge.shift(by);
-        self.generator.shift(shift);
-        self.at_limits.shift(shift);
-        self.touch_probes.note_new_coordinate();
+        let counts = self.turn_counts(by);
+        self.feedback.shift(shift, counts);
+        self.shift_pulses(counts);
+        self.loops.compensation_mut().shift(counts);
+        self.command.shift(shift);
+        self.supervision.shift(by);
+        self.motion.shift(shift);
+        self.travel.at_limits_mut().shift(shift);
+        self.pending.touch_probes_mut().note_new_coordinate();
         self.vocabularies.notice(Notice::Shifted { by });
-        self.moved += shift;
+        self.observed.shift(shift);
     }
 
     /// Ends the motion of a vocabulary, which was commanded in the old coordinate.
-    pub(in super::super) fn leave_vocabulary(&mut self) {
-        if std::mem::take(&mut self.owner) != Owner::Native {
-            self.reference = Reference::Stop;
-        }
+    pub(in crate::axis) fn leave_vocabulary(&mut self) {
+        self.status.leave_vocabulary();
     }
 
     /// Whether the coordinate was moved since the last call of [`take_moved`](Self::take_moved).
     #[inline]
     pub fn has_moved(&self) -> bool {
-        self.moved != Position::ZERO
+        self.observed.moved() != Position::ZERO
     }
 
     /// Returns the distance by which the coordinate was moved since the last call.
     pub fn take_moved(&mut self) -> Position {
-        std::mem::take(&mut self.moved)
+        self.observed.take_moved()
     }
 }

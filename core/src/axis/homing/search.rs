@@ -1,57 +1,18 @@
 //! Executes the legs of homing until the reference is found.
 
-use super::super::course::Aim;
-use super::methods::{Leg, Switch, Until, is_travel, legs};
-use super::{Axis, Context, Generator, HomingPhase, Run, Stage};
+use crate::axis::state::homing::Run;
+use crate::axis::state::homing::methods::{Until, is_travel};
+use crate::axis::state::homing::search::Search;
+use crate::axis::state::{Aim, Axis, Context, Leg, Stage, Switch};
 use crate::code::Code;
 use crate::event::Number;
 use crate::object::Object;
 use crate::position::Position;
 use crate::profile::Limits;
-use serde::{Deserialize, Serialize};
-
-/// State of the active leg.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) struct Search {
-    leg: u8,
-    /// Whether a limit switch has reversed it.
-    turned: bool,
-    /// Position at its start.
-    from: Position,
-    /// State of its switch in the cycle before.
-    was_on: bool,
-}
-
-impl Search {
-    fn leg(&self, method: i64) -> Option<&'static Leg> {
-        legs(method).get(usize::from(self.leg))
-    }
-
-    pub(super) fn is_sound(&self, method: i64) -> bool {
-        self.leg(method).is_some()
-    }
-
-    pub(super) fn phase(&self, method: i64) -> HomingPhase {
-        self.leg(method).map_or(HomingPhase::None, phase)
-    }
-}
-
-/// Returns the phase in which the reference of a method is found.
-pub(super) fn last_phase(method: i64) -> HomingPhase {
-    legs(method).last().map_or(HomingPhase::None, phase)
-}
-
-fn phase(leg: &Leg) -> HomingPhase {
-    match leg.until {
-        Until::On(_) => HomingPhase::SearchSwitch,
-        Until::Off(_) => HomingPhase::LeaveSwitch,
-        Until::Index => HomingPhase::SearchIndex,
-    }
-}
 
 impl Axis {
     /// Begins the present leg. If its switch is already active at the start of homing, the leg is skipped.
-    pub(super) fn begin_leg(&mut self, cx: &mut Context<'_>) {
+    pub(in crate::axis) fn begin_leg(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
         Self::begin_leg_of_both(cx);
         if let Some(Leg { until: Until::On(switch), .. }) = search.leg(run.method)
@@ -63,15 +24,15 @@ impl Axis {
         let Some(leg) = search.leg(run.method) else { return };
         // The axis is on the limit switch that would reverse it.
         search.turned = search.leg == 0 && leg.turns && self.meets_limit(leg, direction_of_leg(&run, leg, false));
-        search.from = self.actual.position;
+        search.from = self.feedback.position();
         search.was_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         run.stage = Stage::Search(search);
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         self.move_along_leg(cx, &run, leg, search.turned, run.limits);
     }
 
     fn searching(&self) -> Option<(Run, Search)> {
-        let run = self.homing.run?;
+        let run = self.homing.run()?;
         match run.stage {
             Stage::Search(search) => Some((run, search)),
             _ => None,
@@ -89,23 +50,23 @@ impl Axis {
         let velocity = run.speed(leg);
         let signed = velocity * f64::from(direction_of_leg(run, leg, turned));
         if self.is_open_loop() {
-            self.generator = Generator::Open { velocity: signed };
-            self.command.velocity = signed;
+            self.motion.run_open(signed);
+            self.command.run_at(signed);
             return;
         }
         let aim = Aim::velocity(signed);
         let course = self.course(cx.cycle, self.present_motion(), aim, Limits { velocity, ..limits });
-        self.generator = Generator::Plan(course);
+        self.motion.plan(course);
     }
 
     /// Checks whether the active leg has reached its end, or an error.
-    pub(super) fn search(&mut self, cx: &mut Context<'_>) {
+    pub(in crate::axis) fn search(&mut self, cx: &mut Context<'_>) {
         let Some((mut run, mut search)) = self.searching() else { return };
         let Some(leg) = search.leg(run.method) else { return };
         let way = direction_of_leg(&run, leg, search.turned);
         // While the axis still reverses, edges belong to the leg before.
-        let goes = self.command.velocity * f64::from(way) > 0.0;
-        let change = along(self.actual.change, way);
+        let goes = self.command.velocity() * f64::from(way) > 0.0;
+        let change = along(self.feedback.change(), way);
         // An edge that the encoder passes against the direction of the leg does count: an axis at rest next to an edge
         // may jitter across it, and there would be no other edge.
         let trembles = change < Position::ZERO && self.gantry().is_none();
@@ -114,7 +75,7 @@ impl Axis {
         let is_on = self.watched(leg).is_some_and(|switch| self.is_actuated(switch));
         let was_on = std::mem::replace(&mut search.was_on, is_on);
         run.stage = Stage::Search(search);
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         if let Some((gone, most)) =
             self.distance_with_one_switch(cx).filter(|_| self.watched(leg) == Some(Switch::Home))
         {
@@ -138,9 +99,9 @@ impl Axis {
         if goes && self.meets_limit(leg, way) {
             if leg.turns && !search.turned {
                 search.turned = true;
-                search.from = self.actual.position;
+                search.from = self.feedback.position();
                 run.stage = Stage::Search(search);
-                self.homing.run = Some(run);
+                self.homing.continue_run(run);
                 // There is little distance after a limit switch.
                 let limits = Limits { deceleration: self.parameters.deceleration_limit(), ..run.limits };
                 return self.move_along_leg(cx, &run, leg, true, limits);
@@ -152,7 +113,7 @@ impl Axis {
 
     /// Raises an error if a leg exceeds its longest distance.
     fn check_distance(&mut self, cx: &mut Context<'_>, method: i64, leg: &Leg, search: &Search) {
-        let gone = (self.actual.position - search.from).nearest().saturating_abs();
+        let gone = (self.feedback.position() - search.from).nearest().saturating_abs();
         let (most, code) = match leg.until {
             Until::Index => (Some(self.longest_to_index()), missed_index(method)),
             _ => (self.longest_search(), Code::HOMING_SWITCH_MISSED),
@@ -185,7 +146,7 @@ impl Axis {
             return self.find(cx, place);
         }
         run.stage = Stage::Search(next);
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         self.begin_leg(cx);
         // A pulse of the same cycle counts if the sample shows that it is beyond the edge.
         if let Some((run, search)) = self.searching()
@@ -201,7 +162,7 @@ impl Axis {
         if let Some(place) = self.latched_edge(cx, switch, rising) {
             return place;
         }
-        if rising { self.actual.position } else { self.actual.position - self.actual.change }
+        if rising { self.feedback.position() } else { self.feedback.position() - self.feedback.change() }
     }
 
     /// Returns the position at which the input of a switch latched in this cycle: the first edge with that level.
@@ -233,15 +194,15 @@ impl Axis {
     /// if set.
     fn longest_to_index(&self) -> i64 {
         let p = &self.parameters;
-        let is_travel = self.homing.run.is_some_and(|run| is_travel(run.method));
+        let is_travel = self.homing.run().is_some_and(|run| is_travel(run.method));
         let revolution =
             (is_travel && p.encoder.pulses_or_step > 0).then(|| p.encoder.pulses_or_step.saturating_mul(4));
         p.homing.index_distance.or(revolution).unwrap_or_else(|| p.homing_index_distance())
     }
 
     /// Ends the search with the reference.
-    fn find(&mut self, cx: &mut Context<'_>, place: Position) {
-        let Some(mut run) = self.homing.run else { return };
+    pub(in crate::axis) fn find(&mut self, cx: &mut Context<'_>, place: Position) {
+        let Some(mut run) = self.homing.run() else { return };
         let zero = place + Position::whole(run.offset);
         if !zero.is_legal() {
             let asked = Number::Position(zero.nearest());
@@ -253,13 +214,13 @@ impl Axis {
             return self.fail_homing(cx, Code::POSITION_OUT_OF_RANGE, asked, Number::None);
         }
         run.stage = Stage::Found { zero, goes: target.is_some() };
-        self.homing.run = Some(run);
+        self.homing.continue_run(run);
         if self.is_open_loop() {
             return self.switch_speed_off(cx);
         }
         let aim = target.map_or(Aim::Stop, Aim::Target);
         let course = self.course(cx.cycle, self.present_motion(), aim, run.limits);
-        self.generator = Generator::Plan(course);
+        self.motion.plan(course);
     }
 
     /// Whether the axis moves into a limit switch that is not the switch of the leg.
@@ -276,7 +237,7 @@ impl Axis {
 
     /// Ends homing with an error if a limit switch becomes active on the way from the reference to the zero.
     pub(super) fn supervise_return(&mut self, cx: &mut Context<'_>) {
-        let velocity = self.command.velocity;
+        let velocity = self.command.velocity();
         let way = if velocity < 0.0 { -1 } else { 1 };
         if velocity != 0.0 && self.is_actuated(self.switch_at_end(way)) {
             self.fail_homing(cx, Code::HOMING_AT_LIMIT, Number::None, Number::None);
@@ -292,15 +253,15 @@ impl Axis {
 
     /// Whether the cam of the active reference travel comes from the commands of the vocabulary (MD15).
     fn asks_for_cam(&self) -> bool {
-        self.parameters.homing.cam_source == 0 && self.homing.run.is_some_and(|run| is_travel(run.method))
+        self.parameters.homing.cam_source == 0 && self.homing.run().is_some_and(|run| is_travel(run.method))
     }
 
     fn is_actuated(&self, switch: Switch) -> bool {
         match switch {
             Switch::Home if self.asks_for_cam() => self.vocabularies.cam(),
-            Switch::Home => self.switches.home,
-            Switch::Positive => self.switches.positive,
-            Switch::Negative => self.switches.negative,
+            Switch::Home => self.observed.switches().home,
+            Switch::Positive => self.observed.switches().positive,
+            Switch::Negative => self.observed.switches().negative,
         }
     }
 }

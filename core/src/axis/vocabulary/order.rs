@@ -1,15 +1,12 @@
 //! Execution of the orders of a vocabulary on its axis.
 
-use super::super::course::{Aim, PlannedMotion};
-use super::super::generator::Coupling;
-use super::super::power::Power;
-use super::super::reaction::Failure;
-use super::super::{Axis, AxisState, Context, Generator, Reference};
+use crate::axis::state::{Aim, Axis, Context, Coupling, Failure, Generator, PlannedMotion, Power};
 use crate::code::Code;
 use crate::event::{Event, Kind, Refusal, Severity};
 use crate::parameter::AxisParameters;
 use crate::position::Position;
 use crate::profile::{Limits, Motion};
+use crate::state::{AxisState, Reference};
 use crate::sync::follower::{Bounds, Follower};
 use crate::sync::gear::Gear;
 use crate::sync::{Disengage, Leads, SyncMode, Transmission};
@@ -45,7 +42,7 @@ impl Axis {
             _ => return Err(refuse(Code::BAD_REQUEST)),
         };
         let mode = SyncMode::Position;
-        let follower = Follower::new(lead.uneven, transmission, mode, self.command, Position::ZERO, bounds);
+        let follower = Follower::new(lead.uneven, transmission, mode, self.command.motion(), Position::ZERO, bounds);
         let follower = follower.with_past(past, tables);
         let (disengage, accuracy) = (Disengage::Stop, p.sync_accuracy);
         Ok(Coupling { leader, disengage, accuracy, at_places: false, follower })
@@ -58,11 +55,11 @@ impl Axis {
 
     /// Switches the axis off: at once, or after its brake has closed if the axis is at rest.
     pub(in crate::axis) fn switch_off_with_brake(&mut self, cx: &mut Context<'_>) {
-        if matches!(self.power, Power::Closing { .. }) {
+        if matches!(self.status.power(), Power::Closing { .. }) {
             return;
         }
         if self.own_brake().is_some() && self.is_on() && self.rests() {
-            self.power = Power::SwitchingOff;
+            self.status.set_power(Power::SwitchingOff);
         } else {
             self.switch_off(cx);
         }
@@ -84,7 +81,7 @@ impl Axis {
         let result = self.carry_out(cx, owner, order);
         if result.is_ok() {
             let left = Event::new(Severity::Warn, Kind::Warning, self.object(), Code::HOMING_LEFT);
-            cx.events.push(Event { position: self.command.position, ..left });
+            cx.events.push(Event { position: self.command.position(), ..left });
         } else {
             self.homing = homing;
         }
@@ -119,21 +116,11 @@ impl Axis {
 
     fn carry_out(&mut self, cx: &mut Context<'_>, owner: Owner, order: Order) -> Result<(), Refusal> {
         match order {
-            Order::SwitchOn => {
-                if !self.active {
-                    return Err(Refusal::new(Code::NOT_ACTIVE, self.object()));
-                }
-                self.check_contacts()?;
-                if self.power == Power::Off && !self.is_virtual() {
-                    self.check_lock()?;
-                    cx.gantry.as_deref().map_or(Ok(()), |gantry| self.admits_skew(gantry))?;
-                    self.power = Power::SwitchingOn { since: cx.cycle };
-                }
-            }
+            Order::SwitchOn => self.order_power_on(cx)?,
             Order::SwitchOff => {
                 self.end_all_motion(cx, Code::REPLACED);
                 // Also an axis that is being switched on.
-                let runs = self.is_on() || matches!(self.power, Power::SwitchingOn { .. });
+                let runs = self.is_on() || matches!(self.status.power(), Power::SwitchingOn { .. });
                 if !self.is_virtual() && runs {
                     self.switch_off_with_brake(cx);
                 }
@@ -145,55 +132,31 @@ impl Axis {
                 self.check_closed_loop()?;
                 self.check_free()?;
                 let course = self.admit_position(cx.cycle, self.present_motion(), target, limits)?;
-                self.end_all_motion(cx, Code::REPLACED);
-                self.judge.rested_at = None;
-                self.begin_motion(cx, AxisState::DiscreteMotion, reference, Generator::Plan(course));
+                self.order_motion(cx, AxisState::DiscreteMotion, reference, Generator::Plan(course));
             }
             Order::Velocity { velocity, limits } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
                 let course = self.admit_velocity(cx.cycle, self.present_motion(), velocity, limits)?;
-                self.end_all_motion(cx, Code::REPLACED);
-                self.judge.rested_at = None;
                 let state = if velocity == 0.0 { AxisState::DiscreteMotion } else { AxisState::ContinuousMotion };
-                self.begin_motion(cx, state, Reference::Speed, Generator::Plan(course));
+                self.order_motion(cx, state, Reference::Speed, Generator::Plan(course));
             }
             Order::Stop { limits } => {
                 self.end_all_motion(cx, Code::REPLACED);
                 // A stop by a quick stop or an error must not become softer.
-                let stops = matches!(self.state, AxisState::Stopping | AxisState::ErrorStop);
-                if self.power == Power::On && !stops {
+                let stops = matches!(self.status.state(), AxisState::Stopping | AxisState::ErrorStop);
+                if self.status.power() == Power::On && !stops {
                     self.brake_to_rest(cx, &limits);
                 }
             }
-            Order::HoldActualPosition if self.is_open_loop() => {
-                self.end_all_motion(cx, Code::REPLACED);
-                self.switch_speed_off(cx);
-            }
-            // Where no loop holds the axis, it cannot stay at the actual position.
-            Order::HoldActualPosition if self.out_an().is_some() => {
-                self.end_all_motion(cx, Code::REPLACED);
-                self.let_drive_stop(cx);
-            }
-            Order::HoldActualPosition => {
-                self.end_all_motion(cx, Code::REPLACED);
-                self.reference = Reference::Stop;
-                self.generator = Generator::Rest;
-                use AxisState::{ContinuousMotion, Homing, SynchronizedMotion};
-                if matches!(self.state, ContinuousMotion | SynchronizedMotion | Homing) {
-                    self.set_state(cx, AxisState::DiscreteMotion);
-                }
-                self.command = Motion::at_rest(Position::whole(self.actual.position.floor()));
-            }
+            Order::HoldActualPosition => self.hold_actual_position(cx),
             Order::Gear { .. } | Order::Cam { .. } => {
                 self.check_closed_loop()?;
                 self.check_free()?;
                 let coupling = self.coupling_to_master(cx.leads, cx.tables, (&self.parameters, order))?;
-                self.end_all_motion(cx, Code::REPLACED);
-                self.judge.rested_at = None;
                 let is_cam = matches!(order, Order::Cam { .. });
                 let reference = if is_cam { Reference::Cam } else { Reference::Gear };
-                self.begin_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
+                self.order_motion(cx, AxisState::SynchronizedMotion, reference, Generator::Follow(coupling));
             }
             Order::Home => self.home_as_configured(cx)?,
             Order::ReferenceTravel(travel) => self.start_reference_travel(cx, &travel)?,
@@ -203,26 +166,69 @@ impl Axis {
                     self.switch_speed_off(cx);
                 }
                 self.raise(cx, Failure::of(code).with(found, allowed));
-                self.owner = Owner::Native;
+                self.status.set_owner(Owner::Native);
                 return Ok(());
             }
-            Order::Reset => {
-                if self.alarm.code().is_alarm() {
-                    self.check_stop_of(cx.cycle)?;
-                    if !self.rests() || !self.has_stopped_by_itself(cx.cycle) {
-                        return Err(self.not_at_standstill());
-                    }
-                    // WF-MON-06: only after its cause is removed. Other alarms last only as long as the motion that
-                    // they stop.
-                    if self.alarm.code() == Code::WF_ENCODER_CABLE && self.source_failure().is_some() {
-                        return Err(Refusal::new(Code::WF_ENCODER_CABLE, self.object()));
-                    }
-                    self.clear_error(cx);
-                }
-                return Ok(());
-            }
+            Order::Reset => return self.reset_alarm(cx),
         }
-        self.owner = owner;
+        self.status.set_owner(owner);
+        Ok(())
+    }
+
+    /// Switches the axis on.
+    fn order_power_on(&mut self, cx: &mut Context<'_>) -> Result<(), Refusal> {
+        if !self.observed.is_active() {
+            return Err(Refusal::new(Code::NOT_ACTIVE, self.object()));
+        }
+        self.check_contacts()?;
+        if self.status.power() == Power::Off && !self.is_virtual() {
+            self.check_lock()?;
+            cx.gantry.as_deref().map_or(Ok(()), |gantry| self.admits_skew(gantry))?;
+            self.status.set_power(Power::SwitchingOn { since: cx.cycle });
+        }
+        Ok(())
+    }
+
+    /// Begins an admitted motion of a vocabulary instead of the present one.
+    fn order_motion(&mut self, cx: &mut Context<'_>, state: AxisState, reference: Reference, generator: Generator) {
+        self.end_all_motion(cx, Code::REPLACED);
+        self.supervision.forget_rest();
+        self.begin_motion(cx, state, reference, generator);
+    }
+
+    /// Holds the axis at its actual position, as far as a loop can hold it.
+    fn hold_actual_position(&mut self, cx: &mut Context<'_>) {
+        self.end_all_motion(cx, Code::REPLACED);
+        if self.is_open_loop() {
+            return self.switch_speed_off(cx);
+        }
+        // Where no loop holds the axis, it cannot stay at the actual position.
+        if self.out_an().is_some() {
+            return self.let_drive_stop(cx);
+        }
+        self.status.end_reference();
+        self.motion.rest();
+        use AxisState::{ContinuousMotion, Homing, SynchronizedMotion};
+        if matches!(self.status.state(), ContinuousMotion | SynchronizedMotion | Homing) {
+            self.set_state(cx, AxisState::DiscreteMotion);
+        }
+        self.command.rest_at(Position::whole(self.feedback.position().floor()));
+    }
+
+    /// Clears an alarm of a vocabulary; other errors remain.
+    fn reset_alarm(&mut self, cx: &mut Context<'_>) -> Result<(), Refusal> {
+        if !self.alarm.code().is_alarm() {
+            return Ok(());
+        }
+        self.check_stop_of(cx.cycle)?;
+        if !self.rests() || !self.has_stopped_by_itself(cx.cycle) {
+            return Err(self.not_at_standstill());
+        }
+        // WF-MON-06: only after its cause is removed. Other alarms last only as long as the motion that they stop.
+        if self.alarm.code() == Code::WF_ENCODER_CABLE && self.source_failure().is_some() {
+            return Err(Refusal::new(Code::WF_ENCODER_CABLE, self.object()));
+        }
+        self.clear_error(cx);
         Ok(())
     }
 }

@@ -5,7 +5,7 @@
 //! Refuses  the whole command, or only the part that is not possible, as the vocabulary defines
 //! Source   SAIA-ERR-03, SAIA-ERR-04, WF-SET-02
 
-use crate::axis::{Axis, Context};
+use crate::axis::state::{Axis, Context};
 use crate::code::Code;
 use crate::event::{Event, Kind, Number, Refusal};
 use crate::parameter::Change;
@@ -49,7 +49,7 @@ impl Axis {
         self.write_own(cx, Some(sequence), request.writes());
         for refusal in outcome.errors.iter().flatten() {
             let event = Event { kind: Kind::Warning, ..refusal.event(sequence) };
-            cx.events.push(Event { position: self.command.position, ..event });
+            cx.events.push(Event { position: self.command.position(), ..event });
         }
         Ok(())
     }
@@ -69,7 +69,7 @@ impl Axis {
         self.check_lock()?;
         self.check_settled()?;
         // The end of a coasting axis is unknown.
-        let from = if self.is_virtual() { self.present_motion() } else { Motion::at_rest(self.command.position) };
+        let from = if self.is_virtual() { self.present_motion() } else { Motion::at_rest(self.command.position()) };
         match motion {
             Order::Position { target, limits, .. } => self.admit_position(cycle, from, target, limits).map(|_| ()),
             Order::Velocity { velocity, limits } => self.admit_velocity(cycle, from, velocity, limits).map(|_| ()),

@@ -1,0 +1,4 @@
+//! The loops that are closed here.
+
+mod effort;
+pub(super) mod position;
