@@ -8,33 +8,20 @@
 //!          cannot fail
 //! Source   spec/amkasyn-a.md to -c.md: AMKASYN fast functions; contract section 10
 
-mod apsf;
-mod binea;
-mod cam;
-mod copy;
-mod dfkt;
-mod digdreh;
-mod epos;
-mod fgen;
 mod field;
 mod goal;
-mod imes;
-mod interpolator;
 mod kind;
 mod notice;
 mod program;
 mod reading;
-mod regl;
 mod sak;
 mod shown;
-mod sidiff;
 mod slot;
 mod time;
 mod track;
 #[cfg(test)]
 mod trial;
 mod types;
-mod varsync;
 mod window;
 mod wires;
 

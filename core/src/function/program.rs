@@ -1,10 +1,12 @@
 //! Interface between a slot and its function, common to all types.
 
-use super::apsf::Host;
 use super::field::Words;
+use super::wires::{OutputCell, Word};
 use crate::code::Code;
 use crate::event::Number;
+use crate::signal::Board;
 use crate::table::Table;
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 /// Number of inputs, outputs, tables and monitored drives of a function.
@@ -81,6 +83,21 @@ pub(super) enum Progress {
     Moves,
     /// The order was stopped before its end.
     Stopped,
+}
+
+/// The environment in which a program runs; constant between its calls.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Host<'a> {
+    pub module: &'a Module,
+    /// Maximum instructions per call.
+    pub fuel: u32,
+    pub board: &'a Board,
+    /// Signals that the program reads.
+    pub reads: &'a [Word],
+    /// Memory cells that the program writes.
+    pub writes: &'a [OutputCell],
+    /// First output that the program may write, counted from 0.
+    pub first_output: u8,
 }
 
 /// Inputs of a function in one call.

@@ -1,27 +1,41 @@
 //! Common wrapper of all function types.
 
-use super::apsf::{self, Apsf};
-use super::binea::{self, Binea};
-use super::cam::{self, Cam};
-use super::copy::{self, Dcopy, Ecopy};
-use super::dfkt::{self, Dfkt};
-use super::digdreh::{self, SpeedSwitch};
-use super::epos::{self, Epos};
-use super::fgen::{self, Fgen};
+mod apsf;
+mod binea;
+mod cam;
+mod copy;
+mod dfkt;
+mod digdreh;
+mod epos;
+mod fgen;
+mod imes;
+mod interpolator;
+mod regl;
+mod sidiff;
+mod varsync;
+
 use super::field::{Field, Words};
-use super::imes::{self, Imes};
-use super::interpolator::fipz::{self, Fipz};
-use super::interpolator::xfipw::{self, Xfipw};
-use super::interpolator::{self, fipw, fipw::Fipw};
 use super::kind::Kind;
 use super::program::{CallInputs, Fault, FunctionProgram, Outcome, Progress, Setting, WORDS};
-use super::regl::{self, PidFunction};
 use super::shown::Shown;
-use super::sidiff::{self, Sidiff};
-use super::varsync::{self, Varsync};
 use super::wires::MemorySize;
+use apsf::Apsf;
+use binea::Binea;
+use cam::Cam;
+use copy::{Dcopy, Ecopy};
+use dfkt::Dfkt;
+use digdreh::SpeedSwitch;
+use epos::Epos;
+use fgen::Fgen;
+use imes::Imes;
+use interpolator::fipw::{self, Fipw};
+use interpolator::fipz::{self, Fipz};
+use interpolator::xfipw::{self, Xfipw};
 use lineshaft_program::Module;
+use regl::PidFunction;
 use serde::{Deserialize, Serialize};
+use sidiff::Sidiff;
+use varsync::Varsync;
 
 pub(super) const DCOPY: &[Field] = copy::DCOPY_FIELDS;
 pub(super) const ECOPY: &[Field] = copy::ECOPY_FIELDS;
