@@ -22,6 +22,21 @@ pub struct Field {
     pub help: &'static str,
     /// Requirement of the spec.
     pub source: &'static str,
+    /// Reason why the function has no effect with the default.
+    pub idle: Option<&'static str>,
+    /// Limit that depends on the cell.
+    pub(super) bound: Option<CellBound>,
+}
+
+/// Property of the cell that limits a field.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum CellBound {
+    /// A mask of axes, all of which must exist.
+    AxisMask,
+    /// The number of an existing axis; 0: none.
+    AxisNumber,
+    /// Full scale of the analog output that is the sink; applies only if the set has this bit of `mode`.
+    FullScale(i64),
 }
 
 impl Field {
@@ -34,7 +49,7 @@ impl Field {
         help: &'static str,
         source: &'static str,
     ) -> Self {
-        Self { name, count: 1, min, max, default: 0, unit, live: false, help, source }
+        Self { name, count: 1, min, max, default: 0, unit, live: false, help, source, idle: None, bound: None }
     }
 
     /// Returns the field as a list of `count` values.
@@ -50,6 +65,21 @@ impl Field {
     /// Returns the field with another default than 0.
     pub(super) const fn or(self, default: i64) -> Self {
         Self { default, ..self }
+    }
+
+    /// Returns the field as one whose default has no effect, for this reason.
+    pub(super) const fn idle(self, reason: &'static str) -> Self {
+        Self { idle: Some(reason), ..self }
+    }
+
+    /// Returns the field as one that the cell limits.
+    pub(super) const fn within(self, bound: CellBound) -> Self {
+        Self { bound: Some(bound), ..self }
+    }
+
+    /// Returns true if the full scale of an analog output limits it.
+    pub(crate) fn is_within_full_scale(&self) -> bool {
+        matches!(self.bound, Some(CellBound::FullScale(_)))
     }
 }
 

@@ -8,9 +8,9 @@
 //!          cannot fail
 //! Source   spec/amkasyn-a.md to -c.md: AMKASYN fast functions; contract section 10
 
+mod description;
 mod field;
 mod goal;
-mod kind;
 mod notice;
 mod program;
 mod reading;
@@ -25,12 +25,12 @@ mod types;
 mod window;
 mod wires;
 
+pub use description::{AmkLimits, Description, MarkSource, Monitored, Quantity, Requirement};
 pub use field::Field;
-pub use kind::{Description, Kind, Quantity, Requirement, TYPES};
 pub use program::{Drive, Fault, LINES, NO_DRIVES, WORDS};
 pub use sak::{Origin, factor as sak_factor};
 pub use shown::Shown;
 pub(crate) use slot::Cycle;
 pub use slot::{Order, Slot};
-pub(crate) use types::modes;
+pub use types::{Kind, TYPES};
 pub use wires::{Bit, Input, Mark, MemorySize, OnAxisError, Output, OutputCell, Sink, Source, Width, Wires, Word};

@@ -9,8 +9,11 @@
 //! Source   AMK-APSF-01 to -46, A-32 to -36
 
 use crate::code::Code;
+use crate::function::description::Description;
 use crate::function::field::{Field, Words, number, place, width};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, LINES, Occasion, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, LINES, Occasion, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::shown::Shown;
+use crate::function::types::Kind;
 use crate::function::wires::OutputCell;
 use crate::table::Form;
 use lineshaft_program::{Command, DB_WORDS, Image, Instance, Module, PARAMETERS, Trap};
@@ -52,41 +55,6 @@ pub(in crate::function) struct Apsf {
 }
 
 impl Apsf {
-    pub(super) fn new(module: Option<&Module>) -> Self {
-        let instance = module.map_or_else(|| Instance::with_room(ROOM), |module| Instance::new(module, ROOM));
-        Self { instance, outputs: 0, has_failed: false, was_initialized: false, used: [0] }
-    }
-
-    /// Returns the value that the last call left for a memory cell.
-    pub(super) fn word(&mut self, module: &Module, place: usize) -> u64 {
-        self.instance.image(module).write(place)
-    }
-
-    pub(super) fn shown(&self) -> &[i64] {
-        &self.used
-    }
-
-    /// Replaces the module. Returns false if it cannot keep the state, or lacks memory for the new module.
-    pub(super) fn exchange(&mut self, (module, before): (&Module, &Module), keeps: bool) -> bool {
-        // The state of a failed program is not kept.
-        let keeps = keeps && !self.has_failed;
-        if !self.instance.exchange((module, before), keeps) {
-            return false;
-        }
-        self.was_initialized = !keeps;
-        self.has_failed = false;
-        true
-    }
-
-    /// Returns true if calls of that module can lead to this state. `runs`: the function is started.
-    pub(super) fn belongs_to(&self, module: &Module, runs: bool) -> bool {
-        self.instance.has_room(module) && (self.has_failed && !runs || self.instance.belongs_to(module))
-    }
-
-    pub(super) fn room(&self) -> usize {
-        self.instance.room()
-    }
-
     fn call(&mut self, seen: &CallInputs<'_>, outputs: u8, command: Command) -> Outcome {
         // A slot of this type has a module.
         let Some(host) = seen.host else { return Outcome::default() };
@@ -137,7 +105,27 @@ fn set_db(image: &mut Image<'_>, words: &[i64]) {
     image.set_db(words.iter().map(|word| *word as u16));
 }
 
-impl FunctionProgram for Apsf {
+impl SlotType for Apsf {
+    const DESCRIPTION: Description = Description {
+        chooses_quantity: true,
+        moves_axes: true,
+        inputs: 8,
+        outputs: 8,
+        tables: 1,
+        shows: &[Shown::number("fuel", "instructions that the last call of its program took")],
+        runs_program: true,
+        ..Description::of(Kind::Apsf, "apsf", "runs a program of yours, a WebAssembly module", FIELDS)
+    };
+
+    fn new(setup: &SlotSetup<'_>) -> Self {
+        let instance = setup.module.map_or_else(|| Instance::with_room(ROOM), |module| Instance::new(module, ROOM));
+        Self { instance, outputs: 0, has_failed: false, was_initialized: false, used: [0] }
+    }
+
+    fn is_set_up_as(&self, other: &Self) -> bool {
+        self.room() == other.room()
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let is_kept = setting.occasion == Occasion::Kept && setting.runs;
         if is_kept && self.outputs != outputs(words, setting.first_output) {
@@ -180,6 +168,33 @@ impl FunctionProgram for Apsf {
 
     fn leave(&mut self, seen: &CallInputs<'_>) -> Option<Outcome> {
         Some(self.call(seen, seen.outputs, Command::Reset))
+    }
+
+    fn shown(&self) -> &[i64] {
+        &self.used
+    }
+
+    fn room(&self) -> usize {
+        self.instance.room()
+    }
+
+    fn word(&mut self, module: &Module, place: usize) -> u64 {
+        self.instance.image(module).write(place)
+    }
+
+    fn exchange(&mut self, (module, before): (&Module, &Module), keeps: bool) -> bool {
+        // The state of a failed program is not kept.
+        let keeps = keeps && !self.has_failed;
+        if !self.instance.exchange((module, before), keeps) {
+            return false;
+        }
+        self.was_initialized = !keeps;
+        self.has_failed = false;
+        true
+    }
+
+    fn belongs_to(&self, module: &Module, runs: bool) -> bool {
+        self.instance.has_room(module) && (self.has_failed && !runs || self.instance.belongs_to(module))
     }
 }
 

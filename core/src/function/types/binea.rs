@@ -9,10 +9,12 @@
 //! Source   AMK-BINEA-01 to -35, B1 to B10
 
 use crate::code::Code;
+use crate::function::description::{AmkLimits, Description, Requirement};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
 use crate::function::time::{self, HALF_MS, wrapped};
 use crate::function::track::{self, Track};
+use crate::function::types::Kind;
 use crate::function::window::Window;
 use crate::table::{Table, double};
 use serde::{Deserialize, Serialize};
@@ -86,26 +88,6 @@ pub(in crate::function) struct Binea {
 }
 
 impl Binea {
-    /// Creates a function that can average over `capacity` calls.
-    pub(super) fn new(capacity: usize, has_offset_word: bool) -> Self {
-        let course = RunState {
-            base: Base::Absolute,
-            compensates: false,
-            dead_time: 0,
-            offset: 0,
-            tracks: [Track::default(); LINES],
-            count: 0,
-            x: 0,
-            travel: 0,
-        };
-        Self { has_offset_word, course, window: Window::new(capacity) }
-    }
-
-    /// Returns true if both functions have the same capacity and use of an offset word.
-    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
-        (self.has_offset_word, self.window.capacity()) == (other.has_offset_word, other.window.capacity())
-    }
-
     /// Returns an error for a mean over more calls than there is room for.
     fn check_mean(&self, words: Words<'_>) -> Result<(), Fault> {
         if words.get(FCT) == 0 {
@@ -170,7 +152,37 @@ impl Binea {
     }
 }
 
-impl FunctionProgram for Binea {
+impl SlotType for Binea {
+    const DESCRIPTION: Description = Description {
+        sink: Requirement::Never,
+        inputs: 8,
+        outputs: 8,
+        tables: 1,
+        words: &["mw_offset_addr"],
+        renews: true,
+        amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },
+        ..Description::of(Kind::Binea, "binea", "switches outputs by the segments of a table", FIELDS)
+    };
+
+    fn new(setup: &SlotSetup<'_>) -> Self {
+        let [has_offset_word, _] = setup.has_words;
+        let course = RunState {
+            base: Base::Absolute,
+            compensates: false,
+            dead_time: 0,
+            offset: 0,
+            tracks: [Track::default(); LINES],
+            count: 0,
+            x: 0,
+            travel: 0,
+        };
+        Self { has_offset_word, course, window: Window::new(setup.room.mean) }
+    }
+
+    fn is_set_up_as(&self, other: &Self) -> bool {
+        (self.has_offset_word, self.window.capacity()) == (other.has_offset_word, other.window.capacity())
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let base = Base::new(words.get(BA));
         self.check_mean(words)?;

@@ -13,11 +13,14 @@ mod master;
 mod table;
 
 use crate::code::Code;
+use crate::function::description::{AmkLimits, Description};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
 use crate::function::time;
 use crate::function::track::{self, Track};
+use crate::function::types::Kind;
 use crate::function::window::Window;
+use crate::function::wires::Width;
 use hysteresis::{HysteresisState, Ring, TrackPosition, is_inside};
 use master::Master;
 use serde::{Deserialize, Serialize};
@@ -102,18 +105,6 @@ pub(in crate::function) struct Cam {
 }
 
 impl Cam {
-    /// Creates a function that can average over `capacity` calls and has room for `cams` cams, limited to `USUAL_CAMS`
-    /// to `MOST_CAMS`.
-    pub(super) fn new(capacity: usize, cams: usize) -> Self {
-        let overruns = vec![HysteresisState::default(); cams.clamp(USUAL_CAMS, MOST_CAMS)].into();
-        Self { course: None, window: Window::new(capacity), overruns }
-    }
-
-    /// Returns true if both functions have the same capacities.
-    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
-        (self.window.capacity(), self.overruns.len()) == (other.window.capacity(), other.overruns.len())
-    }
-
     /// Returns an error for a mean over more calls than there is room for.
     fn check_mean(&self, words: Words<'_>) -> Result<(), Fault> {
         time::check_mean(&self.window, words.get(DEAD_TIME_MEAN), number(FIELDS, "dead_time_mean"))
@@ -171,7 +162,25 @@ fn hysteresis_inc(field: i64) -> i64 {
     field.saturating_mul(100)
 }
 
-impl FunctionProgram for Cam {
+impl SlotType for Cam {
+    const DESCRIPTION: Description = Description {
+        inputs: 8,
+        outputs: 8,
+        tables: 1,
+        edits_tables: true,
+        amk: AmkLimits { sets_call_time: true, sink_widths: &[Width::W32], ..AmkLimits::USUAL },
+        ..Description::of(Kind::Cam, "cam", "switches outputs by cams, ahead of time where they are slow", FIELDS)
+    };
+
+    fn new(setup: &SlotSetup<'_>) -> Self {
+        let overruns = vec![HysteresisState::default(); setup.room.cams.clamp(USUAL_CAMS, MOST_CAMS)].into();
+        Self { course: None, window: Window::new(setup.room.mean), overruns }
+    }
+
+    fn is_set_up_as(&self, other: &Self) -> bool {
+        (self.window.capacity(), self.overruns.len()) == (other.window.capacity(), other.overruns.len())
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         self.check_mean(words)?;
         time::check_cycle(words.get(SF_CYCLE), number(FIELDS, "sf_cycle"), setting)?;

@@ -8,8 +8,10 @@
 //! Refuses  only values outside the ranges of the fields
 //! Source   AMK-DCOPY-01 to -05 with A-15, AMK-ECOPY-01 to -05 with, AMK-GEN-16 to -18 with A-11
 
-use crate::function::field::{Field, Words, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
+use crate::function::description::{AmkLimits, Description, Requirement};
+use crate::function::field::{CellBound, Field, Words, place};
+use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
 /// Parameter set of DCOPY.
@@ -19,15 +21,19 @@ pub(super) const DCOPY_FIELDS: &[Field] =
 /// Parameter set of ECOPY.
 pub(super) const ECOPY_FIELDS: &[Field] = &[
     Field::new("mode", 0, 3, "", "bit 0 (E1 = 0), bit 1 (E1 = 1): 0 copies the source, 1 the value", "AMK-ECOPY-03"),
-    value_field("value_e1_0", "value while E1 = 0"),
-    value_field("value_e1_1", "value while E1 = 1"),
+    value_field("value_e1_0", "value while E1 = 0", 1),
+    value_field("value_e1_1", "value while E1 = 1", 2),
 ];
 
-const fn value_field(name: &'static str, help: &'static str) -> Field {
-    Field::new(name, i32::MIN as i64, i32::MAX as i64, "", help, "AMK-ECOPY-02").live()
+const fn value_field(name: &'static str, help: &'static str, bit: i64) -> Field {
+    Field::new(name, i32::MIN as i64, i32::MAX as i64, "", help, "AMK-ECOPY-02")
+        .live()
+        .within(CellBound::FullScale(bit))
 }
 
 const MODE: usize = place(ECOPY_FIELDS, "mode");
+/// Mode that does not read the source.
+const BOTH_VALUES: i64 = 3;
 const VALUE_E1_0: usize = place(ECOPY_FIELDS, "value_e1_0");
 const VALUE_E1_1: usize = place(ECOPY_FIELDS, "value_e1_1");
 
@@ -44,13 +50,24 @@ pub(in crate::function) struct Dcopy {
     way: CopyMode,
 }
 
-impl Dcopy {
-    pub(super) fn new() -> Self {
+impl SlotType for Dcopy {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::Must,
+        sink: Requirement::Must,
+        chooses_quantity: true,
+        moves_axes: true,
+        amk: AmkLimits { writes_analog: true, ..AmkLimits::USUAL },
+        ..Description::of(Kind::Dcopy, "dcopy", "copies its source into its sink", DCOPY_FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
         Self { way: CopyMode::Absolute }
     }
-}
 
-impl FunctionProgram for Dcopy {
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         Ok(())
     }
@@ -76,6 +93,10 @@ impl FunctionProgram for Dcopy {
         };
         Outcome { sink, ..Outcome::default() }
     }
+
+    fn copies_source(_: Words<'_>) -> bool {
+        true
+    }
 }
 
 /// A copy of one of two values.
@@ -85,13 +106,27 @@ pub(in crate::function) struct Ecopy {
     chosen: [Option<i64>; 2],
 }
 
-impl Ecopy {
-    pub(super) fn new() -> Self {
+impl SlotType for Ecopy {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::May,
+        sink: Requirement::Must,
+        chooses_quantity: true,
+        moves_axes: true,
+        inputs: 1,
+        outputs: 1,
+        renews: true,
+        amk: AmkLimits { writes_analog: true, ..AmkLimits::USUAL },
+        ..Description::of(Kind::Ecopy, "ecopy", "copies its source or one of two values, as E1 says", ECOPY_FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
         Self::default()
     }
-}
 
-impl FunctionProgram for Ecopy {
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         Ok(())
     }
@@ -118,6 +153,10 @@ impl FunctionProgram for Ecopy {
         let chosen = if e1 == 0 { while_0 } else { while_1 };
         Outcome { sink: chosen.unwrap_or(seen.source.value), outputs: e1, writes: 1, ..Outcome::default() }
     }
+
+    fn copies_source(words: Words<'_>) -> bool {
+        words.get(MODE) != BOTH_VALUES
+    }
 }
 
 #[cfg(test)]
@@ -133,7 +172,7 @@ mod tests {
 
     /// Starts with the first value of the source, and steps with the others.
     fn copied(mode: i64, sink: i64, values: &[i64]) -> Vec<i64> {
-        let (words, mut dcopy) = (set(DCOPY_FIELDS, &[("mode", mode)]), Dcopy::new());
+        let (words, mut dcopy) = (set(DCOPY_FIELDS, &[("mode", mode)]), Dcopy::new(&SlotSetup::default()));
         let mut sinks = Vec::new();
         for (k, value) in values.iter().enumerate() {
             let seen = CallInputs { sink: *sinks.last().unwrap_or(&sink), ..source(*value) };
@@ -171,7 +210,7 @@ mod tests {
     #[test]
     fn a_bit_chooses_between_two_values() {
         let words = set(ECOPY_FIELDS, &[("mode", 3), ("value_e1_0", 10_000), ("value_e1_1", 5_000)]);
-        let mut ecopy = Ecopy::new();
+        let mut ecopy = Ecopy::new(&SlotSetup::default());
         assert_eq!(ecopy.start(Words(&words), &source(77)), Outcome { sink: 10_000, writes: 1, ..Outcome::default() });
         // E2 to E8 are ignored.
         let high = ecopy.step(&CallInputs { inputs: 0xFF, ..source(77) });
@@ -184,7 +223,7 @@ mod tests {
     fn each_bit_of_the_mode_chooses_for_its_own_level() {
         let sinks = |mode| {
             let words = set(ECOPY_FIELDS, &[("mode", mode), ("value_e1_0", -1), ("value_e1_1", -2)]);
-            let mut ecopy = Ecopy::new();
+            let mut ecopy = Ecopy::new(&SlotSetup::default());
             let low = ecopy.start(Words(&words), &source(77)).sink;
             [low, ecopy.step(&CallInputs { inputs: 1, ..source(77) }).sink]
         };
@@ -196,7 +235,7 @@ mod tests {
     fn new_values_count_from_the_next_call_and_the_mode_stays_as_started() {
         let first = set(ECOPY_FIELDS, &[("mode", 1), ("value_e1_0", 1), ("value_e1_1", 2)]);
         let second = set(ECOPY_FIELDS, &[("mode", 2), ("value_e1_0", 3), ("value_e1_1", 4)]);
-        let mut ecopy = Ecopy::new();
+        let mut ecopy = Ecopy::new(&SlotSetup::default());
         assert_eq!(ecopy.start(Words(&first), &source(77)).sink, 1);
         ecopy.apply_values(Words(&second));
         assert_eq!(ecopy.step(&source(77)).sink, 3);

@@ -17,10 +17,12 @@
 mod points;
 
 use crate::code::Code;
+use crate::function::description::{Description, Quantity, Requirement};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, LINES, Occasion, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, LINES, Occasion, Outcome, Setting, SlotSetup, SlotType};
 use crate::function::shown::Shown;
 use crate::function::time::check_cycle;
+use crate::function::types::Kind;
 use points::{Points, check_tables};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
@@ -47,11 +49,17 @@ pub(super) const FIELDS: &[Field] = &[
     Field::new("table_count", 0, 7, "", "tables that may be active", "AMK-DFKT-10"),
     Field::new("active_table", 0, 7, "", "1 to 7: Tab0 to Tab6; 0: none", "AMK-DFKT-11").live(),
     Field::new("div", 1, WORD, "", "the output is divided by it", "AMK-DFKT-12").live(),
-    Field::new("mult", -WORD, WORD, "", "the output is multiplied by it", "AMK-DFKT-13").live(),
+    Field::new("mult", -WORD, WORD, "", "the output is multiplied by it", "AMK-DFKT-13")
+        .live()
+        .idle("the function gives no speed"),
     Field::new("in_resolution", 0, 65_535, "inc/rev", "one turn of the master; with bit 0 of ba", "AMK-DFKT-14").live(),
     Field::new("in_final", 1, WORD, "rpm", "the input at the last point", "AMK-DFKT-15").live(),
-    Field::new("out_max", 0, WORD, "rpm", "largest output", "AMK-DFKT-16").live(),
-    Field::new("out_min", -WORD, 0, "rpm", "least output", "AMK-DFKT-17").live(),
+    Field::new("out_max", 0, WORD, "rpm", "largest output", "AMK-DFKT-16")
+        .live()
+        .idle("the function gives no speed above 0"),
+    Field::new("out_min", -WORD, 0, "rpm", "least output", "AMK-DFKT-17")
+        .live()
+        .idle("the function gives no speed below 0"),
     Field::new("ratio_max", -WORD, WORD, "1/ratio_div", "largest output per input", "AMK-DFKT-18").live(),
     Field::new("ratio_min", -WORD, WORD, "1/ratio_div", "least output per input", "AMK-DFKT-19").live(),
     Field::new("ratio_div", 1, WORD, "", "unit of both limits", "AMK-DFKT-20").live(),
@@ -216,39 +224,6 @@ struct Input {
 }
 
 impl Dfkt {
-    pub(super) fn new() -> Self {
-        let live = LiveValues {
-            of_way: (1, 1),
-            in_final: 1,
-            outputs: (0, 0),
-            ratios: (0, 0),
-            ratio_div: 1,
-            mirrors: false,
-            extends: false,
-        };
-        let ratio = Ratio { mult: 0, div: 1 };
-        let mode = Mode::default();
-        Self {
-            mode,
-            live,
-            ratio,
-            waiting: ratio,
-            table: 0,
-            call_ns: 1,
-            travel: 0,
-            before: 0,
-            is_taken: false,
-            near: 0,
-            shown: [0; SHOWS.len()],
-        }
-    }
-
-    /// Returns the values of [`SHOWS`].
-    #[inline]
-    pub(super) fn shown(&self) -> &[i64] {
-        &self.shown
-    }
-
     /// Publishes the status of a call and the active ratio and table.
     #[inline]
     fn show(&mut self, status: u8) {
@@ -420,7 +395,52 @@ impl Dfkt {
     }
 }
 
-impl FunctionProgram for Dfkt {
+impl SlotType for Dfkt {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::Must,
+        quantity: Quantity::Speed,
+        moves_axes: true,
+        inputs: 5,
+        outputs: 2,
+        rests: 1,
+        tables: 8,
+        edits_tables: true,
+        shows: SHOWS,
+        renews: true,
+        ..Description::of(Kind::Dfkt, "dfkt", "follows a speed through a table, within limits", FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
+        let live = LiveValues {
+            of_way: (1, 1),
+            in_final: 1,
+            outputs: (0, 0),
+            ratios: (0, 0),
+            ratio_div: 1,
+            mirrors: false,
+            extends: false,
+        };
+        let ratio = Ratio { mult: 0, div: 1 };
+        let mode = Mode::default();
+        Self {
+            mode,
+            live,
+            ratio,
+            waiting: ratio,
+            table: 0,
+            call_ns: 1,
+            travel: 0,
+            before: 0,
+            is_taken: false,
+            near: 0,
+            shown: [0; SHOWS.len()],
+        }
+    }
+
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let get = |name| words.get(name);
         let mode = Mode::of(words);
@@ -448,7 +468,7 @@ impl FunctionProgram for Dfkt {
             call_ns: i64::try_from(seen.call_ns).unwrap_or(i64::MAX),
             travel: seen.source.travel,
             before: seen.inputs,
-            ..Self::new()
+            ..Self::new(&SlotSetup::default())
         };
         self.apply_values(words);
         (self.ratio, self.table) = (self.waiting, words.get(ACTIVE_TABLE).clamp(0, self.mode.tables.into()) as u8);
@@ -484,6 +504,11 @@ impl FunctionProgram for Dfkt {
             && tables.contains(&self.mode.tables)
             && tables.contains(&self.table)
             && self.shown.iter().take(status::BITS).all(|bit| (0..=1).contains(bit))
+    }
+
+    #[inline]
+    fn shown(&self) -> &[i64] {
+        &self.shown
     }
 }
 

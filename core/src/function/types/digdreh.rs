@@ -7,13 +7,17 @@
 //! Refuses  only values outside the ranges of the fields
 //! Source   AMK-DIGDREH-01 to -08 with
 
+use crate::function::description::{AmkLimits, Description, Quantity, Requirement};
 use crate::function::field::{Field, Words, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::types::Kind;
+use crate::function::wires::Width;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
-    Field::new("speed", i32::MIN as i64, i32::MAX as i64, "0.0001 rpm", "speed n_e while it runs", "AMK-DIGDREH-03"),
+    Field::new("speed", i32::MIN as i64, i32::MAX as i64, "0.0001 rpm", "speed n_e while it runs", "AMK-DIGDREH-03")
+        .idle("the function gives no speed"),
     Field::new("mode", 0, 0, "", "not used", "AMK-DIGDREH-03"),
 ];
 
@@ -30,13 +34,26 @@ pub(in crate::function) struct SpeedSwitch {
     last_inputs: u8,
 }
 
-impl SpeedSwitch {
-    pub(super) fn new() -> Self {
+impl SlotType for SpeedSwitch {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::Never,
+        quantity: Quantity::Speed,
+        moves_axes: true,
+        inputs: 3,
+        outputs: 1,
+        rests: 1,
+        amk: AmkLimits { sink_widths: &[Width::W32], ..AmkLimits::USUAL },
+        ..Description::of(Kind::Digdreh, "digdreh", "switches a speed on and off by inputs", FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
         Self::default()
     }
-}
 
-impl FunctionProgram for SpeedSwitch {
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         Ok(())
     }
@@ -67,7 +84,7 @@ mod tests {
 
     /// Returns speed and A1 of each call; the first one is START.
     fn switched(speed: i64, inputs: &[u8]) -> Vec<(i64, u8)> {
-        let (words, mut digdreh) = (set(FIELDS, &[("speed", speed)]), SpeedSwitch::new());
+        let (words, mut digdreh) = (set(FIELDS, &[("speed", speed)]), SpeedSwitch::new(&SlotSetup::default()));
         let mut given = Vec::new();
         for (k, inputs) in inputs.iter().enumerate() {
             let seen = CallInputs { inputs: *inputs, ..at_rest() };

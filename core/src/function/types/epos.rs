@@ -17,9 +17,14 @@
 mod ramp;
 
 use crate::code::Code;
+use crate::function::description::{AmkLimits, Description, MarkSource};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, GoalRequest, Outcome, Progress, Setting, WORDS};
+use crate::function::program::{
+    CallInputs, Fault, GoalRequest, Outcome, Progress, Setting, SlotSetup, SlotType, WORDS,
+};
+use crate::function::shown::Shown;
 use crate::function::time::{check_cycle, check_cycle_bounds};
+use crate::function::types::Kind;
 use ramp::{
     INC, MAX_DISTANCE, MAX_VELOCITY, approach, approach_end, change, is_long_enough, length, quotient_in_parts,
     velocity,
@@ -204,22 +209,6 @@ pub(in crate::function) struct Epos {
 }
 
 impl Epos {
-    /// Creates a positioning; `has_words` says which overrides have a word.
-    pub(super) fn new(has_words: [bool; WORDS]) -> Self {
-        Self { has_words, acceleration_override: FULL, ramps: (1, 1), ..Self::default() }
-    }
-
-    /// Returns true if both functions have words for the same overrides.
-    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
-        self.has_words == other.has_words
-    }
-
-    /// Returns the distance to go of the order.
-    #[inline]
-    pub(super) fn shown(&self) -> &[i64] {
-        &self.shown
-    }
-
     /// Changes to the phase that the edges request. Returns true if an order begins or continues.
     fn switch(&mut self, rising: u8, share: i64) -> bool {
         let goes = rising & (E1 | E2) == E1;
@@ -390,7 +379,34 @@ fn whole(increments: i64) -> i128 {
     i128::from(increments) * INC
 }
 
-impl FunctionProgram for Epos {
+impl SlotType for Epos {
+    const DESCRIPTION: Description = Description {
+        moves_axes: true,
+        inputs: 2,
+        outputs: 2,
+        rests: 1,
+        words: &["vel_override_mw", "acc_override_mw"],
+        shows: &[Shown::position("remaining", "what is left of its order")],
+        renews: true,
+        takes_goals: true,
+        marks: MarkSource::SinkAxis,
+        amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },
+        ..Description::of(
+            Kind::Epos,
+            "epos",
+            "moves by a travel at each edge of an input: relative, over multiples of it, or from a zero pulse on",
+            FIELDS,
+        )
+    };
+
+    fn new(setup: &SlotSetup<'_>) -> Self {
+        Self { has_words: setup.has_words, acceleration_override: FULL, ramps: (1, 1), ..Self::default() }
+    }
+
+    fn is_set_up_as(&self, other: &Self) -> bool {
+        self.has_words == other.has_words
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let field = |name| number(FIELDS, name);
         let fault = |code, name, asked, limit| Err(Fault::new(code).of(number(FIELDS, name)).with(asked, limit));
@@ -439,7 +455,7 @@ impl FunctionProgram for Epos {
             position: seen.sink,
             seen: seen.source.travel,
             before: seen.inputs,
-            ..Self::new(self.has_words)
+            ..Self::new(&SlotSetup::of_words(self.has_words))
         };
         self.apply_values(words);
         self.step(seen)
@@ -511,6 +527,11 @@ impl FunctionProgram for Epos {
             && (0..INC).contains(&self.rest)
             && (MIN_ACCELERATION_OVERRIDE..=FULL).contains(&self.acceleration_override)
             && i32::try_from(self.travel).is_ok()
+    }
+
+    #[inline]
+    fn shown(&self) -> &[i64] {
+        &self.shown
     }
 }
 

@@ -16,9 +16,12 @@
 mod pace;
 
 use crate::code::Code;
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Drive, Fault, FunctionProgram, LINES, Outcome, Setting};
+use crate::function::description::{AmkLimits, Description, Monitored};
+use crate::function::field::{CellBound, Field, Words, number, place};
+use crate::function::program::{CallInputs, Drive, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::shown::Shown;
 use crate::function::time::check_cycle;
+use crate::function::types::Kind;
 use pace::{FULL, Motion, Rate, VelocityStep};
 use serde::{Deserialize, Serialize};
 
@@ -53,12 +56,26 @@ pub(super) const FIELDS: &[Field] = &[
         "AMK-FGEN-10",
     ),
     Field::new("accel", 1, FASTEST, "inc/s^2", "up and down, with bit 2 of ba while E2 is 0", "AMK-FGEN-11").live(),
-    Field::new("aw_mask", 0, 254, "bits", "bit n-1: axis n is zeroed and monitored; seven at most", "AMK-FGEN-13"),
+    Field::new("aw_mask", 0, 254, "bits", "bit n-1: axis n is zeroed and monitored; seven at most", "AMK-FGEN-13").within(CellBound::AxisMask),
     Field::new("pos_limit", 0, i32::MAX as i64, "inc", "for A2 to A8: of the axes of aw_mask, ascending", "AMK-FGEN-14")
         .list(LIMITS)
         .live(),
     Field::new("accel2", 0, FASTEST, "inc/s^2", "up and down with bit 2 of ba while E2 is 1", "AMK-FGEN-15").live(),
 ];
+
+/// Actual positions of AW1 to AW8.
+const SHOWS: &[Shown; LINES] = &[
+    Shown::position("feedback1", FEEDBACK),
+    Shown::position("feedback2", FEEDBACK),
+    Shown::position("feedback3", FEEDBACK),
+    Shown::position("feedback4", FEEDBACK),
+    Shown::position("feedback5", FEEDBACK),
+    Shown::position("feedback6", FEEDBACK),
+    Shown::position("feedback7", FEEDBACK),
+    Shown::position("feedback8", FEEDBACK),
+];
+
+const FEEDBACK: &str = "actual position of the axis with that number, since it was zeroed";
 
 const FASTEST: i64 = 500_000_000;
 /// Number of outputs after A1.
@@ -166,23 +183,6 @@ fn rate(words: Words<'_>) -> Rate {
 }
 
 impl Fgen {
-    /// Creates a generator; `has_word` says whether the override has a word.
-    pub(super) fn new(has_word: bool) -> Self {
-        // VALUE_NEW may precede the first call; it divides the travel by the cycle increments, so they must not be 0.
-        Self { has_word, mode: Mode { cycle_increments: 1, ..Mode::default() }, ..Self::default() }
-    }
-
-    /// Returns true if both functions have a word for the override, or both have none.
-    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
-        self.has_word == other.has_word
-    }
-
-    /// Returns the actual positions of AW1 to AW8 since they were zeroed.
-    #[inline]
-    pub(super) fn shown(&self) -> &[i64] {
-        &self.feedback
-    }
-
     /// Returns the factor of the velocity step in this call.
     #[inline]
     fn velocity_factor(&self, way: i64, seen: &CallInputs<'_>) -> i64 {
@@ -280,7 +280,35 @@ impl Fgen {
     }
 }
 
-impl FunctionProgram for Fgen {
+impl SlotType for Fgen {
+    const DESCRIPTION: Description = Description {
+        moves_axes: true,
+        inputs: 2,
+        outputs: 8,
+        rests: 1,
+        words: &["override_addr"],
+        shows: SHOWS,
+        renews: true,
+        monitors: Monitored::Positions,
+        amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },
+        ..Description::of(
+            Kind::Fgen,
+            "fgen",
+            "makes a master of time, started and stopped by an input; zeroes and monitors actual positions",
+            FIELDS,
+        )
+    };
+
+    fn new(setup: &SlotSetup<'_>) -> Self {
+        let [has_word, _] = setup.has_words;
+        // VALUE_NEW may precede the first call; it divides the travel by the cycle increments, so they must not be 0.
+        Self { has_word, mode: Mode { cycle_increments: 1, ..Mode::default() }, ..Self::default() }
+    }
+
+    fn is_set_up_as(&self, other: &Self) -> bool {
+        self.has_word == other.has_word
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         check_cycle(words.get(at("sf_cycle_time")), number(FIELDS, "sf_cycle_time"), setting)?;
         let (ba, mode) = (words.get(at("ba")), Mode::of(words));
@@ -316,7 +344,7 @@ impl FunctionProgram for Fgen {
             position: seen.sink,
             travel: seen.source.travel,
             before: seen.inputs,
-            ..Self::new(self.has_word)
+            ..Self::new(&SlotSetup::of_words([self.has_word, false]))
         };
         self.apply_values(words);
         self.step(seen)
@@ -362,6 +390,16 @@ impl FunctionProgram for Fgen {
 
     fn is_valid_state(&self) -> bool {
         self.motion.is_sound() && self.mode.cycle_increments > 0
+    }
+
+    #[inline]
+    fn shown(&self) -> &[i64] {
+        &self.feedback
+    }
+
+    fn monitored_axes(words: Words<'_>) -> u8 {
+        let mode = Mode::of(words);
+        if mode.zeroes || mode.monitors { words.get(at("aw_mask")) as u8 } else { 0 }
     }
 }
 

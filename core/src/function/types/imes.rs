@@ -10,8 +10,11 @@
 
 use crate::code::Code;
 use crate::event::Number;
+use crate::function::description::{AmkLimits, Description, MarkSource, Requirement};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::types::Kind;
+use crate::function::wires::Width;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -93,18 +96,6 @@ const A1: u8 = 1 << 0;
 const A2: u8 = 1 << 1;
 
 impl Imes {
-    pub(super) fn new() -> Self {
-        Self {
-            mode: Mode::Absolute,
-            restarts_at_invalid: false,
-            spacing: 0,
-            window: 0,
-            blocked: 0,
-            pulses: None,
-            was_valid: false,
-        }
-    }
-
     /// Evaluates a pulse. Returns the value of the sink if the pulse is valid.
     fn pulse(&mut self, pulse: i64) -> Option<i64> {
         let Some(pulses) = &mut self.pulses else {
@@ -151,7 +142,34 @@ fn difference(limitation: Limitation, distance: i64, spacing: i64, window: i64) 
     (is_within && (limitation != Limitation::Positive || distance >= spacing)).then_some(output)
 }
 
-impl FunctionProgram for Imes {
+impl SlotType for Imes {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::Must,
+        inputs: 1,
+        outputs: 2,
+        renews: true,
+        measures_encoder: true,
+        marks: MarkSource::Input,
+        amk: AmkLimits { sets_call_time: true, sink_widths: &[Width::W16], ..AmkLimits::USUAL },
+        ..Description::of(Kind::Imes, "imes", "measures the distance of marks", FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
+        Self {
+            mode: Mode::Absolute,
+            restarts_at_invalid: false,
+            spacing: 0,
+            window: 0,
+            blocked: 0,
+            pulses: None,
+            was_valid: false,
+        }
+    }
+
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, words: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         let ba = words.get(BA);
         if Mode::of(ba).is_some() {
@@ -162,7 +180,11 @@ impl FunctionProgram for Imes {
 
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         let ba = words.get(BA);
-        *self = Self { mode: Mode::of(ba).unwrap_or(Mode::Absolute), restarts_at_invalid: ba & 2 != 0, ..Self::new() };
+        *self = Self {
+            mode: Mode::of(ba).unwrap_or(Mode::Absolute),
+            restarts_at_invalid: ba & 2 != 0,
+            ..Self::new(&SlotSetup::default())
+        };
         self.apply_values(words);
         self.step(seen)
     }

@@ -12,8 +12,11 @@
 //! Source   AMK-REGL-01 to -41 with R1 to R9
 
 use crate::code::Code;
+use crate::function::description::{AmkLimits, Description, Quantity, Requirement};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting, WORDS};
+use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType, WORDS};
+use crate::function::types::Kind;
+use crate::function::wires::Width;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -36,7 +39,7 @@ pub(super) const FIELDS: &[Field] = &[
     gain("kp", "proportional gain", "AMK-REGL-12"),
     gain("ki", "integral gain, a control cycle", "AMK-REGL-13"),
     gain("kd", "differential gain, a control cycle", "AMK-REGL-14"),
-    Field::new("y_max", 0, (1 << 30) - 1, "sink", "limit of the output to both sides", "AMK-REGL-15").live(),
+    Field::new("y_max", 0, (1 << 30) - 1, "sink", "limit of the output to both sides", "AMK-REGL-15").live().idle("its control adds nothing to its sink"),
     Field::new("gain_v", i16::MIN as i64, i16::MAX as i64, "", "gain of the output, not 0", "AMK-REGL-16").live(),
     Field::new("i_max", 0, I_MAX, "", "limit of the integrator to both sides, before gain_v", "AMK-REGL-17"),
     Field::new("cmd1", i16::MIN as i64, i16::MAX as i64, "source", "w1 where src1_addr names no word", "AMK-REGL-20").live(),
@@ -159,16 +162,6 @@ pub(in crate::function) struct PidFunction {
 }
 
 impl PidFunction {
-    /// Creates a controller; `has_words` says whether w1 and w2 have words.
-    pub(super) fn new(has_words: [bool; WORDS]) -> Self {
-        Self { has_words, ..Self::default() }
-    }
-
-    /// Returns true if both functions have words for the same values.
-    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
-        self.has_words == other.has_words
-    }
-
     /// Returns w1 and w2: a word of 16 bits and one of 32, or the values of the set.
     #[inline]
     fn commands(&self, words: [i64; WORDS]) -> [i64; WORDS] {
@@ -216,7 +209,27 @@ impl PidFunction {
     }
 }
 
-impl FunctionProgram for PidFunction {
+impl SlotType for PidFunction {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::Must,
+        quantity: Quantity::Speed,
+        moves_axes: true,
+        inputs: 4,
+        outputs: 2,
+        words: &["src1_addr", "src2_addr"],
+        renews: true,
+        amk: AmkLimits { sets_call_time: true, sink_widths: &[Width::W32], ..AmkLimits::USUAL },
+        ..Description::of(Kind::Regl, "regl", "controls a speed by what a source reports (PID)", FIELDS)
+    };
+
+    fn new(setup: &SlotSetup<'_>) -> Self {
+        Self { has_words: setup.has_words, ..Self::default() }
+    }
+
+    fn is_set_up_as(&self, other: &Self) -> bool {
+        self.has_words == other.has_words
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let (ba, mode) = (words.get(at("ba")), Mode::of(words));
         if setting.runs && mode.ba != self.mode.ba {
@@ -230,7 +243,8 @@ impl FunctionProgram for PidFunction {
     }
 
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
-        *self = Self { mode: Mode::of(words), last_inputs: seen.inputs, ..Self::new(self.has_words) };
+        *self =
+            Self { mode: Mode::of(words), last_inputs: seen.inputs, ..Self::new(&SlotSetup::of_words(self.has_words)) };
         self.apply_values(words);
         self.step(seen)
     }

@@ -11,8 +11,10 @@
 //! Source   AMK-SIDIFF-01 to -17 with
 
 use crate::code::Code;
-use crate::function::field::{Field, Words, place};
-use crate::function::program::{CallInputs, Drive, Fault, FunctionProgram, LINES, Outcome, Setting};
+use crate::function::description::{AmkLimits, Description, Monitored};
+use crate::function::field::{CellBound, Field, Words, place};
+use crate::function::program::{CallInputs, Drive, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::types::Kind;
 use crate::function::window::Window;
 use crate::table::{Form, Table};
 use serde::{Deserialize, Serialize};
@@ -20,8 +22,12 @@ use serde::{Deserialize, Serialize};
 /// The parameter set.
 pub(super) const FIELDS: &[Field] = &[
     Field::new("mode", 0, 3, "", "bit 0: of each error only its low 16 bits; bit 1 changes nothing", "AMK-SIDIFF-01"),
-    Field::new("aw_mask", 0, 255, "", "bit n-1: drive n is monitored", "AMK-SIDIFF-02").live(),
-    Field::new("display_aw", 0, 8, "", "the drive whose difference goes to the sink; 0 none", "AMK-SIDIFF-03").live(),
+    Field::new("aw_mask", 0, 255, "", "bit n-1: drive n is monitored", "AMK-SIDIFF-02")
+        .live()
+        .within(CellBound::AxisMask),
+    Field::new("display_aw", 0, 8, "", "the drive whose difference goes to the sink; 0 none", "AMK-SIDIFF-03")
+        .live()
+        .within(CellBound::AxisNumber),
     Field::new("mean_n", 0, LARGEST as i64, "", "so many values are averaged; 0 as 10", "AMK-SIDIFF-04").live().or(10),
     Field::new("agreements", 0, 255, "", "so many calls in a row change a bit; 0 as 5", "AMK-SIDIFF-05").live().or(5),
 ];
@@ -198,16 +204,6 @@ pub(in crate::function) struct Sidiff {
 }
 
 impl Sidiff {
-    pub(super) fn new() -> Self {
-        Self {
-            live: Live { aw_mask: 0, display_aw: 0, mean_n: 1, agreements: 1 },
-            is_short: false,
-            watches: std::array::from_fn(|_| DriveMonitor::new()),
-            is_new: false,
-            left: 0,
-        }
-    }
-
     fn read_limits(&mut self, table: Option<&Table>) {
         for (drive, watch) in self.watches.iter_mut().enumerate() {
             watch.limit = Limit::read(table, drive);
@@ -228,7 +224,31 @@ impl Clone for Sidiff {
     }
 }
 
-impl FunctionProgram for Sidiff {
+impl SlotType for Sidiff {
+    const DESCRIPTION: Description = Description {
+        outputs: 8,
+        tables: 1,
+        edits_tables: true,
+        renews: true,
+        monitors: Monitored::Errors,
+        amk: AmkLimits { table_words: 48, ..AmkLimits::USUAL },
+        ..Description::of(Kind::Sidiff, "sidiff", "reports which drives have a larger difference than allowed", FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
+        Self {
+            live: Live { aw_mask: 0, display_aw: 0, mean_n: 1, agreements: 1 },
+            is_short: false,
+            watches: std::array::from_fn(|_| DriveMonitor::new()),
+            is_new: false,
+            left: 0,
+        }
+    }
+
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let Some(table) = setting.tables.first().copied().flatten() else { return Ok(()) };
         if table.form() != Form::Words {
@@ -314,6 +334,10 @@ impl FunctionProgram for Sidiff {
             && self.live.agreements > 0
             && self.live.display_aw <= 8
             && self.watches.iter().all(is_sound)
+    }
+
+    fn monitored_axes(words: Words<'_>) -> u8 {
+        Live::of(words).selected()
     }
 }
 

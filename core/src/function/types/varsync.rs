@@ -10,10 +10,13 @@
 //! Source   AMK-VARSYNC-01 to -16 with A-38 to -40, AMK-SAK-05
 
 use crate::code::Code;
+use crate::function::description::{Description, Requirement};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
 use crate::function::sak::Sak;
+use crate::function::shown::OF_SAK;
 use crate::function::time::check_cycle;
+use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -93,27 +96,6 @@ pub(in crate::function) struct Varsync {
 }
 
 impl Varsync {
-    /// Creates a function; `has_word` says whether there is a word for mode 3.
-    pub(super) fn new(has_word: bool) -> Self {
-        Self {
-            has_word,
-            mode: Mode::Level,
-            ratios: [0; LINES],
-            ratio: 0,
-            taken: false,
-            before: 0,
-            master: 0,
-            slave: 0,
-            remainder: 0,
-            sak: Sak::default(),
-        }
-    }
-
-    /// Returns true if both functions have a word for mode 3, or both have none.
-    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
-        self.has_word == other.has_word
-    }
-
     /// Activates the ratio of a selection, counted from 0; a selection that does not exist keeps the ratio.
     #[inline]
     fn select_ratio(&mut self, selection: u8) {
@@ -166,7 +148,37 @@ impl Varsync {
     }
 }
 
-impl FunctionProgram for Varsync {
+impl SlotType for Varsync {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::Must,
+        moves_axes: true,
+        inputs: 4,
+        outputs: 1,
+        words: &["word_addr"],
+        shows: OF_SAK,
+        ..Description::of(Kind::Varsync, "varsync", "gears its sink to its source by ratios that inputs choose", FIELDS)
+    };
+
+    fn new(setup: &SlotSetup<'_>) -> Self {
+        let [has_word, _] = setup.has_words;
+        Self {
+            has_word,
+            mode: Mode::Level,
+            ratios: [0; LINES],
+            ratio: 0,
+            taken: false,
+            before: 0,
+            master: 0,
+            slave: 0,
+            remainder: 0,
+            sak: Sak::default(),
+        }
+    }
+
+    fn is_set_up_as(&self, other: &Self) -> bool {
+        self.has_word == other.has_word
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         if Mode::of(words.get(MODE)) != Mode::Word {
             // Values that only mode 3 uses are not checked in other modes.
@@ -189,7 +201,7 @@ impl FunctionProgram for Varsync {
             master: seen.source.travel,
             slave: seen.sink,
             sak: Sak::new(words.get(SAK), seen.sink),
-            ..Self::new(self.has_word)
+            ..Self::new(&SlotSetup::of_words([self.has_word, false]))
         };
         self.step(seen)
     }

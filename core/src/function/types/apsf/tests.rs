@@ -29,7 +29,7 @@ struct Trial {
 impl Trial {
     fn new(rest: &str) -> Self {
         let module = module(16, rest);
-        let function = Apsf::new(Some(&module));
+        let function = Apsf::new(&SlotSetup { module: Some(&module), ..SlotSetup::default() });
         let board = Board::new(&crate::signal::Directory::default());
         Self { module, function, board, fuel: 1000, first: 0, sink: 0, outputs: 0 }
     }

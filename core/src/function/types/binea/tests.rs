@@ -2,7 +2,7 @@ use super::*;
 use crate::event::Number;
 use crate::function::program::SourceValue;
 use crate::function::trial::tab0;
-use crate::function::trial::{at_rest, setting};
+use crate::function::trial::{at_rest, setting, with_memory};
 use crate::table::Form;
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -45,7 +45,7 @@ struct Bench {
 
 impl Bench {
     fn new(table: Arc<Table>) -> Self {
-        Self { table, binea: Binea::new(100, false), call_ns: 1_000_000, word: 0, inputs: 0 }
+        Self { table, binea: Binea::new(&with_memory(100, 0)), call_ns: 1_000_000, word: 0, inputs: 0 }
     }
 
     fn call(&mut self, words: Option<&[i64]>, value: i64) -> Outcome {
@@ -165,7 +165,7 @@ fn an_offset_is_the_sets_until_the_next_one_or_the_words_in_each_call() {
     bench.binea.apply_values(Words(&set(&[(BA, 1), (FEEDBACK_OFFSET, 0)])));
     assert_eq!(bench.step(2500), 0b01, "the change shifts x, START does not come again");
 
-    bench.binea = Binea::new(20, true);
+    bench.binea = Binea::new(&SlotSetup { has_words: [true, false], ..with_memory(20, 0) });
     bench.word = 2500;
     assert_eq!(bench.start(&set(&[(BA, 1), (FEEDBACK_OFFSET, 5000)]), 0), 0b01);
     bench.word = -1;
@@ -236,7 +236,10 @@ fn what_is_no_set_is_refused_with_its_field_or_word() {
     let most = (0..63).map(|number| (number * 7, 1, 0)).collect::<Vec<_>>();
     assert_eq!(refused(table(&most), &[(BA, 1)]), None);
     let none = setting(1, [None; LINES]);
-    assert_eq!(Binea::new(64, false).check(Words(&set(&[])), &none).unwrap_err().code, Code::AMK_TABLE_MISSING);
+    assert_eq!(
+        Binea::new(&with_memory(64, 0)).check(Words(&set(&[])), &none).unwrap_err().code,
+        Code::AMK_TABLE_MISSING
+    );
     let y = Arc::new(Table::new(Form::Y, &[], &[2, 0, 0, 0, 9, 0, 0, 0]).unwrap());
     assert_eq!(refused(y, &[]).unwrap().code, Code::AMK_TABLE_FORM);
 }
@@ -244,7 +247,7 @@ fn what_is_no_set_is_refused_with_its_field_or_word() {
 /// Proves: AMK-BINEA-16
 #[test]
 fn a_mean_needs_room_only_where_it_is_taken() {
-    let binea = Binea::new(19, false);
+    let binea = Binea::new(&with_memory(19, 0));
     let check = |fields: &[(usize, i64)]| binea.check_mean(Words(&set(fields)));
     let fault = check(&[(FCT, 1)]).unwrap_err();
     assert_eq!((fault.code, fault.asked, fault.limit), (Code::AMK_MEAN_LONG, Number::Count(20), Number::Count(19)));

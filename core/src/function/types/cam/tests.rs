@@ -2,7 +2,7 @@ use super::*;
 use crate::event::Number;
 use crate::function::program::SourceValue;
 use crate::function::trial::tab0;
-use crate::function::trial::{at_rest, setting};
+use crate::function::trial::{at_rest, setting, with_memory};
 use crate::table::{Form, Table};
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ struct Bench {
 
 impl Bench {
     fn new(table: Arc<Table>) -> Self {
-        Self { table, cam: Cam::new(100, MOST_CAMS), call_ns: 1_000_000, inputs: 0 }
+        Self { table, cam: Cam::new(&with_memory(100, MOST_CAMS)), call_ns: 1_000_000, inputs: 0 }
     }
 
     fn check(&self, words: &[i64]) -> Result<(), Fault> {
@@ -421,7 +421,7 @@ fn what_is_no_set_is_refused_with_its_field_or_word() {
 /// Proves: AMK-CAM-32
 #[test]
 fn a_mean_needs_room() {
-    let cam = Cam::new(19, MOST_CAMS);
+    let cam = Cam::new(&with_memory(19, MOST_CAMS));
     let check = |mean| cam.check_mean(Words(&set(&[(DEAD_TIME_MEAN, mean)])));
     let fault = |asked| Err(Fault::new(Code::AMK_MEAN_LONG).of(number(FIELDS, "dead_time_mean")).with(asked, 19));
     assert_eq!([check(0), check(1), check(19), check(30_000)], [fault(20), Ok(()), Ok(()), fault(30_000)]);
@@ -454,7 +454,7 @@ fn a_copy_takes_the_place_of_another_one() {
     let mut bench = Bench::new(example(&[]));
     bench.start(&with(&EXAMPLE, &[(HYSTERESIS, 3)]), 0);
     bench.step(10_000);
-    let mut copy = Cam::new(100, MOST_CAMS);
+    let mut copy = Cam::new(&with_memory(100, MOST_CAMS));
     copy.clone_from(&bench.cam);
     let outputs = bench.steps(&[9_700, 9_699]);
     bench.cam = copy;

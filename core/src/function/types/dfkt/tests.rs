@@ -48,7 +48,14 @@ impl Bench {
     /// Creates a function with these tables as Tab0 and up, and these values in its set.
     fn new(tables: &[Arc<Table>], values: &[(&'static str, i64)]) -> Self {
         let places = std::array::from_fn(|place| (place < tables.len()).then_some(place as u16));
-        Self { dfkt: Dfkt::new(), tables: tables.into(), places, call_ns: CALL, values: values.into(), travel: 0 }
+        Self {
+            dfkt: Dfkt::new(&SlotSetup::default()),
+            tables: tables.into(),
+            places,
+            call_ns: CALL,
+            values: values.into(),
+            travel: 0,
+        }
     }
 
     fn found(&self) -> [Option<&Table>; LINES] {

@@ -38,7 +38,7 @@ const EXAMPLE: [(&str, i64); 7] = [
 
 fn example(more: &[(&'static str, i64)]) -> Bench {
     let mut bench = Bench {
-        epos: Epos::new([true; WORDS]),
+        epos: Epos::new(&SlotSetup::of_words([true; WORDS])),
         values: EXAMPLE.into(),
         call_ns: MS,
         sink: 0,
@@ -174,7 +174,7 @@ fn the_fields_are_those_of_the_commanding_record() {
             ("master_resolution", 0, 2_147_483_647, false),
         ]
     );
-    let row = crate::function::kind::Kind::Epos.description();
+    let row = Kind::Epos.description();
     assert_eq!((row.words, row.inputs, row.outputs), (&["vel_override_mw", "acc_override_mw"][..], 2, 2));
     assert!(row.renews && row.rests == A1);
 }

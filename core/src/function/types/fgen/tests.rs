@@ -35,7 +35,7 @@ const EXAMPLE: [(&str, i64); 6] = [
 
 fn example(more: &[(&'static str, i64)]) -> Bench {
     let mut bench = Bench {
-        fgen: Fgen::new(true),
+        fgen: Fgen::new(&SlotSetup::of_words([true, false])),
         values: EXAMPLE.into(),
         limits: [0; LIMITS],
         call_ns: MS,
@@ -149,7 +149,7 @@ fn the_fields_are_those_of_the_commanding_block() {
             ("accel2", 1, 0, 500_000_000, true),
         ]
     );
-    let row = crate::function::kind::Kind::Fgen.description();
+    let row = Kind::Fgen.description();
     assert_eq!((row.words, row.inputs, row.outputs, row.tables), (&["override_addr"][..], 2, 8, 0));
 }
 
@@ -249,7 +249,7 @@ fn an_override_scales_reverses_and_holds_by_ramps() {
     assert_eq!(bench.ways(E1, 2), [-20, -20]);
     // Without a word there is no scaling.
     let mut bench = example(&[("ba", 0)]);
-    (bench.fgen, bench.word) = (Fgen::new(false), 0);
+    (bench.fgen, bench.word) = (Fgen::new(&SlotSetup::of_words([false, false])), 0);
     bench.start(0);
     assert_eq!(bench.ways(E1, 12)[9..], [10, 10, 10]);
 }
@@ -395,7 +395,7 @@ fn value_new_of_the_time_is_a_ramp_and_of_a_velocity_beyond_16_bits_is_refused()
     assert_eq!(bench.checked(&[("cycle_time", 3)], true), Ok(()), "26666.7");
     let is_taken = |increments: i64, time: i64, has_word: bool| {
         let mut bench = example(&[("cycle_increments", increments), ("cycle_time", time)]);
-        bench.fgen = Fgen::new(has_word);
+        bench.fgen = Fgen::new(&SlotSetup::of_words([has_word, false]));
         bench.checked(&[], false).is_ok()
     };
     assert!(is_taken(32_767, 2, false) && !is_taken(32_768, 2, false));
@@ -474,7 +474,7 @@ fn invalid_field_of_generator_is_refused() {
 #[test]
 fn generator_before_start_is_valid_and_accepts_values() {
     for has_word in [false, true] {
-        let mut fgen = Fgen::new(has_word);
+        let mut fgen = Fgen::new(&SlotSetup::of_words([has_word, false]));
         assert!(fgen.is_valid_state());
         fgen.apply_values(Words(&example(&[("ba", 2)]).words()));
         assert!(fgen.is_valid_state());

@@ -12,7 +12,7 @@ fn call<'a>(sink: i64, mark: Option<i64>) -> CallInputs<'a> {
 
 /// Returns a function after START without a pulse.
 fn started(values: &[(&str, i64)]) -> Imes {
-    let mut imes = Imes::new();
+    let mut imes = Imes::new(&SlotSetup::default());
     let first = imes.start(Words(&set(FIELDS, values)), &call(7, None));
     assert_eq!(first, Outcome { sink: 7, outputs: 0, writes: 3, ..Outcome::default() });
     imes
@@ -161,7 +161,7 @@ fn a_start_forgets_what_was_and_its_own_call_may_have_the_first_pulse() {
 #[test]
 fn both_limitations_at_once_are_refused() {
     let setting = setting(CALL_NS, [None; LINES]);
-    let check = |ba| Imes::new().check(Words(&set(FIELDS, &[("ba", ba)])), &setting);
+    let check = |ba| Imes::new(&SlotSetup::default()).check(Words(&set(FIELDS, &[("ba", ba)])), &setting);
     for ba in 0..12 {
         assert_eq!(check(ba), Ok(()));
     }
@@ -169,7 +169,7 @@ fn both_limitations_at_once_are_refused() {
         let fault = Fault::new(Code::AMK_LIMITATION).of(0);
         assert_eq!(check(ba), Err(Fault { asked: Number::Count(ba), ..fault }));
     }
-    let mut read = Imes::new();
+    let mut read = Imes::new(&SlotSetup::default());
     assert!(read.is_valid_state());
     read.spacing = -1;
     assert!(!read.is_valid_state());

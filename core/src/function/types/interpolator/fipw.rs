@@ -11,9 +11,12 @@ use super::register::{BEFORE_SAK, MARKS, Marks};
 use super::setup::{Movement, Setup};
 use crate::cam::Scale;
 use crate::code::Code;
+use crate::function::description::{Description, MarkSource};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::shown::OF_MARKS;
 use crate::function::time::{HALF_MS, check_cycle};
+use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -42,7 +45,8 @@ pub(in super::super) const FIELDS: &[Field] = &[
     Field::new("start_tables", 0, 7, "", "how many of them clock in", "AMK-FIPW-16"),
     Field::new("div_exp", 0, 15, "", "the output is divided by 2 to the power of it", "AMK-FIPW-17"),
     Field::new("sync_md_addr", 0, 0, "", "not used: the source has its zero pulse", "AMK-FIPW-18"),
-    Field::new("mult", -32_768, 32_767, "", "the output is multiplied by it", "AMK-FIPW-19"),
+    Field::new("mult", -32_768, 32_767, "", "the output is multiplied by it", "AMK-FIPW-19")
+        .idle("its sink never moves"),
     Field::new("increments_per_rev", 0, 32_767, "inc", "length of each table by way, 50 at least", "AMK-FIPW-20"),
     Field::new("cycle_time", 0, 32_767 * 32_767, "0.5 ms", "length of each table by time", "AMK-FIPW-21"),
     Field::new("master_offset", 0, MOST, "inc, 0.5 ms", "x at START, or at the zero pulse", "AMK-FIPW-22"),
@@ -103,12 +107,6 @@ const fn at(name: &'static str) -> usize {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(in crate::function) struct Fipw(Interpolator);
 
-impl Fipw {
-    pub(in super::super) fn new() -> Self {
-        Self::default()
-    }
-}
-
 /// Converts a parameter set with a valid mode.
 fn setup(words: Words<'_>, call_ns: u64) -> Setup {
     let get = |name: usize| words.get(name);
@@ -142,7 +140,25 @@ fn marks(words: Words<'_>) -> Marks {
     Marks::of(get("function"), REGISTER.map(get))
 }
 
-impl FunctionProgram for Fipw {
+impl SlotType for Fipw {
+    const DESCRIPTION: Description = Description {
+        moves_axes: true,
+        inputs: 1,
+        outputs: 1,
+        tables: 8,
+        shows: OF_MARKS,
+        marks: MarkSource::Encoder,
+        ..Description::of(Kind::Fipw, "fipw", "runs through tables by the travel of its source, or by time", FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
+        Self::default()
+    }
+
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let field = |name| number(FIELDS, name);
         let get = |name: usize| words.get(name);
@@ -219,5 +235,9 @@ impl FunctionProgram for Fipw {
 
     fn is_valid_state(&self) -> bool {
         self.0.is_sound()
+    }
+
+    fn modes() -> Vec<i64> {
+        super::modes(false)
     }
 }

@@ -10,10 +10,13 @@
 use super::check::{self, AllowedTables, check_tables};
 use super::setup::Setup;
 use crate::cam::{Curve, Scale, Total};
+use crate::function::description::{Description, Requirement};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, LINES, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
 use crate::function::sak::Sak;
+use crate::function::shown::OF_SAK;
 use crate::function::time::check_cycle;
+use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.
@@ -63,10 +66,6 @@ pub(in crate::function) struct Fipz {
 }
 
 impl Fipz {
-    pub(in super::super) fn new() -> Self {
-        Self::default()
-    }
-
     /// Returns a function with that set, before its first call.
     fn of(words: Words<'_>, call_ns: u64) -> Self {
         let (parts, step) = check::time(call_ns);
@@ -99,7 +98,26 @@ impl Fipz {
     }
 }
 
-impl FunctionProgram for Fipz {
+impl SlotType for Fipz {
+    const DESCRIPTION: Description = Description {
+        source: Requirement::Never,
+        moves_axes: true,
+        inputs: 8,
+        outputs: 1,
+        rests: 1,
+        tables: 8,
+        shows: OF_SAK,
+        ..Description::of(Kind::Fipz, "fipz", "runs through one of several tables by time, as inputs choose", FIELDS)
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
+        Self::default()
+    }
+
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         check_cycle(words.get(at("sf_cycle")), number(FIELDS, "sf_cycle"), setting)?;
         for place in 0..LINES {

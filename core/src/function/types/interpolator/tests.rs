@@ -5,7 +5,7 @@ use super::fipz::{self, Fipz};
 use super::xfipw::{self, Xfipw};
 use crate::code::Code;
 use crate::function::field::{Field, Words};
-use crate::function::program::{CallInputs, FunctionProgram, LINES, Outcome};
+use crate::function::program::{CallInputs, LINES, Outcome, SlotType};
 use crate::function::program::{Fault, Setting, SourceValue};
 use crate::function::trial::{as_tables, at_rest, set, setting};
 use crate::table::{Form, Table};
@@ -42,7 +42,7 @@ struct Bench<'a, P> {
     sink: i64,
 }
 
-impl<'a, P: FunctionProgram> Bench<'a, P> {
+impl<'a, P: SlotType> Bench<'a, P> {
     fn of(function: P, fields: &'static [Field], tables: &'a [Arc<Table>]) -> Self {
         Self { function, fields, tables, call_ns: 2 * HALF, travel: 0, sink: 0 }
     }
@@ -92,15 +92,15 @@ impl<'a, P: FunctionProgram> Bench<'a, P> {
 }
 
 fn fipw(tables: &[Arc<Table>]) -> Bench<'_, Fipw> {
-    Bench::of(Fipw::new(), fipw::FIELDS, tables)
+    Bench::of(Fipw::default(), fipw::FIELDS, tables)
 }
 
 fn fipz(tables: &[Arc<Table>]) -> Bench<'_, Fipz> {
-    Bench::of(Fipz::new(), fipz::FIELDS, tables)
+    Bench::of(Fipz::default(), fipz::FIELDS, tables)
 }
 
 fn xfipw(tables: &[Arc<Table>]) -> Bench<'_, Xfipw> {
-    Bench::of(Xfipw::new(), xfipw::FIELDS, tables)
+    Bench::of(Xfipw::default(), xfipw::FIELDS, tables)
 }
 
 /// A set of fipw by travel, with one table unless `more` changes it.
@@ -123,7 +123,7 @@ fn extended<'a>(ba: i64, more: &[(&'a str, i64)]) -> Vec<(&'a str, i64)> {
 }
 
 /// Executes a call with a mark that is `back` increments behind.
-fn marked<P: FunctionProgram>(bench: &mut Bench<'_, P>, way: i64, back: i64) -> Outcome {
+fn marked<P: SlotType>(bench: &mut Bench<'_, P>, way: i64, back: i64) -> Outcome {
     bench.travel += way;
     let outcome = bench.function.step(&bench.seen(0, Some(bench.travel - back)));
     bench.sink = outcome.sink;

@@ -15,9 +15,12 @@ use super::setup::{Movement, Setup};
 use super::{Interpolator, fipw, value_at};
 use crate::cam::{Curve, Scale};
 use crate::code::Code;
+use crate::function::description::{Description, MarkSource};
 use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, FunctionProgram, Outcome, Setting};
+use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::shown::OF_MARKS_AND_ANSWER;
 use crate::function::time::check_cycle;
+use crate::function::types::Kind;
 use crate::table::Form;
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +65,8 @@ pub(in super::super) const FIELDS: &[Field] = &[
         "passes of the working table, where a movement ends by itself; 0 is 1",
         "AMK-XFIPW-104",
     ),
-    Field::new("mult", -32_768, 32_767, "", "the output is multiplied by it", "AMK-XFIPW-105"),
+    Field::new("mult", -32_768, 32_767, "", "the output is multiplied by it", "AMK-XFIPW-105")
+        .idle("its sink never moves"),
     Field::new("incr_per_rev", 0, 32_767, "inc", "length of tables of form y by way, 50 at least", "AMK-XFIPW-106"),
     Field::new("cycle_time", 0, 32_767, "0.5 ms", "length of tables of form y by time", "AMK-XFIPW-106"),
     Field::new(
@@ -131,12 +135,6 @@ const fn at(name: &'static str) -> usize {
 /// State of the function.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(in crate::function) struct Xfipw(Interpolator);
-
-impl Xfipw {
-    pub(in super::super) fn new() -> Self {
-        Self::default()
-    }
-}
 
 /// Returns the movement of a mode, whether it runs by time, and whether it selects sets.
 fn mode_of(ba: i64) -> Option<(Movement, bool, bool)> {
@@ -285,7 +283,32 @@ impl Xfipw {
     }
 }
 
-impl FunctionProgram for Xfipw {
+impl SlotType for Xfipw {
+    const DESCRIPTION: Description = Description {
+        moves_axes: true,
+        inputs: 5,
+        outputs: 2,
+        tables: 8,
+        shows: OF_MARKS_AND_ANSWER,
+        renews: true,
+        reads_at_rest: true,
+        marks: MarkSource::Encoder,
+        ..Description::of(
+            Kind::Xfipw,
+            "xfipw",
+            "runs through large tables and sets of them by the travel of its source, or by time",
+            FIELDS,
+        )
+    };
+
+    fn new(_: &SlotSetup<'_>) -> Self {
+        Self::default()
+    }
+
+    fn is_set_up_as(&self, _: &Self) -> bool {
+        true
+    }
+
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         Self::check_set(words, setting)?;
         Self::check_places(words, setting)
@@ -327,5 +350,9 @@ impl FunctionProgram for Xfipw {
 
     fn is_valid_state(&self) -> bool {
         self.0.is_sound()
+    }
+
+    fn modes() -> Vec<i64> {
+        super::modes(true)
     }
 }

@@ -33,7 +33,11 @@ const EXAMPLE: [(&str, i64); 9] = [
 ];
 
 fn example(more: &[(&'static str, i64)]) -> Bench {
-    let mut bench = Bench { regl: PidFunction::new([false; WORDS]), values: EXAMPLE.into(), words: [0; WORDS] };
+    let mut bench = Bench {
+        regl: PidFunction::new(&SlotSetup::of_words([false; WORDS])),
+        values: EXAMPLE.into(),
+        words: [0; WORDS],
+    };
     bench.take(more);
     bench
 }
@@ -124,7 +128,7 @@ fn the_fields_are_those_of_the_commanding_block() {
             ("cmd2", -2_147_483_648, 2_147_483_647, true),
         ]
     );
-    let row = crate::function::kind::Kind::Regl.description();
+    let row = Kind::Regl.description();
     assert_eq!((row.words, row.inputs, row.outputs, row.tables), (&["src1_addr", "src2_addr"][..], 4, 2, 0));
     let zero = Fault::new(Code::AMK_NO_GAIN).of(10).with(0, 32_767);
     assert_eq!(example(&[]).checked(&[("gain_v", 0)], false), Err(zero));
@@ -263,7 +267,7 @@ fn inputs_are_the_switches_where_ba_says_so() {
 fn an_edge_makes_a_control_cycle_and_w2_is_of_each_call() {
     for (ba, edge, more) in [(2, E1, 0), (3, E4, E1 | E2 | E3)] {
         let mut bench = plain(&[("ba", ba), ("kp", 256), ("ki", 256), ("switch_mask", 7), ("i_max", 100_000)]);
-        bench.regl = PidFunction::new([false, true]);
+        bench.regl = PidFunction::new(&SlotSetup::of_words([false, true]));
         bench.words[1] = 1000;
         // An input that is 1 at START is no edge.
         assert_eq!(bench.start(-5, edge | more).0, 1000, "ba {ba}");
@@ -301,16 +305,16 @@ fn commands_come_from_words_of_16_and_32_bits() {
     let mut bench = plain(&[("cmd1", 11), ("cmd2", 22), ("switch_mask", 7)]);
     bench.words = [300, 5000];
     assert_eq!(bench.start(0, 0).0, 33, "no words");
-    bench.regl = PidFunction::new([true, false]);
+    bench.regl = PidFunction::new(&SlotSetup::of_words([true, false]));
     assert_eq!(bench.start(0, 0).0, 322);
-    bench.regl = PidFunction::new([false, true]);
+    bench.regl = PidFunction::new(&SlotSetup::of_words([false, true]));
     assert_eq!(bench.start(0, 0).0, 5011);
-    bench.regl = PidFunction::new([true, true]);
+    bench.regl = PidFunction::new(&SlotSetup::of_words([true, true]));
     bench.words = [-40_000, 1 << 40];
     assert_eq!(bench.start(0, 0).0, i64::from(i32::MAX) - 32_768);
     bench.words = [40_000, 0];
     assert_eq!(bench.step(0, 0).0, 32_767);
-    assert!(!bench.regl.is_set_up_as(&PidFunction::new([true, false])));
+    assert!(!bench.regl.is_set_up_as(&PidFunction::new(&SlotSetup::of_words([true, false]))));
 }
 
 /// Proves: AMK-REGL-07, AMK-REGL-25

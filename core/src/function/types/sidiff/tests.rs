@@ -34,7 +34,7 @@ fn outcome(sink: i64, outputs: u8, writes: u8) -> Outcome {
 fn first(others: &[(&str, i64)], drive: (i64, i64), table: Option<&Arc<Table>>) -> (Sidiff, Outcome) {
     let one = [("aw_mask", 1), ("display_aw", 1), ("mean_n", 1), ("agreements", 1)];
     let words = set(FIELDS, &[others, &one].concat());
-    let mut sidiff = Sidiff::new();
+    let mut sidiff = Sidiff::new(&SlotSetup::default());
     let outcome = sidiff.start(Words(&words), &call(&[drive], table));
     (sidiff, outcome)
 }
@@ -50,8 +50,8 @@ fn two_drives_as_the_manual_sets_them_up() {
     let values = [("mode", 3), ("aw_mask", 3), ("display_aw", 1), ("mean_n", 100), ("agreements", 10)];
     let words = set(FIELDS, &values);
     let setting = setting(CALL_NS, tables(&table));
-    assert_eq!(Sidiff::new().check(Words(&words), &setting), Ok(()));
-    let mut sidiff = Sidiff::new();
+    assert_eq!(Sidiff::new(&SlotSetup::default()).check(Words(&words), &setting), Ok(()));
+    let mut sidiff = Sidiff::new(&SlotSetup::default());
     // Drive 1: 151 - 2 * 50 = 51, above; drive 2: 100 - 50 = 50, not above. Drive 3 is not monitored.
     let seen = call(&[(151, 50), (100, 50), (9999, 0)], Some(&table));
     assert_eq!(sidiff.start(Words(&words), &seen), outcome(51, 0, 3));
@@ -112,7 +112,7 @@ fn short_evaluation_takes_the_low_word_of_the_error() {
 #[test]
 fn as_many_agreements_in_a_row_set_a_bit_and_clear_it() {
     let words = set(FIELDS, &[("aw_mask", 0x80), ("mean_n", 1), ("agreements", 3)]);
-    let mut sidiff = Sidiff::new();
+    let mut sidiff = Sidiff::new(&SlotSetup::default());
     let mut bits = |k: usize, error| {
         let seen = call(&[(0, 0), (0, 0), (0, 0), (0, 0), (0, 0), (0, 0), (0, 0), (error, 0)], None);
         let given = if k == 0 { sidiff.start(Words(&words), &seen) } else { sidiff.step(&seen) };
@@ -128,7 +128,7 @@ fn as_many_agreements_in_a_row_set_a_bit_and_clear_it() {
 #[test]
 fn zero_means_ten_values_and_five_agreements_and_no_display() {
     let words = set(FIELDS, &[("aw_mask", 1), ("mean_n", 0), ("agreements", 0)]);
-    let mut sidiff = Sidiff::new();
+    let mut sidiff = Sidiff::new(&SlotSetup::default());
     let mut given = vec![sidiff.start(Words(&words), &call(&[(2000, 0)], None))];
     given.extend((2..=24).map(|_| sidiff.step(&call(&[(0, 0)], None))));
     assert!(given.iter().all(|outcome| outcome.sink == 7));
@@ -146,7 +146,7 @@ fn new_values_keep_bits_and_means_and_read_the_table_again() {
     let values = |aw_mask, display_aw, mean_n| {
         set(FIELDS, &[("aw_mask", aw_mask), ("display_aw", display_aw), ("mean_n", mean_n), ("agreements", 1)])
     };
-    let mut sidiff = Sidiff::new();
+    let mut sidiff = Sidiff::new(&SlotSetup::default());
     let high = [(60, 0), (200, 0)];
     assert_eq!(sidiff.start(Words(&values(3, 1, 4)), &call(&high, Some(&old))), outcome(60, 3, 3));
     // A replaced table has no effect before VALUE_NEW.
@@ -181,7 +181,7 @@ fn a_start_begins_anew() {
 fn a_table_that_does_not_fit_the_drives_is_refused_with_its_number() {
     let check = |aw_mask, display_aw, table: &Table| {
         let words = set(FIELDS, &[("aw_mask", aw_mask), ("display_aw", display_aw)]);
-        Sidiff::new().check(Words(&words), &setting(CALL_NS, tables(table)))
+        Sidiff::new(&SlotSetup::default()).check(Words(&words), &setting(CALL_NS, tables(table)))
     };
     let refused = |code: Code, asked, limit| Err(Fault::new(code).with(asked, limit));
     let of = |threshold: [i64; 2], divider: [i64; 2]| table(&[threshold, divider, [0, 0]].concat());
@@ -204,7 +204,7 @@ fn a_table_that_does_not_fit_the_drives_is_refused_with_its_number() {
 
 #[test]
 fn invalid_state_is_detected() {
-    assert!(Sidiff::new().is_valid_state());
+    assert!(Sidiff::new(&SlotSetup::default()).is_valid_state());
     let unsound: [fn(&mut Sidiff); 5] = [
         |sidiff| sidiff.watches[7].limit.divider = 0,
         |sidiff| sidiff.watches[0].limit.threshold = -1,
@@ -213,7 +213,7 @@ fn invalid_state_is_detected() {
         |sidiff| sidiff.live.display_aw = 9,
     ];
     for change in unsound {
-        let mut sidiff = Sidiff::new();
+        let mut sidiff = Sidiff::new(&SlotSetup::default());
         change(&mut sidiff);
         assert!(!sidiff.is_valid_state());
         // The step does not panic.
@@ -224,7 +224,7 @@ fn invalid_state_is_detected() {
 #[test]
 fn copy_continues_like_original() {
     let (mut original, _) = first(&[], (500, 3), None);
-    let mut copy = Sidiff::new();
+    let mut copy = Sidiff::new(&SlotSetup::default());
     copy.clone_from(&original);
     let mut other = original.clone();
     for error in [400, 0, -900] {
@@ -249,7 +249,7 @@ proptest! {
         // Divider and multiplier of drive 1 are whole multiples of 2^16; drive 2 has ratio 1.
         let table = table(&[threshold, 0, 0, 1, 0, multiplier, threshold, 0, 0, 0, 0, 0]);
         let values = [("aw_mask", 3), ("display_aw", 1), ("mean_n", mean_n as i64), ("agreements", agreements as i64)];
-        let (words, mut sidiff) = (set(FIELDS, &values), Sidiff::new());
+        let (words, mut sidiff) = (set(FIELDS, &values), Sidiff::new(&SlotSetup::default()));
         let mean = |drive: usize, k: usize| {
             let ratio = [multiplier, 1][drive];
             let last = &calls[(k + 1).saturating_sub(mean_n)..=k];

@@ -25,7 +25,7 @@ fn at<'a>(travel: i64, inputs: u8) -> CallInputs<'a> {
 }
 
 fn started(words: &[i64], seen: &CallInputs<'_>) -> Varsync {
-    let mut varsync = Varsync::new(true);
+    let mut varsync = Varsync::new(&SlotSetup::of_words([true, false]));
     let first = varsync.start(Words(words), seen);
     assert_eq!((first.sink, first.sak_share), (seen.sink, 0));
     varsync
@@ -74,7 +74,7 @@ fn an_edge_takes_the_ratio_of_three_bits_and_keeps_it() {
 /// Proves: AMK-VARSYNC-13
 #[test]
 fn input_set_at_first_call_selects_no_ratio() {
-    let mut varsync = Varsync::new(false);
+    let mut varsync = Varsync::new(&SlotSetup::of_words([false, false]));
     assert_eq!(varsync.start(Words(&words(1, &RATIOS)), &at(0, 0b0101)).outputs, 0);
     assert_eq!(ratio_at(&mut varsync, 0b0101), (10_000, 0));
     assert_eq!(ratio_at(&mut varsync, 0b0100), (10_000, 0));
@@ -127,7 +127,7 @@ fn the_largest_ways_wrap_instead_of_overflowing() {
             assert!(varsync.is_valid_state());
         }
     }
-    let mut read = Varsync::new(true);
+    let mut read = Varsync::new(&SlotSetup::of_words([true, false]));
     read.remainder = ONE;
     assert!(!read.is_valid_state());
 }
@@ -136,7 +136,10 @@ fn the_largest_ways_wrap_instead_of_overflowing() {
 #[test]
 fn a_word_and_the_cycle_of_the_slot_are_needed_in_mode_3_only() {
     let setting = setting(CALL_NS, [None; LINES]);
-    let check = |mode, sf_cycle| Varsync::new(true).check(Words(&words(mode, &[("sf_cycle", sf_cycle)])), &setting);
+    let check = |mode, sf_cycle| {
+        Varsync::new(&SlotSetup::of_words([true, false]))
+            .check(Words(&words(mode, &[("sf_cycle", sf_cycle)])), &setting)
+    };
     let mismatch = |asked| {
         let fault = Fault::new(Code::AMK_CYCLE_MISMATCH).of(number(FIELDS, "sf_cycle"));
         Err(Fault { asked: Number::Count(asked), limit: Number::Time(1_000_000), ..fault })
@@ -145,7 +148,9 @@ fn a_word_and_the_cycle_of_the_slot_are_needed_in_mode_3_only() {
     assert_eq!([0, 1, 2, 3].map(|sf_cycle| check(3, sf_cycle)), [Ok(()), mismatch(1), Ok(()), mismatch(3)]);
     assert_eq!(check(3, 32_767), mismatch(32_767));
     assert_eq!([0, 1, 2].map(|mode| check(mode, 3)), [Ok(()); 3]);
-    let word = |mode, has_word| Varsync::new(has_word).check(Words(&words(mode, &[])), &setting);
+    let word = |mode, has_word| {
+        Varsync::new(&SlotSetup::of_words([has_word, false])).check(Words(&words(mode, &[])), &setting)
+    };
     assert_eq!(word(3, false), Err(Fault::new(Code::AMK_NO_WORD).of(0)));
     assert_eq!([word(3, true), word(0, false), word(1, false), word(2, false)], [Ok(()); 4]);
 }

@@ -310,7 +310,7 @@ proptest! {
         has_word in any::<bool>(),
     ) {
         let mut bench = example(&[]);
-        bench.fgen = Fgen::new(has_word);
+        bench.fgen = Fgen::new(&SlotSetup::of_words([has_word, false]));
         bench.call_ns = call;
         bench.values.clear();
         for (field, value) in FIELDS.iter().zip(values).filter(|(field, _)| field.name != "pos_limit") {
