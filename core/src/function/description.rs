@@ -123,7 +123,7 @@ pub struct Description {
     pub words: &'static [&'static str],
     /// Values that it publishes in addition to its inputs and outputs, at most 9.
     pub shows: &'static [Shown],
-    /// Whether it accepts VALUE_NEW.
+    /// Whether it accepts VALUE_NEW: it has a live field.
     pub renews: bool,
     /// Whether it answers READ_VALUE, at rest only.
     pub reads_at_rest: bool,
@@ -158,7 +158,7 @@ impl Description {
             edits_tables: false,
             words: &[],
             shows: &[],
-            renews: false,
+            renews: field::has_live(fields),
             reads_at_rest: false,
             takes_goals: false,
             runs_program: false,
@@ -227,7 +227,6 @@ mod tests {
             // A field that does not allow 0 must be given, or have a default.
             let may_stand = |field: &Field| field.default == 0 || (field.min..=field.max).contains(&field.default);
             assert!(row.fields.iter().all(may_stand), "{}", row.name);
-            assert_eq!(row.fields.iter().any(|field| field.live), row.renews, "{}", row.name);
             assert_eq!(row.defaults().len(), row.width());
             assert!(row.shows.len() <= MOST_SHOWN, "{}", row.name);
             let stored = Any::new(row.kind, &SlotSetup::default()).shown().len();

@@ -83,6 +83,18 @@ impl Field {
     }
 }
 
+/// Returns true if VALUE_NEW changes a field.
+pub(super) const fn has_live(fields: &[Field]) -> bool {
+    let mut field = 0;
+    while field < fields.len() {
+        if fields[field].live {
+            return true;
+        }
+        field += 1;
+    }
+    false
+}
+
 /// Returns the number of values of a set.
 pub(super) const fn width(fields: &[Field]) -> usize {
     let (mut place, mut field) = (0, 0);

@@ -231,7 +231,9 @@ pub(super) trait SlotType: Clone {
     fn is_set_up_as(&self, other: &Self) -> bool;
 
     /// Checks the fields against each other, and the tables; ranges were checked before.
-    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault>;
+    fn check(&self, _words: Words<'_>, _setting: &Setting<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
 
     /// Executes the first call, with a checked set.
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome;
@@ -287,6 +289,12 @@ pub(super) trait SlotType: Clone {
 
     /// Returns true if a function with that set copies its source to its sink.
     fn copies_source(_words: Words<'_>) -> bool {
+        false
+    }
+
+    /// Returns true if a function with that set copies values to its sink that any step may separate. `is_signal`: its
+    /// source is a signal and no position.
+    fn copies_values(_words: Words<'_>, _is_signal: bool) -> bool {
         false
     }
 

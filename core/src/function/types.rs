@@ -46,6 +46,12 @@ macro_rules! slot_types {
                 match self { $(Self::$Kind => <$Function>::copies_source(Words(values)),)+ }
             }
 
+            /// Returns true if a function with this parameter set copies values to its sink that any step may separate,
+            /// `is_signal`: its source is a signal and no position.
+            pub fn copies_values(self, values: &[i64], is_signal: bool) -> bool {
+                match self { $(Self::$Kind => <$Function>::copies_values(Words(values), is_signal),)+ }
+            }
+
             /// Returns the axes that a function with this parameter set monitors without a source, the first one in
             /// bit 0.
             pub fn monitored_axes(self, values: &[i64]) -> u8 {

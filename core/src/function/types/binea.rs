@@ -159,7 +159,6 @@ impl SlotType for Binea {
         outputs: 8,
         tables: 1,
         words: &["mw_offset_addr"],
-        renews: true,
         amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },
         ..Description::of(Kind::Binea, "binea", "switches outputs by the segments of a table", FIELDS)
     };

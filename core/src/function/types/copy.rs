@@ -10,7 +10,7 @@
 
 use crate::function::description::{AmkLimits, Description, Requirement};
 use crate::function::field::{CellBound, Field, Words, place};
-use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::program::{CallInputs, Outcome, SlotSetup, SlotType};
 use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
@@ -68,10 +68,6 @@ impl SlotType for Dcopy {
         true
     }
 
-    fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
-        Ok(())
-    }
-
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         self.way = match words.get(place(DCOPY_FIELDS, "mode")) {
             0 => CopyMode::Absolute,
@@ -97,6 +93,10 @@ impl SlotType for Dcopy {
     fn copies_source(_: Words<'_>) -> bool {
         true
     }
+
+    fn copies_values(words: Words<'_>, is_signal: bool) -> bool {
+        words.get(place(DCOPY_FIELDS, "mode")) == 0 && is_signal
+    }
 }
 
 /// A copy of one of two values.
@@ -114,7 +114,6 @@ impl SlotType for Ecopy {
         moves_axes: true,
         inputs: 1,
         outputs: 1,
-        renews: true,
         amk: AmkLimits { writes_analog: true, ..AmkLimits::USUAL },
         ..Description::of(Kind::Ecopy, "ecopy", "copies its source or one of two values, as E1 says", ECOPY_FIELDS)
     };
@@ -125,10 +124,6 @@ impl SlotType for Ecopy {
 
     fn is_set_up_as(&self, _: &Self) -> bool {
         true
-    }
-
-    fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
-        Ok(())
     }
 
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
@@ -156,6 +151,10 @@ impl SlotType for Ecopy {
 
     fn copies_source(words: Words<'_>) -> bool {
         words.get(MODE) != BOTH_VALUES
+    }
+
+    fn copies_values(words: Words<'_>, is_signal: bool) -> bool {
+        words.get(MODE) != 0 || is_signal
     }
 }
 

@@ -406,7 +406,6 @@ impl SlotType for Dfkt {
         tables: 8,
         edits_tables: true,
         shows: SHOWS,
-        renews: true,
         ..Description::of(Kind::Dfkt, "dfkt", "follows a speed through a table, within limits", FIELDS)
     };
 

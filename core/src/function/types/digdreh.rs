@@ -9,7 +9,7 @@
 
 use crate::function::description::{AmkLimits, Description, Quantity, Requirement};
 use crate::function::field::{Field, Words, place};
-use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::program::{CallInputs, Outcome, SlotSetup, SlotType};
 use crate::function::types::Kind;
 use crate::function::wires::Width;
 use serde::{Deserialize, Serialize};
@@ -52,10 +52,6 @@ impl SlotType for SpeedSwitch {
 
     fn is_set_up_as(&self, _: &Self) -> bool {
         true
-    }
-
-    fn check(&self, _: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
-        Ok(())
     }
 
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {

@@ -387,7 +387,6 @@ impl SlotType for Epos {
         rests: 1,
         words: &["vel_override_mw", "acc_override_mw"],
         shows: &[Shown::position("remaining", "what is left of its order")],
-        renews: true,
         takes_goals: true,
         marks: MarkSource::SinkAxis,
         amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },

@@ -288,7 +288,6 @@ impl SlotType for Fgen {
         rests: 1,
         words: &["override_addr"],
         shows: SHOWS,
-        renews: true,
         monitors: Monitored::Positions,
         amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },
         ..Description::of(

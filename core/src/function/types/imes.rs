@@ -147,7 +147,6 @@ impl SlotType for Imes {
         source: Requirement::Must,
         inputs: 1,
         outputs: 2,
-        renews: true,
         measures_encoder: true,
         marks: MarkSource::Input,
         amk: AmkLimits { sets_call_time: true, sink_widths: &[Width::W16], ..AmkLimits::USUAL },

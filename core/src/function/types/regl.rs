@@ -217,7 +217,6 @@ impl SlotType for PidFunction {
         inputs: 4,
         outputs: 2,
         words: &["src1_addr", "src2_addr"],
-        renews: true,
         amk: AmkLimits { sets_call_time: true, sink_widths: &[Width::W32], ..AmkLimits::USUAL },
         ..Description::of(Kind::Regl, "regl", "controls a speed by what a source reports (PID)", FIELDS)
     };

@@ -229,7 +229,6 @@ impl SlotType for Sidiff {
         outputs: 8,
         tables: 1,
         edits_tables: true,
-        renews: true,
         monitors: Monitored::Errors,
         amk: AmkLimits { table_words: 48, ..AmkLimits::USUAL },
         ..Description::of(Kind::Sidiff, "sidiff", "reports which drives have a larger difference than allowed", FIELDS)

@@ -290,7 +290,6 @@ impl SlotType for Xfipw {
         outputs: 2,
         tables: 8,
         shows: OF_MARKS_AND_ANSWER,
-        renews: true,
         reads_at_rest: true,
         marks: MarkSource::Encoder,
         ..Description::of(
