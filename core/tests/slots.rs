@@ -151,7 +151,8 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
                 ("drive_resolution", 1000),
                 ("master_resolution", 900),
             ],
-            _ => &[],
+            Kind::Fipw | Kind::Fipz | Kind::Xfipw | Kind::Dfkt => &[],
+            _ => row.example,
         };
         for (name, value) in more {
             let (_, place) = row.find(name).expect("a field");

@@ -133,6 +133,8 @@ pub struct Description {
     pub runs_program: bool,
     /// Limits of the type in AMKASYN.
     pub amk: AmkLimits,
+    /// Values of fields with which START accepts a set, for tests and benches; none if it accepts the defaults.
+    pub example: &'static [(&'static str, i64)],
 }
 
 impl Description {
@@ -163,6 +165,7 @@ impl Description {
             takes_goals: false,
             runs_program: false,
             amk: AmkLimits::USUAL,
+            example: &[],
         }
     }
 
@@ -228,6 +231,7 @@ mod tests {
             let may_stand = |field: &Field| field.default == 0 || (field.min..=field.max).contains(&field.default);
             assert!(row.fields.iter().all(may_stand), "{}", row.name);
             assert_eq!(row.defaults().len(), row.width());
+            assert!(row.example.iter().all(|(name, _)| row.find(name).is_some()), "{}", row.name);
             assert!(row.shows.len() <= MOST_SHOWN, "{}", row.name);
             let stored = Any::new(row.kind, &SlotSetup::default()).shown().len();
             let of_call = OF_MARKS_AND_ANSWER.get(..row.shows.len());

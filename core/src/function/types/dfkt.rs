@@ -406,6 +406,16 @@ impl SlotType for Dfkt {
         tables: 8,
         edits_tables: true,
         shows: SHOWS,
+        example: &[
+            ("table_count", 1),
+            ("active_table", 1),
+            ("div", 1),
+            ("mult", 1),
+            ("in_resolution", 1),
+            ("in_final", 1),
+            ("ratio_max", 1),
+            ("ratio_div", 1),
+        ],
         ..Description::of(Kind::Dfkt, "dfkt", "follows a speed through a table, within limits", FIELDS)
     };
 

@@ -390,6 +390,14 @@ impl SlotType for Epos {
         takes_goals: true,
         marks: MarkSource::SinkAxis,
         amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },
+        example: &[
+            ("ba", 8),
+            ("travel", 900),
+            ("velocity", 9_000_000),
+            ("acceleration", 1_000_000),
+            ("stop_decel", 2_000_000),
+            ("drive_resolution", 1000),
+        ],
         ..Description::of(
             Kind::Epos,
             "epos",

@@ -290,6 +290,7 @@ impl SlotType for Fgen {
         shows: SHOWS,
         monitors: Monitored::Positions,
         amk: AmkLimits { sets_call_time: true, ..AmkLimits::USUAL },
+        example: &[("fct", 7), ("cycle_time", 7), ("cycle_increments", 7), ("accel", 7), ("accel2", 7), ("aw_mask", 7)],
         ..Description::of(
             Kind::Fgen,
             "fgen",

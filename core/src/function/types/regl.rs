@@ -218,6 +218,7 @@ impl SlotType for PidFunction {
         outputs: 2,
         words: &["src1_addr", "src2_addr"],
         amk: AmkLimits { sets_call_time: true, sink_widths: &[Width::W32], ..AmkLimits::USUAL },
+        example: &[("switch_mask", 7), ("kp", 7), ("ki", 7), ("kd", 7), ("y_max", 7), ("gain_v", 7), ("i_max", 7)],
         ..Description::of(Kind::Regl, "regl", "controls a speed by what a source reports (PID)", FIELDS)
     };
 

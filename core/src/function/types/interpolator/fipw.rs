@@ -148,6 +148,7 @@ impl SlotType for Fipw {
         tables: 8,
         shows: OF_MARKS,
         marks: MarkSource::Encoder,
+        example: &[("mode", 4), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
         ..Description::of(Kind::Fipw, "fipw", "runs through tables by the travel of its source, or by time", FIELDS)
     };
 

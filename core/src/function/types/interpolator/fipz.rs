@@ -107,6 +107,7 @@ impl SlotType for Fipz {
         rests: 1,
         tables: 8,
         shows: OF_SAK,
+        example: &[("mode", 16), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
         ..Description::of(Kind::Fipz, "fipz", "runs through one of several tables by time, as inputs choose", FIELDS)
     };
 

@@ -292,6 +292,7 @@ impl SlotType for Xfipw {
         shows: OF_MARKS_AND_ANSWER,
         reads_at_rest: true,
         marks: MarkSource::Encoder,
+        example: &[("ba", 4), ("mult", 1), ("tables_total", 1), ("cycle_time", 9)],
         ..Description::of(
             Kind::Xfipw,
             "xfipw",
