@@ -272,7 +272,7 @@ pub(super) fn slots() -> Vec<SlotConfig> {
             function::Kind::Ecopy => SinkConfig::Memory(2),
             _ => SinkConfig::None,
         };
-        slot.program = (row.kind == function::Kind::Apsf).then_some(0);
+        slot.program = (row.runs_program).then_some(0);
         slot.tables[0] = (row.tables > 0).then_some(0);
         if matches!(row.kind, function::Kind::Fipw | function::Kind::Xfipw | function::Kind::Fipz) {
             slot.tables[0] = Some(1);

@@ -14,7 +14,7 @@ use lineshaft_core::config::{
 };
 use lineshaft_core::drive::Interface;
 use lineshaft_core::function::{
-    Description, Kind, LINES, MemorySize, OnAxisError, Quantity, Requirement, TYPES, Width,
+    Description, Field, Kind, LINES, MemorySize, OnAxisError, Quantity, Requirement, TYPES, Width,
 };
 use lineshaft_core::object::{Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::signal::Directory;
@@ -340,7 +340,7 @@ fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
             let items = if field.count == 1 { Some(vec![value]) } else { list(&value, field.count, field.name) };
             is_good &= items.is_some();
             for (place, item) in (first..).zip(items.into_iter().flatten()) {
-                let number = item.integer(field.min..=field.max);
+                let number = number(&item, field);
                 is_good &= number.is_some();
                 if let (Some(to), Some(number)) = (values.get_mut(place), number) {
                     *to = number;
@@ -350,6 +350,13 @@ fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
         first += field.count;
     }
     is_good
+}
+
+/// Reads a value of a field: a whole number, or a quantity that is a multiple of its unit.
+fn number(item: &Value<'_>, field: &Field) -> Option<i64> {
+    let range = field.min..=field.max;
+    let quantity = item.peek().and_then(|text| field.convert(text));
+    quantity.filter(|number| range.contains(number)).or_else(|| item.integer(range))
 }
 
 /// Reads a list of at most `most` items.

@@ -56,7 +56,8 @@ pub(super) const FIELDS: &[Field] = &[
         "AMK-FGEN-10",
     ),
     Field::new("accel", 1, FASTEST, "inc/s^2", "up and down, with bit 2 of ba while E2 is 0", "AMK-FGEN-11").live(),
-    Field::new("aw_mask", 0, 254, "bits", "bit n-1: axis n is zeroed and monitored; seven at most", "AMK-FGEN-13").within(CellBound::AxisMask),
+    Field::new("aw_mask", 0, 254, "bits", "bit n-1: axis n is zeroed and monitored; seven at most", "AMK-FGEN-13")
+        .within(CellBound::AxisMask),
     Field::new("pos_limit", 0, i32::MAX as i64, "inc", "for A2 to A8: of the axes of aw_mask, ascending", "AMK-FGEN-14")
         .list(LIMITS)
         .live(),

@@ -39,7 +39,9 @@ pub(super) const FIELDS: &[Field] = &[
     gain("kp", "proportional gain", "AMK-REGL-12"),
     gain("ki", "integral gain, a control cycle", "AMK-REGL-13"),
     gain("kd", "differential gain, a control cycle", "AMK-REGL-14"),
-    Field::new("y_max", 0, (1 << 30) - 1, "sink", "limit of the output to both sides", "AMK-REGL-15").live().idle("its control adds nothing to its sink"),
+    Field::new("y_max", 0, (1 << 30) - 1, "sink", "limit of the output to both sides", "AMK-REGL-15")
+        .live()
+        .idle("its control adds nothing to its sink"),
     Field::new("gain_v", i16::MIN as i64, i16::MAX as i64, "", "gain of the output, not 0", "AMK-REGL-16").live(),
     Field::new("i_max", 0, I_MAX, "", "limit of the integrator to both sides, before gain_v", "AMK-REGL-17"),
     Field::new("cmd1", i16::MIN as i64, i16::MAX as i64, "source", "w1 where src1_addr names no word", "AMK-REGL-20").live(),

@@ -77,7 +77,7 @@ fn linked(choices: &[Choice]) -> MachineConfig {
             }
         }
         slot.tables[0] = (row.tables > 0 && choice.lines[0] % 4 != 0).then_some(0);
-        if row.kind == Kind::Apsf {
+        if row.runs_program {
             (slot.program, slot.fuel) = (Some(0), 4000);
             slot.values[0] = i64::from(choice.factor);
         }
@@ -202,7 +202,7 @@ fn check_sinks<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Ri
     {
         let is_speed = config.kind.description().quantity == Quantity::Speed && slot.sink() == 0;
         let resets = config.on_axis_error == OnAxisError::Reset;
-        let has_program = config.kind == Kind::Apsf;
+        let has_program = config.kind.description().runs_program;
         // An error of its axis ends the function after its call of that cycle, even the first one. A program is then
         // called with RESET in the next cycle.
         let may_have_moved = is_speed || ran && (resets || has_program) || resets && has_program;
