@@ -208,6 +208,7 @@ mod tests {
     use super::super::program::SlotSetup;
     use super::super::shown::{ANSWER, MOST_SHOWN, OF_MARKS_AND_ANSWER};
     use super::super::types::{Any, TYPES};
+    use super::super::wires::MemorySize;
     use super::*;
 
     /// Proves: AMK-IMES-03, AMK-IMES-04, AMK-IMES-05, AMK-IMES-07, AMK-BINEA-08, AMK-BINEA-13, AMK-CAM-29
@@ -241,6 +242,20 @@ mod tests {
             for place in 0..row.width() {
                 let (_, field, nth) = row.field_of(place).expect("each value has a field");
                 assert_eq!(row.find(field.name).map(|(_, first)| first + nth), Some(place));
+            }
+        }
+    }
+    /// States of functions at rest differ only by their setup.
+    #[test]
+    fn types_recognize_another_setup() {
+        let memory = MemorySize { mean: 500, cams: 500 };
+        let [first, second] = [[true, false], [false, true]].map(SlotSetup::of_words);
+        let setups = [SlotSetup::default(), first, second, SlotSetup { room: memory, ..SlotSetup::default() }];
+        let image = |function: &Any| postcard::to_allocvec(function).expect("a state has a form");
+        for row in TYPES {
+            let functions = setups.each_ref().map(|setup| Any::new(row.kind, setup));
+            for (mine, other) in functions.iter().flat_map(|mine| functions.iter().map(move |other| (mine, other))) {
+                assert_eq!(mine.is_set_up_as(other), image(mine) == image(other), "{}", row.name);
             }
         }
     }

@@ -25,11 +25,11 @@ use serde::{Deserialize, Serialize};
 
 /// Makes [`Kind`], [`TYPES`] and [`Any`] from the list of types.
 macro_rules! slot_types {
-    ($($(#[$help:meta])* $Kind:ident($Function:ty),)+) => {
+    ($($Kind:ident($Function:ty),)+) => {
         /// A function type.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
         pub enum Kind {
-            $($(#[$help])* $Kind,)+
+            $(#[doc = concat!("Type ", stringify!($Kind), "; [`TYPES`] describes it.")] $Kind,)+
         }
 
         /// Descriptions of all types, in the order of [`Kind`].
@@ -165,37 +165,21 @@ macro_rules! slot_types {
 
 // Recordings and saved states contain the index of a type: new types follow the last one.
 slot_types! {
-    /// Copies its source.
     Dcopy(copy::Dcopy),
-    /// Copies its source or one of two values, selected by E1.
     Ecopy(copy::Ecopy),
-    /// Monitors the following errors of drives.
     Sidiff(sidiff::Sidiff),
-    /// Gears its sink to its source with ratios that inputs select.
     Varsync(varsync::Varsync),
-    /// Switches a speed on and off.
     Digdreh(digdreh::SpeedSwitch),
-    /// Measures the distance between marks.
     Imes(imes::Imes),
-    /// Switches outputs by a table of segments.
     Binea(binea::Binea),
-    /// Switches outputs by cams.
     Cam(cam::Cam),
-    /// Runs through tables by the travel of its source, or by time.
     Fipw(interpolator::fipw::Fipw),
-    /// Runs through one of several tables by time.
     Fipz(interpolator::fipz::Fipz),
-    /// Runs through tables and sets of tables.
     Xfipw(interpolator::xfipw::Xfipw),
-    /// Follows a speed through a table.
     Dfkt(dfkt::Dfkt),
-    /// Virtual master in time; zeroes and monitors actual positions.
     Fgen(fgen::Fgen),
-    /// PID controller.
     Regl(regl::PidFunction),
-    /// Positions by a number of increments at each edge of an input.
     Epos(epos::Epos),
-    /// Runs a user program.
     Apsf(apsf::Apsf),
 }
 

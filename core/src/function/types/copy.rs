@@ -64,10 +64,6 @@ impl SlotType for Dcopy {
         Self { way: CopyMode::Absolute }
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         self.way = match words.get(place(DCOPY_FIELDS, "mode")) {
             0 => CopyMode::Absolute,
@@ -120,10 +116,6 @@ impl SlotType for Ecopy {
 
     fn new(_: &SlotSetup<'_>) -> Self {
         Self::default()
-    }
-
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
     }
 
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {

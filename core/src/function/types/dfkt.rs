@@ -446,10 +446,6 @@ impl SlotType for Dfkt {
         }
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let get = |name| words.get(name);
         let mode = Mode::of(words);

@@ -50,10 +50,6 @@ impl SlotType for SpeedSwitch {
         Self::default()
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
         *self = Self { speed: words.get(place(FIELDS, "speed")), runs: false, last_inputs: seen.inputs };
         self.step(seen)

@@ -165,10 +165,6 @@ impl SlotType for Imes {
         }
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn check(&self, words: Words<'_>, _: &Setting<'_>) -> Result<(), Fault> {
         let ba = words.get(BA);
         if Mode::of(ba).is_some() {

@@ -244,10 +244,6 @@ impl SlotType for Sidiff {
         }
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let Some(table) = setting.tables.first().copied().flatten() else { return Ok(()) };
         if table.form() != Form::Words {

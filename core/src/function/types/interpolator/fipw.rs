@@ -156,10 +156,6 @@ impl SlotType for Fipw {
         Self::default()
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         let field = |name| number(FIELDS, name);
         let get = |name: usize| words.get(name);

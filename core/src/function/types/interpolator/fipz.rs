@@ -115,10 +115,6 @@ impl SlotType for Fipz {
         Self::default()
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         check_cycle(words.get(at("sf_cycle")), number(FIELDS, "sf_cycle"), setting)?;
         for place in 0..LINES {

@@ -305,10 +305,6 @@ impl SlotType for Xfipw {
         Self::default()
     }
 
-    fn is_set_up_as(&self, _: &Self) -> bool {
-        true
-    }
-
     fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
         Self::check_set(words, setting)?;
         Self::check_places(words, setting)
