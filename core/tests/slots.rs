@@ -107,7 +107,7 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
             *line = bit.map(|bit| Line { object: Object::Memory(WORDS + bit), inverted: numbers.below(2) == 0 });
         }
         slot.tables[0] = (row.tables > 0 && row.kind != Kind::Sidiff).then_some(0);
-        slot.program = (row.kind == Kind::Apsf).then_some(0);
+        slot.program = (row.runs_program).then_some(0);
         slot.room = MemorySize { mean: 64, cams: 0 };
         for (name, value) in [
             ("m1", 12_345),
@@ -151,7 +151,8 @@ fn cell(numbers: &mut Numbers) -> MachineConfig {
                 ("drive_resolution", 1000),
                 ("master_resolution", 900),
             ],
-            _ => &[],
+            Kind::Fipw | Kind::Fipz | Kind::Xfipw | Kind::Dfkt => &[],
+            _ => row.example,
         };
         for (name, value) in more {
             let (_, place) = row.find(name).expect("a field");

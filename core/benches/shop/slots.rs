@@ -105,11 +105,12 @@ fn with(row: &Description, count: u16, is_started: bool, module: Module) -> Shop
         slot.sink = SinkConfig::None;
         slot.inputs[0] = (row.inputs > 0).then_some(Line { object: Object::Io(0), inverted: false });
         slot.tables[0] = (row.tables > 0 && row.kind != Kind::Sidiff).then_some(0);
-        slot.program = (row.kind == Kind::Apsf).then_some(0);
+        slot.program = (row.runs_program).then_some(0);
         slot.room = MemorySize { mean: 64, cams: 0 };
-        for (name, value) in VALUES {
+        let has_values = VALUES.iter().any(|(name, _)| row.find(name).is_some());
+        for (name, value) in row.example.iter().filter(|_| !has_values).chain(&VALUES) {
             if let Some((_, place)) = row.find(name) {
-                slot.values[place] = value;
+                slot.values[place] = *value;
             }
         }
         for (name, value) in CURVES.iter().filter(|(kind, _)| *kind == row.kind).flat_map(|(_, values)| values) {

@@ -7,8 +7,8 @@
 
 use super::{ConfigError, IoKind, MAX_MASTERS, MachineConfig, MemoryKind};
 use crate::function::{
-    self, Bit, Description, Input, Kind, LINES, Mark, MemorySize, OnAxisError, Output, OutputCell, Requirement, Sink,
-    Source, WORDS, Width, Wires, Word,
+    self, Bit, Description, Input, Kind, LINES, Mark, MarkSource, MemorySize, OnAxisError, Output, OutputCell,
+    Requirement, Sink, Source, WORDS, Width, Wires, Word,
 };
 use crate::modulo::Modulo;
 use crate::object::{Leader, Object, VIRTUAL_MASTER};
@@ -108,7 +108,7 @@ pub struct SlotConfig {
     pub tables: [Option<u16>; LINES],
     /// Signals of the words that it reads in addition to its source, in the order of the type.
     pub words: [Option<String>; WORDS],
-    /// Index in `programs`; only for type apsf.
+    /// Index in `programs`; only for a type that runs programs.
     pub program: Option<u16>,
     /// Maximum instructions per call of the program.
     pub fuel: u32,
@@ -220,7 +220,7 @@ impl MachineConfig {
         if !(1..=MAX_FACTOR).contains(&slot.factor) {
             return Err(SlotProblem::Factor(slot.factor));
         }
-        self.check_source(slot)?;
+        self.check_source(slot, row)?;
         self.check_sink(slot, row)?;
         let bit = |object: Object, kind| match object {
             Object::Io(place) => self.io.get(usize::from(place)).is_some_and(|io| io.kind == kind),
@@ -275,7 +275,7 @@ impl MachineConfig {
             return Err(SlotProblem::Place("quantity"));
         }
         let has_program = slot.program.is_some_and(|place| usize::from(place) < self.programs.len());
-        if slot.kind != Kind::Apsf {
+        if !row.runs_program {
             let has_none = slot.program.is_none() && slot.reads.is_empty() && slot.writes.is_empty();
             return if has_none { Ok(()) } else { Err(SlotProblem::Place("program")) };
         }
@@ -292,23 +292,19 @@ impl MachineConfig {
         Ok(())
     }
 
-    fn check_source(&self, slot: &SlotConfig) -> Result<(), SlotProblem> {
+    fn check_source(&self, slot: &SlotConfig, row: &Description) -> Result<(), SlotProblem> {
         let exists = match &slot.source {
-            SourceConfig::None | SourceConfig::Signal(_) => slot.kind != Kind::Imes,
+            SourceConfig::None | SourceConfig::Signal(_) | SourceConfig::Lead(Leader::Virtual) => true,
             SourceConfig::Lead(Leader::AxisCommand(axis) | Leader::AxisActual(axis)) => {
-                usize::from(*axis) < self.axes.len() && slot.kind != Kind::Imes
+                usize::from(*axis) < self.axes.len()
             }
             SourceConfig::Lead(Leader::Encoder(place)) => usize::from(*place) < self.encoders.len(),
-            SourceConfig::Lead(Leader::Sink(place)) => {
-                usize::from(*place) < self.slots.len() && slot.kind != Kind::Imes
-            }
-            SourceConfig::Lead(Leader::Sum(place)) => {
-                usize::from(*place) < self.masters.len() && slot.kind != Kind::Imes
-            }
-            SourceConfig::Lead(Leader::Virtual) => slot.kind != Kind::Imes,
+            SourceConfig::Lead(Leader::Sink(place)) => usize::from(*place) < self.slots.len(),
+            SourceConfig::Lead(Leader::Sum(place)) => usize::from(*place) < self.masters.len(),
             SourceConfig::Lead(Leader::Simulated(_)) => false,
         };
-        if exists { Ok(()) } else { Err(SlotProblem::Place("source")) }
+        let fits = !row.measures_encoder || matches!(slot.source, SourceConfig::Lead(Leader::Encoder(_)));
+        if exists && fits { Ok(()) } else { Err(SlotProblem::Place("source")) }
     }
 
     fn check_sink(&self, slot: &SlotConfig, row: &Description) -> Result<(), SlotProblem> {
@@ -445,6 +441,7 @@ impl MachineConfig {
             writes: writes.ok_or(SlotProblem::Place("writes"))?,
             quantity: slot.quantity,
             mark: self.mark(slot),
+            monitors: slot.kind.description().monitors,
             factor: slot.factor,
             call_ns: slot.call_ns(self.cycle_ns),
             on_axis_error: slot.on_axis_error,
@@ -464,34 +461,24 @@ impl MachineConfig {
         })
     }
 
-    /// Returns the source of the marks that a slot measures: E1, or its encoder.
+    /// Returns the source of the marks that a slot measures.
     fn mark(&self, slot: &SlotConfig) -> Mark {
-        match slot.kind {
-            Kind::Imes => {}
-            // E1 has another purpose in these types; the pulses of a source are marks.
-            Kind::Fipw | Kind::Xfipw => {
-                return match slot.source {
-                    SourceConfig::Lead(Leader::Encoder(place)) => Mark::Encoder(place),
-                    _ => Mark::None,
-                };
-            }
-            Kind::Epos => {
-                return match slot.sink {
-                    SinkConfig::Axis(place) if self.has_drive(place) => Mark::Axis(place),
-                    _ => Mark::None,
-                };
-            }
-            _ => return Mark::None,
-        }
-        match (slot.inputs[0], &slot.source) {
-            (Some(Line { object: Object::Io(place), .. }), _)
+        match (slot.kind.description().marks, slot.inputs[0]) {
+            (MarkSource::None, _) => Mark::None,
+            (MarkSource::SinkAxis, _) => match slot.sink {
+                SinkConfig::Axis(place) if self.has_drive(place) => Mark::Axis(place),
+                _ => Mark::None,
+            },
+            (MarkSource::Input, Some(Line { object: Object::Io(place), .. }))
                 if self.io.get(usize::from(place)).is_some_and(|io| io.latch) =>
             {
                 Mark::Latch(place)
             }
-            (Some(_), _) => Mark::Edge,
-            (None, SourceConfig::Lead(Leader::Encoder(place))) => Mark::Encoder(*place),
-            (None, _) => Mark::None,
+            (MarkSource::Input, Some(_)) => Mark::Edge,
+            (MarkSource::Input, None) | (MarkSource::Encoder, _) => match slot.source {
+                SourceConfig::Lead(Leader::Encoder(place)) => Mark::Encoder(place),
+                _ => Mark::None,
+            },
         }
     }
 

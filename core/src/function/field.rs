@@ -1,6 +1,9 @@
 //! Fields of parameter sets. The keys of cells, the checks, the ROS parameters and the documentation are generated from
 //! their rows.
 
+use crate::unit::{Quantity, Unit, parse_decimal};
+use num_traits::{CheckedDiv, ToPrimitive};
+
 /// One field of the parameter set of a function type.
 #[derive(Clone, Copy, Debug)]
 pub struct Field {
@@ -14,7 +17,7 @@ pub struct Field {
     pub max: i64,
     /// Default; a default outside the range means that the value must be given before START.
     pub default: i64,
-    /// Unit of the value; empty without one.
+    /// Unit of the value, such as `0.1 N`; empty without one.
     pub unit: &'static str,
     /// Whether VALUE_NEW changes it; otherwise it takes effect at the next START.
     pub live: bool,
@@ -22,6 +25,21 @@ pub struct Field {
     pub help: &'static str,
     /// Requirement of the spec.
     pub source: &'static str,
+    /// Reason why the function has no effect with the default.
+    pub idle: Option<&'static str>,
+    /// Limit that depends on the cell.
+    pub(super) bound: Option<CellBound>,
+}
+
+/// Property of the cell that limits a field.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum CellBound {
+    /// A mask of axes, all of which must exist.
+    AxisMask,
+    /// The number of an existing axis; 0: none.
+    AxisNumber,
+    /// Full scale of the analog output that is the sink; applies only if the set has this bit of `mode`.
+    FullScale(i64),
 }
 
 impl Field {
@@ -34,7 +52,7 @@ impl Field {
         help: &'static str,
         source: &'static str,
     ) -> Self {
-        Self { name, count: 1, min, max, default: 0, unit, live: false, help, source }
+        Self { name, count: 1, min, max, default: 0, unit, live: false, help, source, idle: None, bound: None }
     }
 
     /// Returns the field as a list of `count` values.
@@ -51,6 +69,49 @@ impl Field {
     pub(super) const fn or(self, default: i64) -> Self {
         Self { default, ..self }
     }
+
+    /// Returns the field as one whose default has no effect, for this reason.
+    pub(super) const fn idle(self, reason: &'static str) -> Self {
+        Self { idle: Some(reason), ..self }
+    }
+
+    /// Returns the field as one that the cell limits.
+    pub(super) const fn within(self, bound: CellBound) -> Self {
+        Self { bound: Some(bound), ..self }
+    }
+
+    /// Returns one of its unit; `None` without a physical unit.
+    pub fn one(&self) -> Option<Quantity> {
+        let (number, unit) = self.unit.split_once(' ').unwrap_or(("1", self.unit));
+        Some(Quantity::new(parse_decimal(number).ok()?, Unit::parse(unit)?))
+    }
+
+    /// Converts a quantity such as `12.5 N` to a number in its unit. Returns `None` for any other text, another
+    /// dimension, and a quantity that is no multiple of the unit.
+    pub fn convert(&self, text: &str) -> Option<i64> {
+        let one = self.one()?;
+        let quantity = Quantity::parse(text, &[one.unit().dimension()]).ok()?;
+        let has_unit = text.trim().contains([' ', '\t']);
+        let multiple = quantity.exact()?.checked_div(&one.exact()?)?;
+        if has_unit && multiple.is_integer() { multiple.to_integer().to_i64() } else { None }
+    }
+
+    /// Returns true if the full scale of an analog output limits it.
+    pub(crate) fn is_within_full_scale(&self) -> bool {
+        matches!(self.bound, Some(CellBound::FullScale(_)))
+    }
+}
+
+/// Returns true if VALUE_NEW changes a field.
+pub(super) const fn has_live(fields: &[Field]) -> bool {
+    let mut field = 0;
+    while field < fields.len() {
+        if fields[field].live {
+            return true;
+        }
+        field += 1;
+    }
+    false
 }
 
 /// Returns the number of values of a set.
@@ -106,5 +167,31 @@ impl Words<'_> {
     #[inline]
     pub(super) fn get(self, place: usize) -> i64 {
         self.0.get(place).copied().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn of(unit: &'static str) -> Field {
+        Field::new("field", 0, 1000, unit, "", "")
+    }
+
+    #[test]
+    fn quantity_is_a_multiple_of_the_unit_of_its_field() {
+        assert_eq!(of("0.1 N").convert("12.5 N"), Some(125));
+        assert_eq!(of("mm/s").convert("0.25 m/s"), Some(250));
+        assert_eq!(of("0.0001 rpm").convert("-1000 rpm"), Some(-10_000_000));
+        assert_eq!(of("0.5 ms").convert("0.002 s"), Some(4));
+        assert_eq!(of("Nm").convert("3 Nm"), Some(3));
+    }
+
+    #[test]
+    fn other_texts_are_no_quantity_of_a_field() {
+        for (unit, text) in [("0.1 N", "12"), ("0.1 N", "0.05 N"), ("0.1 N", "1 Nm"), ("bits", "1 bits"), ("", "1 mm")]
+        {
+            assert_eq!(of(unit).convert(text), None, "{text} in {unit}");
+        }
     }
 }

@@ -8,42 +8,29 @@
 //!          cannot fail
 //! Source   spec/amkasyn-a.md to -c.md: AMKASYN fast functions; contract section 10
 
-mod apsf;
-mod binea;
-mod cam;
-mod copy;
-mod dfkt;
-mod digdreh;
-mod epos;
-mod fgen;
+mod description;
 mod field;
 mod goal;
-mod imes;
-mod interpolator;
-mod kind;
 mod notice;
 mod program;
 mod reading;
-mod regl;
 mod sak;
 mod shown;
-mod sidiff;
 mod slot;
 mod time;
 mod track;
 #[cfg(test)]
 mod trial;
 mod types;
-mod varsync;
 mod window;
 mod wires;
 
+pub use description::{AmkLimits, Description, MarkSource, Monitored, Quantity, Requirement};
 pub use field::Field;
-pub use kind::{Description, Kind, Quantity, Requirement, TYPES};
 pub use program::{Drive, Fault, LINES, NO_DRIVES, WORDS};
 pub use sak::{Origin, factor as sak_factor};
 pub use shown::Shown;
 pub(crate) use slot::Cycle;
 pub use slot::{Order, Slot};
-pub(crate) use types::modes;
+pub use types::{Kind, TYPES};
 pub use wires::{Bit, Input, Mark, MemorySize, OnAxisError, Output, OutputCell, Sink, Source, Width, Wires, Word};

@@ -1,10 +1,13 @@
 //! Interface between a slot and its function, common to all types.
 
-use super::apsf::Host;
+use super::description::Description;
 use super::field::Words;
+use super::wires::{MemorySize, OutputCell, Word};
 use crate::code::Code;
 use crate::event::Number;
+use crate::signal::Board;
 use crate::table::Table;
+use lineshaft_program::Module;
 use std::sync::Arc;
 
 /// Number of inputs, outputs, tables and monitored drives of a function.
@@ -81,6 +84,21 @@ pub(super) enum Progress {
     Moves,
     /// The order was stopped before its end.
     Stopped,
+}
+
+/// The environment in which a program runs; constant between its calls.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Host<'a> {
+    pub module: &'a Module,
+    /// Maximum instructions per call.
+    pub fuel: u32,
+    pub board: &'a Board,
+    /// Signals that the program reads.
+    pub reads: &'a [Word],
+    /// Memory cells that the program writes.
+    pub writes: &'a [OutputCell],
+    /// First output that the program may write, counted from 0.
+    pub first_output: u8,
 }
 
 /// Inputs of a function in one call.
@@ -182,10 +200,42 @@ pub(super) enum Occasion {
     Kept,
 }
 
-/// A function of some type. It does not allocate after its creation.
-pub(super) trait FunctionProgram {
+/// Connections of a slot that decide how its function is created.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SlotSetup<'a> {
+    /// Whether each word that it reads in addition to its source is connected.
+    pub has_words: [bool; WORDS],
+    /// Maximum memory.
+    pub room: MemorySize,
+    /// User program.
+    pub module: Option<&'a Module>,
+}
+
+impl SlotSetup<'_> {
+    /// Returns a setup with these words, and without memory or a program.
+    pub(super) fn of_words(has_words: [bool; WORDS]) -> Self {
+        Self { has_words, ..Self::default() }
+    }
+}
+
+/// A slot type; the implementing struct is the state of a function. Only [`new`](Self::new) allocates: a struct with
+/// heap memory needs a `clone_from` that does not.
+pub(super) trait SlotType: Clone {
+    /// Name, connections and fields.
+    const DESCRIPTION: Description;
+
+    /// Creates a function at rest, with all memory that it will need.
+    fn new(setup: &SlotSetup<'_>) -> Self;
+
+    /// Returns true if both functions were created with the same setup, as far as `new` depends on it.
+    fn is_set_up_as(&self, _other: &Self) -> bool {
+        true
+    }
+
     /// Checks the fields against each other, and the tables; ranges were checked before.
-    fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault>;
+    fn check(&self, _words: Words<'_>, _setting: &Setting<'_>) -> Result<(), Fault> {
+        Ok(())
+    }
 
     /// Executes the first call, with a checked set.
     fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome;
@@ -224,8 +274,55 @@ pub(super) trait FunctionProgram {
         true
     }
 
+    /// Returns the values of `shows` that it stores; none if they are in the outcome of each call.
+    fn shown(&self) -> &[i64] {
+        &[]
+    }
+
     /// Returns true if a restored state is valid.
     fn is_valid_state(&self) -> bool {
+        true
+    }
+
+    /// Returns the modes in ascending order; none if the range of its field defines them.
+    fn modes() -> Vec<i64> {
+        Vec::new()
+    }
+
+    /// Returns true if a function with that set copies its source to its sink.
+    fn copies_source(_words: Words<'_>) -> bool {
+        false
+    }
+
+    /// Returns true if a function with that set copies values to its sink that any step may separate. `is_signal`: its
+    /// source is a signal and no position.
+    fn copies_values(_words: Words<'_>, _is_signal: bool) -> bool {
+        false
+    }
+
+    /// Returns the axes that a function with that set monitors without a source, the first one in bit 0.
+    fn monitored_axes(_words: Words<'_>) -> u8 {
+        0
+    }
+
+    /// Returns the reserved pages of memory for a user program.
+    fn room(&self) -> usize {
+        0
+    }
+
+    /// Returns the value that the last call of a user program left for a memory cell.
+    fn word(&mut self, _module: &Module, _place: usize) -> u64 {
+        0
+    }
+
+    /// Replaces the user program, the second module. Returns false if it cannot keep the state, or lacks memory for the
+    /// new one.
+    fn exchange(&mut self, _modules: (&Module, &Module), _keeps: bool) -> bool {
+        true
+    }
+
+    /// Returns true if calls of that user program can lead to this state. `runs`: the function is started.
+    fn belongs_to(&self, _module: &Module, _runs: bool) -> bool {
         true
     }
 }

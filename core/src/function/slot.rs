@@ -22,7 +22,7 @@ use self::outputs::signals;
 use super::field::Words;
 use super::goal::{Goal, GoalEnd};
 use super::notice::EventRateLimit;
-use super::program::{CallInputs, Drive, GoalRequest, LINES, SourceValue, Tables};
+use super::program::{CallInputs, Drive, GoalRequest, LINES, SlotSetup, SourceValue, Tables};
 use super::reading::{SourceReading, read_inputs};
 use super::shown::ANSWER;
 use super::types::Any;
@@ -144,8 +144,9 @@ pub struct Slot {
 impl Slot {
     /// Creates a function at rest with these values.
     pub(crate) fn new(wires: &Wires, values: &[i64], room: MemorySize, module: Option<&Module>) -> Self {
+        let setup = SlotSetup { has_words: wires.words.map(|word| word.is_some()), room, module };
         Self {
-            function: Any::new(wires.kind, wires.words.map(|word| word.is_some()), room, module),
+            function: Any::new(wires.kind, &setup),
             phase: Phase::Reset,
             since: 0,
             staged: values.into(),
@@ -311,7 +312,10 @@ impl Slot {
             return written;
         }
         board.set_int(wires.first, self.sink);
-        let shown = self.function.shown().unwrap_or(&self.shown);
+        let shown = match self.function.shown() {
+            [] => &self.shown,
+            stored => stored,
+        };
         for (word, value) in board.block(wires.first.plus(signals(0)), wires.shows).iter_mut().zip(shown) {
             *word = value.cast_unsigned();
         }

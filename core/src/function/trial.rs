@@ -1,12 +1,20 @@
 //! Helpers for tests of function types: a set by the names of its fields, and a call without any change.
 
 use super::field::Field;
-use super::program::{CallInputs, GoalRequest, LINES, NO_DRIVES, Occasion, Setting, SourceValue, Tables, WORDS};
+use super::program::{
+    CallInputs, GoalRequest, LINES, NO_DRIVES, Occasion, Setting, SlotSetup, SourceValue, Tables, WORDS,
+};
+use super::wires::MemorySize;
 use crate::table::Table;
 use std::sync::Arc;
 
 /// Time between two calls (ns).
 pub(super) const CALL_NS: u64 = 1_000_000;
+
+/// Returns the setup of a function that averages over up to `mean` calls and has room for `cams` cams.
+pub(super) fn with_memory(mean: usize, cams: usize) -> SlotSetup<'static> {
+    SlotSetup { room: MemorySize { mean, cams }, ..SlotSetup::default() }
+}
 
 /// Returns a set of these values; the others have their defaults.
 pub(super) fn set(fields: &[Field], values: &[(&str, i64)]) -> Vec<i64> {

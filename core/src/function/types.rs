@@ -1,289 +1,202 @@
-//! Common wrapper of all function types.
+//! Slot types: one file of this folder each, and one line of the list at the end of this file.
+//!
+//! The list makes the enum of types, the table of their descriptions, and the enum of their states. No match over the
+//! types has a wildcard arm.
 
-use super::apsf::{self, Apsf};
-use super::binea::{self, Binea};
-use super::cam::{self, Cam};
-use super::copy::{self, Dcopy, Ecopy};
-use super::dfkt::{self, Dfkt};
-use super::digdreh::{self, SpeedSwitch};
-use super::epos::{self, Epos};
-use super::fgen::{self, Fgen};
-use super::field::{Field, Words};
-use super::imes::{self, Imes};
-use super::interpolator::fipz::{self, Fipz};
-use super::interpolator::xfipw::{self, Xfipw};
-use super::interpolator::{self, fipw, fipw::Fipw};
-use super::kind::Kind;
-use super::program::{CallInputs, Fault, FunctionProgram, Outcome, Progress, Setting, WORDS};
-use super::regl::{self, PidFunction};
-use super::shown::Shown;
-use super::sidiff::{self, Sidiff};
-use super::varsync::{self, Varsync};
-use super::wires::MemorySize;
+mod apsf;
+mod binea;
+mod cam;
+mod copy;
+mod dfkt;
+mod digdreh;
+mod epos;
+mod fgen;
+mod imes;
+mod interpolator;
+mod regl;
+mod sidiff;
+mod varsync;
+
+use super::description::Description;
+use super::field::Words;
+use super::program::{CallInputs, Fault, Outcome, Progress, Setting, SlotSetup, SlotType};
 use lineshaft_program::Module;
 use serde::{Deserialize, Serialize};
 
-pub(super) const DCOPY: &[Field] = copy::DCOPY_FIELDS;
-pub(super) const ECOPY: &[Field] = copy::ECOPY_FIELDS;
-pub(super) const SIDIFF: &[Field] = sidiff::FIELDS;
-pub(super) const VARSYNC: &[Field] = varsync::FIELDS;
-pub(super) const DIGDREH: &[Field] = digdreh::FIELDS;
-pub(super) const IMES: &[Field] = imes::FIELDS;
-pub(super) const BINEA: &[Field] = binea::FIELDS;
-pub(super) const CAM: &[Field] = cam::FIELDS;
-pub(super) const FIPW: &[Field] = fipw::FIELDS;
-pub(super) const FIPZ: &[Field] = fipz::FIELDS;
-pub(super) const XFIPW: &[Field] = xfipw::FIELDS;
-pub(super) const DFKT: &[Field] = dfkt::FIELDS;
-pub(super) const DFKT_SHOWS: &[Shown] = dfkt::SHOWS;
-pub(super) const FGEN: &[Field] = fgen::FIELDS;
-pub(super) const REGL: &[Field] = regl::FIELDS;
-pub(super) const EPOS: &[Field] = epos::FIELDS;
-pub(super) const APSF: &[Field] = apsf::FIELDS;
+/// Makes [`Kind`], [`TYPES`] and [`Any`] from the list of types.
+macro_rules! slot_types {
+    ($($Kind:ident($Function:ty),)+) => {
+        /// A function type.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum Kind {
+            $(#[doc = concat!("Type ", stringify!($Kind), "; [`TYPES`] describes it.")] $Kind,)+
+        }
 
-/// Returns the modes of a type in ascending order; none if the range of its field defines them.
-pub(crate) fn modes(kind: Kind) -> Vec<i64> {
-    match kind {
-        Kind::Fipw => interpolator::modes(false),
-        Kind::Xfipw => interpolator::modes(true),
-        _ => Vec::new(),
-    }
-}
+        /// Descriptions of all types, in the order of [`Kind`].
+        pub const TYPES: &[Description] = &[$(<$Function as SlotType>::DESCRIPTION,)+];
 
-/// A function of any type.
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) enum Any {
-    Dcopy(Dcopy),
-    Ecopy(Ecopy),
-    Sidiff(Sidiff),
-    Varsync(Varsync),
-    Digdreh(SpeedSwitch),
-    Imes(Imes),
-    Binea(Binea),
-    Cam(Cam),
-    Fipw(Fipw),
-    Fipz(Fipz),
-    Xfipw(Xfipw),
-    Dfkt(Dfkt),
-    Fgen(Fgen),
-    Regl(PidFunction),
-    Epos(Epos),
-    Apsf(Box<Apsf>),
-}
+        impl Kind {
+            /// Returns the modes of the type in ascending order; none if the range of its field defines them.
+            pub(crate) fn modes(self) -> Vec<i64> {
+                match self { $(Self::$Kind => <$Function>::modes(),)+ }
+            }
 
-/// Applies the same expression to a function of any type.
-macro_rules! each {
-    ($any:expr, $function:ident => $do:expr) => {
-        match $any {
-            Any::Dcopy($function) => $do,
-            Any::Ecopy($function) => $do,
-            Any::Sidiff($function) => $do,
-            Any::Varsync($function) => $do,
-            Any::Digdreh($function) => $do,
-            Any::Imes($function) => $do,
-            Any::Binea($function) => $do,
-            Any::Cam($function) => $do,
-            Any::Fipw($function) => $do,
-            Any::Fipz($function) => $do,
-            Any::Xfipw($function) => $do,
-            Any::Dfkt($function) => $do,
-            Any::Fgen($function) => $do,
-            Any::Regl($function) => $do,
-            Any::Epos($function) => $do,
-            Any::Apsf($function) => $do,
+            /// Returns true if a function with this parameter set copies its source to its sink.
+            pub fn copies_source(self, values: &[i64]) -> bool {
+                match self { $(Self::$Kind => <$Function>::copies_source(Words(values)),)+ }
+            }
+
+            /// Returns true if a function with this parameter set copies values to its sink that any step may separate,
+            /// `is_signal`: its source is a signal and no position.
+            pub fn copies_values(self, values: &[i64], is_signal: bool) -> bool {
+                match self { $(Self::$Kind => <$Function>::copies_values(Words(values), is_signal),)+ }
+            }
+
+            /// Returns the axes that a function with this parameter set monitors without a source, the first one in
+            /// bit 0.
+            pub fn monitored_axes(self, values: &[i64]) -> u8 {
+                match self { $(Self::$Kind => <$Function>::monitored_axes(Words(values)),)+ }
+            }
+        }
+
+        /// State of a function of any type.
+        #[derive(Debug, Serialize, Deserialize)]
+        pub(super) enum Any {
+            $($Kind($Function),)+
+        }
+
+        impl Any {
+            /// Creates a function at rest, with all memory that it will need.
+            pub(super) fn new(kind: Kind, setup: &SlotSetup<'_>) -> Self {
+                match kind { $(Kind::$Kind => Self::$Kind(<$Function>::new(setup)),)+ }
+            }
+
+            pub(super) fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
+                match self { $(Self::$Kind(function) => function.check(words, setting),)+ }
+            }
+
+            pub(super) fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
+                match self { $(Self::$Kind(function) => function.start(words, seen),)+ }
+            }
+
+            pub(super) fn apply_values(&mut self, words: Words<'_>) {
+                match self { $(Self::$Kind(function) => function.apply_values(words),)+ }
+            }
+
+            #[inline]
+            pub(super) fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
+                match self { $(Self::$Kind(function) => function.step(seen),)+ }
+            }
+
+            pub(super) fn read(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
+                match self { $(Self::$Kind(function) => function.read(words, setting),)+ }
+            }
+
+            pub(super) fn leave(&mut self, seen: &CallInputs<'_>) -> Option<Outcome> {
+                match self { $(Self::$Kind(function) => function.leave(seen),)+ }
+            }
+
+            pub(super) fn rests(&self, rests: u8) -> u8 {
+                match self { $(Self::$Kind(function) => function.rests(rests),)+ }
+            }
+
+            pub(super) fn progress(&self) -> Progress {
+                match self { $(Self::$Kind(function) => function.progress(),)+ }
+            }
+
+            pub(super) fn drop_order(&mut self) {
+                match self { $(Self::$Kind(function) => function.drop_order(),)+ }
+            }
+
+            #[inline]
+            pub(super) fn shown(&self) -> &[i64] {
+                match self { $(Self::$Kind(function) => function.shown(),)+ }
+            }
+
+            /// Returns true if both functions have the same type and setup, in any state.
+            pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
+                match self {
+                    $(Self::$Kind(function) => matches!(other, Self::$Kind(other) if function.is_set_up_as(other)),)+
+                }
+            }
+
+            pub(super) fn runs_with(&self, words: Words<'_>, call_ns: u64) -> bool {
+                match self { $(Self::$Kind(function) => function.runs_with(words, call_ns),)+ }
+            }
+
+            pub(super) fn is_valid_state(&self) -> bool {
+                match self { $(Self::$Kind(function) => function.is_valid_state(),)+ }
+            }
+
+            pub(super) fn room(&self) -> usize {
+                match self { $(Self::$Kind(function) => function.room(),)+ }
+            }
+
+            pub(super) fn word(&mut self, module: &Module, place: usize) -> u64 {
+                match self { $(Self::$Kind(function) => function.word(module, place),)+ }
+            }
+
+            pub(super) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
+                match self { $(Self::$Kind(function) => function.exchange(modules, keeps),)+ }
+            }
+
+            pub(super) fn belongs_to(&self, module: &Module, runs: bool) -> bool {
+                match self { $(Self::$Kind(function) => function.belongs_to(module, runs),)+ }
+            }
+        }
+
+        impl Clone for Any {
+            fn clone(&self) -> Self {
+                match self { $(Self::$Kind(function) => Self::$Kind(function.clone()),)+ }
+            }
+
+            /// Does not allocate if both functions belong to the same machine.
+            fn clone_from(&mut self, other: &Self) {
+                match self {
+                    $(Self::$Kind(function) => match other {
+                        Self::$Kind(other) => function.clone_from(other),
+                        other => *self = other.clone(),
+                    },)+
+                }
+            }
         }
     };
 }
 
-impl Any {
-    /// Creates a function at rest, with all memory that it will need.
-    pub(super) fn new(kind: Kind, has_words: [bool; WORDS], room: MemorySize, module: Option<&Module>) -> Self {
-        let [has_word, _] = has_words;
-        match kind {
-            Kind::Dcopy => Self::Dcopy(Dcopy::new()),
-            Kind::Ecopy => Self::Ecopy(Ecopy::new()),
-            Kind::Sidiff => Self::Sidiff(Sidiff::new()),
-            Kind::Varsync => Self::Varsync(Varsync::new(has_word)),
-            Kind::Digdreh => Self::Digdreh(SpeedSwitch::new()),
-            Kind::Imes => Self::Imes(Imes::new()),
-            Kind::Binea => Self::Binea(Binea::new(room.mean, has_word)),
-            Kind::Cam => Self::Cam(Cam::new(room.mean, room.cams)),
-            Kind::Fipw => Self::Fipw(Fipw::new()),
-            Kind::Fipz => Self::Fipz(Fipz::new()),
-            Kind::Xfipw => Self::Xfipw(Xfipw::new()),
-            Kind::Dfkt => Self::Dfkt(Dfkt::new()),
-            Kind::Fgen => Self::Fgen(Fgen::new(has_word)),
-            Kind::Regl => Self::Regl(PidFunction::new(has_words)),
-            Kind::Epos => Self::Epos(Epos::new(has_words)),
-            Kind::Apsf => Self::Apsf(Box::new(Apsf::new(module))),
-        }
-    }
-
-    pub(super) fn kind(&self) -> Kind {
-        match self {
-            Self::Dcopy(_) => Kind::Dcopy,
-            Self::Ecopy(_) => Kind::Ecopy,
-            Self::Sidiff(_) => Kind::Sidiff,
-            Self::Varsync(_) => Kind::Varsync,
-            Self::Digdreh(_) => Kind::Digdreh,
-            Self::Imes(_) => Kind::Imes,
-            Self::Binea(_) => Kind::Binea,
-            Self::Cam(_) => Kind::Cam,
-            Self::Fipw(_) => Kind::Fipw,
-            Self::Fipz(_) => Kind::Fipz,
-            Self::Xfipw(_) => Kind::Xfipw,
-            Self::Dfkt(_) => Kind::Dfkt,
-            Self::Fgen(_) => Kind::Fgen,
-            Self::Regl(_) => Kind::Regl,
-            Self::Epos(_) => Kind::Epos,
-            Self::Apsf(_) => Kind::Apsf,
-        }
-    }
-
-    pub(super) fn check(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<(), Fault> {
-        each!(self, function => function.check(words, setting))
-    }
-
-    pub(super) fn start(&mut self, words: Words<'_>, seen: &CallInputs<'_>) -> Outcome {
-        each!(self, function => function.start(words, seen))
-    }
-
-    pub(super) fn renew(&mut self, words: Words<'_>) {
-        each!(self, function => function.apply_values(words));
-    }
-
-    #[inline]
-    pub(super) fn step(&mut self, seen: &CallInputs<'_>) -> Outcome {
-        each!(self, function => function.step(seen))
-    }
-
-    pub(super) fn read(&self, words: Words<'_>, setting: &Setting<'_>) -> Result<Option<(u16, i64)>, Fault> {
-        each!(self, function => function.read(words, setting))
-    }
-
-    pub(super) fn progress(&self) -> Progress {
-        each!(self, function => function.progress())
-    }
-
-    pub(super) fn drop_order(&mut self) {
-        each!(self, function => function.drop_order());
-    }
-
-    pub(super) fn rests(&self, rests: u8) -> u8 {
-        each!(self, function => function.rests(rests))
-    }
-
-    /// Returns true if both functions have the same setup, in any state.
-    pub(super) fn is_set_up_as(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Varsync(mine), Self::Varsync(other)) => mine.is_set_up_as(other),
-            (Self::Binea(mine), Self::Binea(other)) => mine.is_set_up_as(other),
-            (Self::Cam(mine), Self::Cam(other)) => mine.is_set_up_as(other),
-            (Self::Fgen(mine), Self::Fgen(other)) => mine.is_set_up_as(other),
-            (Self::Regl(mine), Self::Regl(other)) => mine.is_set_up_as(other),
-            (Self::Epos(mine), Self::Epos(other)) => mine.is_set_up_as(other),
-            (Self::Apsf(mine), Self::Apsf(other)) => mine.room() == other.room(),
-            _ => self.kind() == other.kind(),
-        }
-    }
-
-    pub(super) fn is_set(&self, words: Words<'_>, call_ns: u64) -> bool {
-        each!(self, function => function.runs_with(words, call_ns))
-    }
-
-    /// Returns the published values that it stores; `None` if each call returns them.
-    #[inline]
-    pub(super) fn shown(&self) -> Option<&[i64]> {
-        match self {
-            Self::Dfkt(function) => Some(function.shown()),
-            Self::Fgen(function) => Some(function.shown()),
-            Self::Epos(function) => Some(function.shown()),
-            Self::Apsf(function) => Some(function.shown()),
-            _ => None,
-        }
-    }
-
-    pub(super) fn leave(&mut self, seen: &CallInputs<'_>) -> Option<Outcome> {
-        each!(self, function => function.leave(seen))
-    }
-
-    /// Returns true if the type has a call of RESET.
-    pub(super) fn has_leave(&self) -> bool {
-        matches!(self, Self::Apsf(_))
-    }
-
-    /// Returns the value that the last call left for a memory cell.
-    pub(super) fn word(&mut self, module: &Module, place: usize) -> u64 {
-        match self {
-            Self::Apsf(function) => function.word(module, place),
-            _ => 0,
-        }
-    }
-
-    /// Replaces the program. Returns false if it cannot keep the state, or lacks memory for the new one.
-    pub(super) fn exchange(&mut self, modules: (&Module, &Module), keeps: bool) -> bool {
-        match self {
-            Self::Apsf(function) => function.exchange(modules, keeps),
-            _ => true,
-        }
-    }
-
-    /// Returns the reserved pages of memory for its program.
-    pub(super) fn room(&self) -> usize {
-        match self {
-            Self::Apsf(function) => function.room(),
-            _ => 0,
-        }
-    }
-
-    /// Returns true if its state belongs to that program.
-    pub(super) fn is_of(&self, module: &Module, runs: bool) -> bool {
-        match self {
-            Self::Apsf(function) => function.belongs_to(module, runs),
-            _ => true,
-        }
-    }
-
-    pub(super) fn is_sound(&self) -> bool {
-        each!(self, function => function.is_valid_state())
-    }
+// Recordings and saved states contain the index of a type: new types follow the last one.
+slot_types! {
+    Dcopy(copy::Dcopy),
+    Ecopy(copy::Ecopy),
+    Sidiff(sidiff::Sidiff),
+    Varsync(varsync::Varsync),
+    Digdreh(digdreh::SpeedSwitch),
+    Imes(imes::Imes),
+    Binea(binea::Binea),
+    Cam(cam::Cam),
+    Fipw(interpolator::fipw::Fipw),
+    Fipz(interpolator::fipz::Fipz),
+    Xfipw(interpolator::xfipw::Xfipw),
+    Dfkt(dfkt::Dfkt),
+    Fgen(fgen::Fgen),
+    Regl(regl::PidFunction),
+    Epos(epos::Epos),
+    Apsf(apsf::Apsf),
 }
 
-impl Clone for Any {
-    fn clone(&self) -> Self {
-        match self {
-            Self::Dcopy(function) => Self::Dcopy(function.clone()),
-            Self::Ecopy(function) => Self::Ecopy(function.clone()),
-            Self::Sidiff(function) => Self::Sidiff(function.clone()),
-            Self::Varsync(function) => Self::Varsync(function.clone()),
-            Self::Digdreh(function) => Self::Digdreh(function.clone()),
-            Self::Imes(function) => Self::Imes(function.clone()),
-            Self::Binea(function) => Self::Binea(function.clone()),
-            Self::Cam(function) => Self::Cam(function.clone()),
-            Self::Fipw(function) => Self::Fipw(function.clone()),
-            Self::Fipz(function) => Self::Fipz(function.clone()),
-            Self::Xfipw(function) => Self::Xfipw(function.clone()),
-            Self::Dfkt(function) => Self::Dfkt(function.clone()),
-            Self::Fgen(function) => Self::Fgen(function.clone()),
-            Self::Regl(function) => Self::Regl(function.clone()),
-            Self::Epos(function) => Self::Epos(function.clone()),
-            Self::Apsf(function) => Self::Apsf(function.clone()),
-        }
+impl Kind {
+    /// Returns the description of the type.
+    pub fn description(self) -> &'static Description {
+        // The rows are in the order of the enum; a test checks that.
+        TYPES.get(self as usize).unwrap_or(&TYPES[0])
     }
 
-    /// Does not allocate if both functions belong to the same machine.
-    fn clone_from(&mut self, other: &Self) {
-        match (self, other) {
-            (Self::Dcopy(mine), Self::Dcopy(other)) => mine.clone_from(other),
-            (Self::Ecopy(mine), Self::Ecopy(other)) => mine.clone_from(other),
-            (Self::Sidiff(mine), Self::Sidiff(other)) => mine.clone_from(other),
-            (Self::Varsync(mine), Self::Varsync(other)) => mine.clone_from(other),
-            (Self::Digdreh(mine), Self::Digdreh(other)) => mine.clone_from(other),
-            (Self::Imes(mine), Self::Imes(other)) => mine.clone_from(other),
-            (Self::Binea(mine), Self::Binea(other)) => mine.clone_from(other),
-            (Self::Cam(mine), Self::Cam(other)) => mine.clone_from(other),
-            (Self::Apsf(mine), Self::Apsf(other)) => mine.clone_from(other),
-            (mine, other) => *mine = other.clone(),
-        }
+    /// Returns the type of that name.
+    pub fn find(name: &str) -> Option<Self> {
+        TYPES.iter().find(|row| row.name == name).map(|row| row.kind)
+    }
+
+    /// Returns the name in cells.
+    pub fn name(self) -> &'static str {
+        self.description().name
     }
 }

@@ -1,7 +1,8 @@
 //! Connections of a slot: handles that are fixed by the cell.
 
-use super::kind::{Kind, Quantity};
+use super::description::{Monitored, Quantity};
 use super::program::{LINES, WORDS};
+use super::types::Kind;
 use crate::object::Leader;
 use crate::signal::{Signal, Type};
 use serde::{Deserialize, Serialize};
@@ -218,6 +219,8 @@ pub struct Wires {
     pub quantity: Quantity,
     /// Source of its marks.
     pub mark: Mark,
+    /// Values of axes that it reads without a source.
+    pub monitors: Monitored,
     /// Cycles between two calls.
     pub factor: u32,
     /// Time between two calls (ns).

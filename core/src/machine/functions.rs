@@ -8,7 +8,7 @@ use crate::command::{Command, CommandFunction, RunFunction};
 use crate::drive::{Edge, Inputs};
 use crate::event::{Event, Kind as EventKind, Number, Refusal, Severity};
 use crate::function::{
-    Bit, Cycle, Drive, Fault, Kind, LINES, Mark, NO_DRIVES, OnAxisError, Order, Sink, Slot, Source, Wires,
+    Bit, Cycle, Drive, Fault, LINES, Mark, Monitored, NO_DRIVES, OnAxisError, Order, Sink, Slot, Source, Wires,
 };
 use crate::object::{Leader, Object};
 use crate::position::Position;
@@ -259,16 +259,16 @@ impl Machine {
             }
             let watched;
             let mut drives = NO_DRIVES;
-            match wires.kind {
-                Kind::Sidiff => {
+            match wires.monitors {
+                Monitored::Nothing => {}
+                Monitored::Errors => {
                     watched = self.drive_errors();
                     drives = &watched;
                 }
-                Kind::Fgen => {
+                Monitored::Positions => {
                     watched = self.drive_positions();
                     drives = &watched;
                 }
-                _ => {}
             }
             let mark = self.distance_to_mark(wires.mark, wires.source, inputs);
             let State { slots, board, leads, tables, programs, panel, axes, cycle: now, .. } = &mut self.state;

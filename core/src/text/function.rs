@@ -4,7 +4,7 @@ use super::plain;
 use crate::code::Code;
 use crate::config::{Line, MachineConfig, SlotConfig};
 use crate::event::{Event, Number};
-use crate::function::{Field, LINES, modes};
+use crate::function::{Field, LINES};
 use crate::object::Object;
 use crate::table::Form;
 
@@ -42,7 +42,7 @@ fn beyond(event: &Event, config: &MachineConfig) -> Option<String> {
         return Some(of_field(event, config, text));
     }
     let (Number::Count(asked), Number::Count(bound)) = (event.asked, event.limit) else { return None };
-    if field(event, config).is_some_and(|field| field.name.starts_with("value_e1_")) {
+    if field(event, config).is_some_and(|field| field.is_within_full_scale()) {
         let most = bound.saturating_abs();
         let text = format!("{asked} mV exceeds the full scale of the analog output; -{most} to {most} mV is allowed");
         return Some(of_field(event, config, text));
@@ -63,7 +63,7 @@ fn no_axis(event: &Event, config: &MachineConfig) -> Option<String> {
 fn no_mode(event: &Event, config: &MachineConfig) -> Option<String> {
     let Object::Function(place) = event.source else { return None };
     let slot = config.slots.get(usize::from(place))?;
-    let modes: Vec<String> = modes(slot.kind).iter().map(i64::to_string).collect();
+    let modes: Vec<String> = slot.kind.modes().iter().map(i64::to_string).collect();
     let text = format!("no mode has number {}; {} are allowed", plain(event.asked), modes.join(", "));
     Some(of_field(event, config, text)).filter(|_| !modes.is_empty())
 }

@@ -260,15 +260,11 @@ pub(super) fn slots() -> Vec<SlotConfig> {
     let slots = TYPES.iter().enumerate().map(|(place, row)| {
         let mut slot = SlotConfig::new(format!("f{place}"), place as u16, row.kind);
         slot.source = match row.kind {
-            function::Kind::Imes
-            | function::Kind::Dcopy
-            | function::Kind::Cam
-            | function::Kind::Dfkt
-            | function::Kind::Apsf
-            | function::Kind::Regl => SourceConfig::Lead(Leader::Encoder(0)),
+            function::Kind::Cam | function::Kind::Apsf => SourceConfig::Lead(Leader::Encoder(0)),
             function::Kind::Varsync => SourceConfig::Lead(Leader::AxisCommand(0)),
             function::Kind::Ecopy => SourceConfig::Lead(Leader::Sink(5)),
             function::Kind::Binea => SourceConfig::Lead(Leader::Sink(0)),
+            _ if row.source == function::Requirement::Must => SourceConfig::Lead(Leader::Encoder(0)),
             _ => SourceConfig::None,
         };
         slot.sink = match row.kind {
@@ -276,46 +272,15 @@ pub(super) fn slots() -> Vec<SlotConfig> {
             function::Kind::Ecopy => SinkConfig::Memory(2),
             _ => SinkConfig::None,
         };
-        slot.program = (row.kind == function::Kind::Apsf).then_some(0);
+        slot.program = (row.runs_program).then_some(0);
         slot.tables[0] = (row.tables > 0).then_some(0);
-        let values: &[(&str, i64)] = match row.kind {
-            function::Kind::Fipw => &[("mode", 4), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
-            function::Kind::Xfipw => &[("ba", 4), ("mult", 1), ("tables_total", 1), ("cycle_time", 9)],
-            function::Kind::Fipz => &[("mode", 16), ("mult", 1), ("table_count", 1), ("cycle_time", 9)],
-            _ => &[],
-        };
-        for (name, value) in values {
+        if matches!(row.kind, function::Kind::Fipw | function::Kind::Xfipw | function::Kind::Fipz) {
             slot.tables[0] = Some(1);
+        }
+        for (name, value) in row.example {
             slot.values[row.find(name).expect("a field").1] = *value;
         }
         slot.room = MemorySize { mean: 32, cams: 0 };
-        if row.kind == function::Kind::Dfkt {
-            let values =
-                ["table_count", "active_table", "div", "mult", "in_resolution", "in_final", "ratio_max", "ratio_div"];
-            for (_, place) in values.iter().filter_map(|name| row.find(name)) {
-                slot.values[place] = 1;
-            }
-        }
-        let values: &[&str] = match row.kind {
-            function::Kind::Fgen => &["fct", "cycle_time", "cycle_increments", "accel", "accel2", "aw_mask"],
-            function::Kind::Regl => &["switch_mask", "kp", "ki", "kd", "y_max", "gain_v", "i_max"],
-            _ => &[],
-        };
-        for name in values {
-            slot.values[row.find(name).expect("a field").1] = 7;
-        }
-        if row.kind == function::Kind::Epos {
-            let rates = [
-                ("ba", 8),
-                ("travel", 900),
-                ("velocity", 9_000_000),
-                ("acceleration", 1_000_000),
-                ("stop_decel", 2_000_000),
-            ];
-            for (name, value) in rates.into_iter().chain([("drive_resolution", 1000)]) {
-                slot.values[row.find(name).expect("a field").1] = value;
-            }
-        }
         for line in slot.inputs.iter_mut().take(row.inputs) {
             *line = Some(Line { object: Object::Memory(1), inverted: false });
         }

@@ -14,7 +14,7 @@ use lineshaft_core::config::{
 };
 use lineshaft_core::drive::Interface;
 use lineshaft_core::function::{
-    Description, Kind, LINES, MemorySize, OnAxisError, Quantity, Requirement, TYPES, Width,
+    Description, Field, Kind, LINES, MemorySize, OnAxisError, Quantity, Requirement, TYPES, Width,
 };
 use lineshaft_core::object::{Leader, Object, VIRTUAL_MASTER};
 use lineshaft_core::signal::Directory;
@@ -159,7 +159,7 @@ pub(super) fn check_axes(cx: &Context<'_>, machine: &MachineConfig) {
 /// Refuses copies that would move an axis by a speed as if it were a position, or vice versa, directly or through
 /// copies of its sink. A memory cell, an output or another function may get a value of either kind.
 pub(super) fn check_quantities(cx: &Context<'_>, machine: &MachineConfig) {
-    for (place, slot) in machine.slots.iter().enumerate().filter(|(_, slot)| copies_source(slot)) {
+    for (place, slot) in machine.slots.iter().enumerate().filter(|(_, slot)| slot.kind.copies_source(&slot.values)) {
         let SourceConfig::Lead(leader) = slot.source else { continue };
         let carried = machine.carried(&slot.source).filter(|carried| *carried != slot.quantity);
         if let Some(carried) = carried
@@ -170,17 +170,6 @@ pub(super) fn check_quantities(cx: &Context<'_>, machine: &MachineConfig) {
             let (quantity, carried) = (slot.quantity.name(), carried.name());
             entry.key.refuse(format!("quantity is {quantity}; its source {} is a {carried}", quote(&source)), None);
         }
-    }
-}
-
-/// Returns true for a copy that reads its source; an ecopy with the bits of both values does not read it.
-fn copies_source(slot: &SlotConfig) -> bool {
-    const BOTH_VALUES: i64 = 3;
-    let mode = slot.kind.description().find("mode").and_then(|(_, place)| slot.values.get(place));
-    match slot.kind {
-        Kind::Dcopy => true,
-        Kind::Ecopy => mode != Some(&BOTH_VALUES),
-        _ => false,
     }
 }
 
@@ -195,7 +184,7 @@ fn reaches_axis(machine: &MachineConfig, place: usize) -> bool {
         }
         for (reader, slot) in machine.slots.iter().enumerate() {
             let reads = matches!(slot.source, SourceConfig::Lead(Leader::Sink(read)) if usize::from(read) == place);
-            if reads && copies_source(slot) && !reached.contains(&reader) {
+            if reads && slot.kind.copies_source(&slot.values) && !reached.contains(&reader) {
                 reached.push(reader);
             }
         }
@@ -335,7 +324,7 @@ fn slot<'d>(
             note(word.is_some());
         }
     }
-    if kind == Kind::Apsf {
+    if row.runs_program {
         note(reader.program(map, entry, &mut slot, (taken, open)));
     }
     note(fields(map, row, &mut slot.values));
@@ -351,7 +340,7 @@ fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
             let items = if field.count == 1 { Some(vec![value]) } else { list(&value, field.count, field.name) };
             is_good &= items.is_some();
             for (place, item) in (first..).zip(items.into_iter().flatten()) {
-                let number = item.integer(field.min..=field.max);
+                let number = number(&item, field);
                 is_good &= number.is_some();
                 if let (Some(to), Some(number)) = (values.get_mut(place), number) {
                     *to = number;
@@ -361,6 +350,13 @@ fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
         first += field.count;
     }
     is_good
+}
+
+/// Reads a value of a field: a whole number, or a quantity that is a multiple of its unit.
+fn number(item: &Value<'_>, field: &Field) -> Option<i64> {
+    let range = field.min..=field.max;
+    let quantity = item.peek().and_then(|text| field.convert(text));
+    quantity.filter(|number| range.contains(number)).or_else(|| item.integer(range))
 }
 
 /// Reads a list of at most `most` items.
@@ -378,8 +374,8 @@ fn fits_source(value: &Value<'_>, source: &SourceConfig, row: &Description) -> b
     let problem = match row.source {
         Requirement::Never if has => format!("type {} reads no source", row.name),
         Requirement::Must if !has => format!("source is none; type {} reads one", row.name),
-        _ if row.kind == Kind::Imes && !matches!(source, SourceConfig::Lead(Leader::Encoder(_))) => {
-            "type imes measures on an encoder; source is something else".to_owned()
+        _ if row.measures_encoder && !matches!(source, SourceConfig::Lead(Leader::Encoder(_))) => {
+            format!("type {} measures on an encoder; source is something else", row.name)
         }
         _ => return true,
     };

@@ -13,7 +13,7 @@ use super::names::{Entry, Section, quote};
 use crate::document::Value;
 use lineshaft_core::config::{Line, MachineConfig, MemoryKind, SinkConfig, SlotConfig, SourceConfig};
 use lineshaft_core::drive::ObjectAddress;
-use lineshaft_core::function::{Kind, OnAxisError};
+use lineshaft_core::function::{Kind, MarkSource, OnAxisError, Width};
 use lineshaft_core::object::{Leader, Object};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
@@ -33,10 +33,6 @@ const ENCODERS: usize = 4;
 const ANALOG_OUTPUTS: usize = 4;
 /// Number of bytes of flags, as words and double words.
 const BYTES: usize = 128;
-/// Number of words of a data block.
-const WORDS: usize = 256;
-/// Number of words of the data block of a sidiff.
-const THRESHOLD_WORDS: usize = 48;
 /// Number of cams of all tracks.
 const CAMS: i64 = 56;
 /// Number of lines of a byte.
@@ -123,11 +119,16 @@ struct Holder<'a, 'd> {
 
 impl Holder<'_, '_> {
     fn function(&mut self, entry: &Entry<'_>, slot: &SlotConfig) {
+        let row = slot.kind.description();
         if let Some(value) = at(entry, "slot").filter(|_| slot.number > LAST_SLOT) {
             refuse(&value, &format!("slot is {}", slot.number), &format!("0..{LAST_SLOT}"));
         }
-        if let Some(value) = at(entry, "type").filter(|_| slot.kind == Kind::Apsf) {
-            refuse(&value, "type is apsf, a WebAssembly module", "programs of AWL, which run there alone");
+        if let Some(value) = at(entry, "type").filter(|_| row.runs_program) {
+            refuse(
+                &value,
+                &format!("type is {}, a WebAssembly module", row.name),
+                "programs of AWL, which run there alone",
+            );
         }
         self.calls(entry, slot);
         if let Some(value) = at(entry, "source") {
@@ -136,7 +137,7 @@ impl Holder<'_, '_> {
         if let Some(value) = at(entry, "sink") {
             self.sink(&value, slot);
         }
-        for (key, name) in slot.kind.description().words.iter().zip(&slot.words) {
+        for (key, name) in row.words.iter().zip(&slot.words) {
             let Some((name, value)) = name.as_ref().zip(at(entry, key)) else { continue };
             // w2 of a regl is a double word.
             let kind = if *key == "src2_addr" { MemoryKind::I32 } else { MemoryKind::I16 };
@@ -145,15 +146,14 @@ impl Holder<'_, '_> {
                 None => refuse(&value, &named(&value), &format!("a memory cell of type {}", memory_name(kind))),
             }
         }
-        if let Some(value) = at(entry, "inputs").filter(|_| slot.kind == Kind::Imes && slot.inputs[0].is_some()) {
-            refuse(&value, "inputs has an entry", "none for type imes");
+        let marks = at(entry, "inputs").filter(|_| row.marks == MarkSource::Input && slot.inputs[0].is_some());
+        if let Some(value) = marks {
+            refuse(&value, "inputs has an entry", &format!("none for type {}", row.name));
         }
         self.lines(&items(entry, "inputs"), &slot.inputs, "di");
         self.lines(&items(entry, "outputs"), &slot.outputs, "do");
         self.tables(entry, slot);
-        if slot.kind == Kind::Cam {
-            cams(entry, slot);
-        }
+        cams(entry, slot);
         if let Some(value) = at(entry, "on_axis_error").filter(|_| slot.on_axis_error == OnAxisError::Reset) {
             refuse(&value, &named(&value), "run");
         }
@@ -162,10 +162,9 @@ impl Holder<'_, '_> {
     /// Checks the time between two calls: for types whose parameter set has at most 131 units of it, and for the search
     /// of a reference.
     fn calls(&self, entry: &Entry<'_>, slot: &SlotConfig) {
-        let tells = matches!(slot.kind, Kind::Imes | Kind::Binea | Kind::Cam | Kind::Fgen | Kind::Regl | Kind::Epos);
         let cycle_ns = self.machine.cycle_ns;
         if let Some(value) = at(entry, "cycle_factor")
-            && tells
+            && slot.kind.description().amk.sets_call_time
             && slot.call_ns(cycle_ns) > LONGEST_NS
         {
             let allowed = format!("1..{} for type {}", LONGEST_NS / cycle_ns.max(1), slot.kind.name());
@@ -224,14 +223,11 @@ impl Holder<'_, '_> {
             SinkConfig::None => {}
             SinkConfig::Axis(place) => Self::axis(value, usize::from(place)),
             SinkConfig::Memory(place) => {
-                let kinds: &[MemoryKind] = match slot.kind {
-                    Kind::Digdreh | Kind::Cam | Kind::Regl => &[MemoryKind::I32],
-                    Kind::Imes => &[MemoryKind::I16],
-                    _ => &[MemoryKind::I16, MemoryKind::I32],
-                };
-                self.memory(value, usize::from(place), kinds);
+                let kind = |width: &Width| if *width == Width::W16 { MemoryKind::I16 } else { MemoryKind::I32 };
+                let kinds: Vec<_> = slot.kind.description().amk.sink_widths.iter().map(kind).collect();
+                self.memory(value, usize::from(place), &kinds);
             }
-            SinkConfig::Output(place) if matches!(slot.kind, Kind::Dcopy | Kind::Ecopy) => {
+            SinkConfig::Output(place) if slot.kind.description().amk.writes_analog => {
                 count(value, &mut self.used.outputs, usize::from(place), ANALOG_OUTPUTS, "ao");
             }
             SinkConfig::Output(_) => {
@@ -315,7 +311,7 @@ impl Holder<'_, '_> {
     fn tables(&self, entry: &Entry<'_>, slot: &SlotConfig) {
         for (item, place) in items(entry, "tables").iter().zip(slot.tables) {
             let Some(place) = place.map(usize::from) else { continue };
-            let most = if slot.kind == Kind::Sidiff { THRESHOLD_WORDS } else { WORDS };
+            let most = slot.kind.description().amk.table_words;
             let words = self.machine.tables.get(place).map_or(0, |table| table.table.len());
             if words > most {
                 refuse(item, &format!("{}, which has {words} words", named(item)), &format!("1..{most}"));

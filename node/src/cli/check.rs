@@ -18,7 +18,7 @@ use crate::recording::plot::{Target, replace};
 use crate::scenario::{Scenario, other_cell};
 use lineshaft_core::config::{AxisConfig, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
 use lineshaft_core::drive::Interface;
-use lineshaft_core::function::{Kind, Quantity};
+use lineshaft_core::function::Quantity;
 use lineshaft_core::machine::Machine;
 use lineshaft_core::parameter::AxisParameters;
 use lineshaft_core::regulator::Law;
@@ -187,13 +187,7 @@ fn idle_gains(axis: &AxisConfig) -> Option<String> {
 fn stepped_position(slot: &SlotConfig, machine: &MachineConfig) -> Option<String> {
     let SinkConfig::Axis(place) = slot.sink else { return None };
     let axis = machine.axes.get(usize::from(place)).filter(|axis| axis.scale.kind() == ScaleKind::Rotary)?;
-    let (_, mode) = slot.kind.description().find("mode")?;
-    let (mode, is_signal) = (*slot.values.get(mode)?, matches!(slot.source, SourceConfig::Signal(_)));
-    let has_values = match slot.kind {
-        Kind::Dcopy => mode == 0 && is_signal,
-        Kind::Ecopy => mode != 0 || is_signal,
-        _ => false,
-    };
+    let has_values = slot.kind.copies_values(&slot.values, matches!(slot.source, SourceConfig::Signal(_)));
     let (name, axis) = (&slot.name, &axis.name);
     (has_values && slot.quantity == Quantity::Position).then(|| {
         format!(

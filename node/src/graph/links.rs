@@ -6,7 +6,7 @@
 //! Source   contract section 1 and 10
 
 use lineshaft_core::config::{IoKind, Line, MachineConfig, SinkConfig, SlotConfig, SourceConfig};
-use lineshaft_core::function::Kind;
+use lineshaft_core::function::Monitored;
 use lineshaft_core::object::{Leader, Object};
 
 /// End of a link at a slot: `source`, `E1`, `sink`, `A1`..
@@ -54,11 +54,11 @@ pub(super) fn ports(machine: &MachineConfig, slot: u16) -> Vec<Port> {
     for axis in watched(config).filter(|axis| usize::from(*axis) < machine.axes.len()) {
         let object = Object::Axis(axis);
         // Differences are those of the last cycle; positions reported by drives are those of this cycle.
-        let is_late = config.kind == Kind::Sidiff || !is_reported_by_drive(machine, Leader::AxisActual(axis));
+        let reads_positions = config.kind.description().monitors == Monitored::Positions;
+        let is_late = !reads_positions || !is_reported_by_drive(machine, Leader::AxisActual(axis));
         let (label, name) = (format!("AW{}", axis + 1), machine.name(object).to_owned());
         // The mean of a difference may affect the sink, a position does not.
-        let is_watched = config.kind != Kind::Sidiff;
-        ports.push(Port { label, name, object, is_output: false, is_late, is_watched });
+        ports.push(Port { label, name, object, is_output: false, is_late, is_watched: reads_positions });
     }
     let sink = match config.sink {
         SinkConfig::None => None,
@@ -170,18 +170,8 @@ fn find(machine: &MachineConfig, name: &str) -> Object {
 
 /// Returns the axes that a slot monitors without a source, according to the parameter set in the cell.
 fn watched(config: &SlotConfig) -> impl Iterator<Item = u16> {
-    let value = |name| {
-        let (_, place) = config.kind.description().find(name)?;
-        config.values.get(place).copied()
-    };
-    let is_watched = match config.kind {
-        Kind::Sidiff => true,
-        // Bits 1 and 2: zeroing and monitoring.
-        Kind::Fgen => value("fct").is_some_and(|fct| fct & 6 != 0),
-        _ => false,
-    };
-    let (mask, shown) = (value("aw_mask").unwrap_or(0), value("display_aw").unwrap_or(0));
-    (0..8).filter(move |axis| is_watched && (mask >> axis & 1 == 1 || shown == i64::from(axis + 1)))
+    let axes = config.kind.monitored_axes(&config.values);
+    (0..8).filter(move |axis| axes >> axis & 1 == 1)
 }
 
 /// Whether it is the position of an axis that a drive reports before the slots are executed.

@@ -102,9 +102,10 @@ fn of_functions() -> Vec<Entry> {
     let path = |name: &str| vec!["functions".to_owned(), "*".to_owned(), name.to_owned()];
     for kind in TYPES {
         for field in kind.fields {
-            let number = Shape::Integer(field.min.into(), field.max.into());
+            let mut shapes = vec![Shape::Integer(field.min.into(), field.max.into())];
+            shapes.extend(field.one().map(|_| Shape::Quantity("")));
             let meaning = format!("Of {}: {}", kind.name, field.help);
-            let whole = Entry { path: path(field.name), shapes: vec![number], is_required: false, meaning };
+            let whole = Entry { path: path(field.name), shapes, is_required: false, meaning };
             if field.count == 1 {
                 entries.push(whole);
                 continue;

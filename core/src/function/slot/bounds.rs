@@ -1,36 +1,17 @@
 //! Limits of fields that depend on the cell: its axes, and the full scale of an analog output.
 
 use crate::code::Code;
-use crate::function::kind::{Description, Kind};
+use crate::function::description::Description;
+use crate::function::field::CellBound;
 use crate::function::program::{Fault, LINES};
 use crate::function::wires::{Sink, Wires};
-
-/// Property of the cell that limits a field.
-#[derive(Clone, Copy)]
-enum CellBound {
-    /// A mask of axes, all of which must exist.
-    AxisMask,
-    /// The number of an existing axis; 0: none.
-    AxisNumber,
-    /// Full scale of the analog output that is the sink; applies only if the set has this bit of `mode`.
-    FullScale(i64),
-}
-
-/// Fields that the cell limits.
-const CELL_BOUNDS: [(Kind, &str, CellBound); 5] = [
-    (Kind::Sidiff, "aw_mask", CellBound::AxisMask),
-    (Kind::Sidiff, "display_aw", CellBound::AxisNumber),
-    (Kind::Fgen, "aw_mask", CellBound::AxisMask),
-    (Kind::Ecopy, "value_e1_0", CellBound::FullScale(1)),
-    (Kind::Ecopy, "value_e1_1", CellBound::FullScale(2)),
-];
 
 /// Returns an error if a value of a whole set exceeds a limit of the cell.
 pub(super) fn check_set_in_cell(wires: &Wires, values: &[i64]) -> Result<(), Fault> {
     let row = wires.kind.description();
     let mode = row.find("mode").and_then(|(_, place)| values.get(place)).copied();
-    for (_, name, _) in CELL_BOUNDS.iter().filter(|(kind, ..)| *kind == row.kind) {
-        if let Some((_, place)) = row.find(name)
+    for field in row.fields.iter().filter(|field| field.bound.is_some()) {
+        if let Some((_, place)) = row.find(field.name)
             && let Some(value) = values.get(place)
         {
             check_in_cell(wires, row, (place as u16, *value), mode)?;
@@ -48,10 +29,9 @@ pub(super) fn check_in_cell(
     mode: Option<i64>,
 ) -> Result<(), Fault> {
     let Some((number, field, _)) = row.field_of(place.into()) else { return Ok(()) };
-    let bound = CELL_BOUNDS.iter().find(|(kind, name, _)| *kind == row.kind && *name == field.name);
-    let Some((.., bound)) = bound else { return Ok(()) };
+    let Some(limit) = field.bound else { return Ok(()) };
     let beyond = |bound: i64| Fault::new(Code::AMK_BEYOND).of(number).with(value, bound);
-    match *bound {
+    match limit {
         CellBound::AxisMask if (wires.axes..LINES).any(|bit| value >> bit & 1 == 1) => {
             Err(Fault::new(Code::AMK_NO_AXIS).of(number).with(value, wires.axes as i64))
         }

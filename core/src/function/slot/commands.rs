@@ -4,8 +4,8 @@ use super::bounds::{check_in_cell, check_set_in_cell};
 use super::programs::first_output;
 use super::{Order, Phase, Slot};
 use crate::code::Code;
+use crate::function::description::Description;
 use crate::function::field::Words;
-use crate::function::kind::Description;
 use crate::function::program::{Fault, LINES, Occasion, Setting, Tables};
 use crate::function::shown::ANSWER;
 use crate::function::wires::{Mark, Source, Wires};
@@ -63,7 +63,7 @@ impl Slot {
                 check_set(wires, tried)?;
                 self.function.check(Words(tried), &setting)?;
                 self.active.copy_from_slice(tried);
-                let is_left = self.phase == Phase::Leaving && self.function.has_leave();
+                let is_left = self.phase == Phase::Leaving && wires.program.is_some();
                 self.phase = if is_left { Phase::Restarting } else { Phase::Starting };
             }
             Order::ValueNew => {
@@ -72,7 +72,7 @@ impl Slot {
                 check_set_in_cell(wires, mixed)?;
                 self.function.check(Words(mixed), &setting)?;
                 self.active.copy_from_slice(mixed);
-                self.function.renew(Words(mixed));
+                self.function.apply_values(Words(mixed));
             }
             Order::Reset => self.reset(),
             Order::ReadValue if row.reads_at_rest => {

@@ -48,7 +48,7 @@ impl Slot {
 
     fn end_goal(&mut self, code: Code) {
         if let Some(Goal { sequence, .. }) = self.goal.take() {
-            let left = self.function.shown().and_then(|shown| shown.first().copied()).unwrap_or(0);
+            let left = self.function.shown().first().copied().unwrap_or(0);
             self.ended = Some(GoalEnd { sequence, code, left });
         }
     }

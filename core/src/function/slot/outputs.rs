@@ -1,7 +1,7 @@
 //! Sink, outputs and published values of a slot.
 
 use super::{Slot, Written};
-use crate::function::kind::Quantity;
+use crate::function::description::Quantity;
 use crate::function::program::{LINES, Outcome};
 use crate::function::reading::millivolts;
 use crate::function::shown::MOST_SHOWN;
@@ -14,9 +14,9 @@ impl Slot {
     #[inline]
     fn shows(&self) -> &[i64] {
         match self.function.shown() {
-            Some(kept) if self.is_active() => kept,
-            Some(_) => &[0; MOST_SHOWN],
-            None => &self.shown,
+            [] => &self.shown,
+            stored if self.is_active() => stored,
+            _ => &[0; MOST_SHOWN],
         }
     }
 

@@ -2,8 +2,7 @@
 
 use super::{Cycle, Phase, Slot, Written};
 use crate::code::Code;
-use crate::function::apsf::Host;
-use crate::function::program::{CallInputs, Outcome};
+use crate::function::program::{CallInputs, Host, Outcome};
 use crate::function::wires::Wires;
 use crate::signal::Board;
 use lineshaft_program::Module;

@@ -33,11 +33,11 @@ impl Slot {
             && (!self.is_active()
                 || check_ranges(row, &self.active).is_ok()
                     && self.function.check(Words(&self.active), &setting).is_ok())
-            && (self.phase != Phase::Active || self.function.is_set(Words(&self.active), wires.call_ns))
+            && (self.phase != Phase::Active || self.function.runs_with(Words(&self.active), wires.call_ns))
             && self.goal.is_none_or(|_| row.takes_goals && self.is_active())
             && self.lead.velocity.is_finite()
-            && module(wires, programs).is_none_or(|module| self.function.is_of(module, self.phase != Phase::Reset))
-            && self.function.is_sound()
+            && module(wires, programs).is_none_or(|module| self.function.belongs_to(module, self.phase != Phase::Reset))
+            && self.function.is_valid_state()
     }
 }
 

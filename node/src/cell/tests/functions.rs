@@ -53,6 +53,12 @@ fn a_slot_knows_the_words_that_it_reads() {
     assert_eq!(made.values[7..], [7, 8, 0, 0, 0, 0, 0, 0]);
 }
 
+#[test]
+fn field_with_a_physical_unit_takes_a_quantity() {
+    let cell = good(&cell("  fan: {slot: 1, type: digdreh, sink: none, speed: 1000 rpm}\n"));
+    assert_eq!(cell.machine.slots[0].values[..], [10_000_000, 0]);
+}
+
 /// Proves: AMK-VARSYNC-09, AMK-BINEA-06, AMK-BINEA-09, AMK-CAM-28, AMK-CAM-30, AMK-CAM-47
 #[test]
 fn invalid_functions_are_refused_at_their_places() {

@@ -11,17 +11,6 @@ use lineshaft_core::function::{Field, Kind};
 use lineshaft_core::machine::Machine;
 use lineshaft_core::text::message;
 
-/// Fields whose default is 0, which START accepts, with the effect of 0.
-const IDLE: [(Kind, &str, &str); 7] = [
-    (Kind::Digdreh, "speed", "the function gives no speed"),
-    (Kind::Fipw, "mult", "its sink never moves"),
-    (Kind::Xfipw, "mult", "its sink never moves"),
-    (Kind::Dfkt, "mult", "the function gives no speed"),
-    (Kind::Dfkt, "out_max", "the function gives no speed above 0"),
-    (Kind::Dfkt, "out_min", "the function gives no speed below 0"),
-    (Kind::Regl, "y_max", "its control adds nothing to its sink"),
-];
-
 /// Returns the errors, with their locations in the file `name`, and the warnings.
 pub(super) fn judge(name: &str, cell: &Cell, machine: &Machine) -> (Problems, Vec<String>) {
     let document = Document::parse(name, cell.text.as_str());
@@ -127,8 +116,10 @@ fn refuse_start(trial: &Trial<'_, '_>, cell: &Cell) -> Vec<String> {
 }
 
 fn idle(slot: &SlotConfig, entry: &Value<'_>) -> Vec<String> {
-    let of_kind = IDLE.iter().filter(|(kind, key, _)| *kind == slot.kind && at(entry, key).is_none());
-    let idle = of_kind.map(|(_, key, what)| format!("{}: {key} is left out, which is 0: {what}", slot.name));
+    let fields = slot.kind.description().fields.iter().filter(|field| at(entry, field.name).is_none());
+    let idle = fields.filter_map(|Field { name, idle, .. }| {
+        Some(format!("{}: {name} is left out, which is 0: {}", slot.name, idle.as_ref()?))
+    });
     idle.chain(no_ratio(slot, entry)).collect()
 }
 

@@ -77,7 +77,7 @@ fn linked(choices: &[Choice]) -> MachineConfig {
             }
         }
         slot.tables[0] = (row.tables > 0 && choice.lines[0] % 4 != 0).then_some(0);
-        if row.kind == Kind::Apsf {
+        if row.runs_program {
             (slot.program, slot.fuel) = (Some(0), 4000);
             slot.values[0] = i64::from(choice.factor);
         }
@@ -90,34 +90,32 @@ fn linked(choices: &[Choice]) -> MachineConfig {
         slot.on_axis_error = if choice.resets { OnAxisError::Reset } else { OnAxisError::Run };
         slot.room.mean = choice.window;
         interpolate(&mut slot, choice.window);
-        if row.kind == Kind::Dfkt {
-            for name in ["table_count", "div", "mult", "in_resolution", "in_final", "out_max", "ratio_max", "ratio_div"]
-            {
-                let (_, place) = row.find(name).expect("a field");
-                slot.values[place] = 7;
-            }
-        }
-        let values: &[&str] = match row.kind {
-            Kind::Fgen => &["fct", "cycle_time", "cycle_increments", "accel", "accel2", "aw_mask"],
-            Kind::Regl => &["switch_mask", "kp", "ki", "kd", "y_max", "gain_v", "i_max"],
-            _ => &[],
+        let values: &[(&str, i64)] = match row.kind {
+            Kind::Fipw | Kind::Fipz | Kind::Xfipw => &[],
+            Kind::Dfkt => &[
+                ("table_count", 7),
+                ("div", 7),
+                ("mult", 7),
+                ("in_resolution", 7),
+                ("in_final", 7),
+                ("out_max", 7),
+                ("ratio_max", 7),
+                ("ratio_div", 7),
+            ],
+            // 30 inc per cycle, with an acceleration of 3 and a deceleration of 9.
+            Kind::Epos => &[
+                ("travel", 700),
+                ("velocity", 18_000_000),
+                ("acceleration", 3_000_000),
+                ("stop_decel", 9_000_000),
+                ("drive_resolution", 1000),
+                ("master_resolution", 1000),
+            ],
+            _ => row.example,
         };
-        for name in values {
+        for (name, value) in values {
             let (_, place) = row.find(name).expect("a field");
-            slot.values[place] = 7;
-        }
-        // 30 inc per cycle, with an acceleration of 3 and a deceleration of 9.
-        let rates = [
-            ("travel", 700),
-            ("velocity", 18_000_000),
-            ("acceleration", 3_000_000),
-            ("stop_decel", 9_000_000),
-            ("drive_resolution", 1000),
-            ("master_resolution", 1000),
-        ];
-        for (name, value) in rates.into_iter().filter(|_| row.kind == Kind::Epos) {
-            let (_, place) = row.find(name).expect("a field");
-            slot.values[place] = value;
+            slot.values[place] = *value;
         }
         slot
     });
@@ -204,7 +202,7 @@ fn check_sinks<T>(rig: &mut Rig, starts: Option<usize>, act: impl FnOnce(&mut Ri
     {
         let is_speed = config.kind.description().quantity == Quantity::Speed && slot.sink() == 0;
         let resets = config.on_axis_error == OnAxisError::Reset;
-        let has_program = config.kind == Kind::Apsf;
+        let has_program = config.kind.description().runs_program;
         // An error of its axis ends the function after its call of that cycle, even the first one. A program is then
         // called with RESET in the next cycle.
         let may_have_moved = is_speed || ran && (resets || has_program) || resets && has_program;
