@@ -11,6 +11,7 @@
 mod description;
 mod field;
 mod goal;
+mod guest;
 mod notice;
 mod program;
 mod reading;

@@ -9,12 +9,8 @@
 //! Source   AMK-APSF-01 to -46, A-32 to -36
 
 use crate::code::Code;
-use crate::function::description::Description;
-use crate::function::field::{Field, Words, number, place, width};
-use crate::function::program::{CallInputs, Fault, LINES, Occasion, Outcome, Setting, SlotSetup, SlotType};
-use crate::function::shown::Shown;
-use crate::function::types::Kind;
-use crate::function::wires::OutputCell;
+use crate::function::field::width;
+use crate::function::guest::*;
 use crate::table::Form;
 use lineshaft_program::{Command, DB_WORDS, Image, Instance, Module, PARAMETERS, Trap};
 use serde::{Deserialize, Serialize};

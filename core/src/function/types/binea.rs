@@ -9,12 +9,9 @@
 //! Source   AMK-BINEA-01 to -35, B1 to B10
 
 use crate::code::Code;
-use crate::function::description::{AmkLimits, Description, Requirement};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::guest::*;
 use crate::function::time::{self, HALF_MS, wrapped};
 use crate::function::track::{self, Track};
-use crate::function::types::Kind;
 use crate::function::window::Window;
 use crate::table::{Table, double};
 use serde::{Deserialize, Serialize};

@@ -13,14 +13,10 @@ mod master;
 mod table;
 
 use crate::code::Code;
-use crate::function::description::{AmkLimits, Description};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::guest::*;
 use crate::function::time;
 use crate::function::track::{self, Track};
-use crate::function::types::Kind;
 use crate::function::window::Window;
-use crate::function::wires::Width;
 use hysteresis::{HysteresisState, Ring, TrackPosition, is_inside};
 use master::Master;
 use serde::{Deserialize, Serialize};

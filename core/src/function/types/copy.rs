@@ -8,10 +8,7 @@
 //! Refuses  only values outside the ranges of the fields
 //! Source   AMK-DCOPY-01 to -05 with A-15, AMK-ECOPY-01 to -05 with, AMK-GEN-16 to -18 with A-11
 
-use crate::function::description::{AmkLimits, Description, Requirement};
-use crate::function::field::{CellBound, Field, Words, place};
-use crate::function::program::{CallInputs, Outcome, SlotSetup, SlotType};
-use crate::function::types::Kind;
+use crate::function::guest::*;
 use serde::{Deserialize, Serialize};
 
 /// Parameter set of DCOPY.

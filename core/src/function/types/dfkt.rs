@@ -17,12 +17,8 @@
 mod points;
 
 use crate::code::Code;
-use crate::function::description::{Description, Quantity, Requirement};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, LINES, Occasion, Outcome, Setting, SlotSetup, SlotType};
-use crate::function::shown::Shown;
+use crate::function::guest::*;
 use crate::function::time::check_cycle;
-use crate::function::types::Kind;
 use points::{Points, check_tables};
 use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;

@@ -7,11 +7,7 @@
 //! Refuses  only values outside the ranges of the fields
 //! Source   AMK-DIGDREH-01 to -08 with
 
-use crate::function::description::{AmkLimits, Description, Quantity, Requirement};
-use crate::function::field::{Field, Words, place};
-use crate::function::program::{CallInputs, Outcome, SlotSetup, SlotType};
-use crate::function::types::Kind;
-use crate::function::wires::Width;
+use crate::function::guest::*;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.

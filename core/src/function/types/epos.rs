@@ -17,14 +17,8 @@
 mod ramp;
 
 use crate::code::Code;
-use crate::function::description::{AmkLimits, Description, MarkSource};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{
-    CallInputs, Fault, GoalRequest, Outcome, Progress, Setting, SlotSetup, SlotType, WORDS,
-};
-use crate::function::shown::Shown;
+use crate::function::guest::*;
 use crate::function::time::{check_cycle, check_cycle_bounds};
-use crate::function::types::Kind;
 use ramp::{
     INC, MAX_DISTANCE, MAX_VELOCITY, approach, approach_end, change, is_long_enough, length, quotient_in_parts,
     velocity,

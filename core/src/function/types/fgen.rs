@@ -16,12 +16,8 @@
 mod pace;
 
 use crate::code::Code;
-use crate::function::description::{AmkLimits, Description, Monitored};
-use crate::function::field::{CellBound, Field, Words, number, place};
-use crate::function::program::{CallInputs, Drive, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
-use crate::function::shown::Shown;
+use crate::function::guest::*;
 use crate::function::time::check_cycle;
-use crate::function::types::Kind;
 use pace::{FULL, Motion, Rate, VelocityStep};
 use serde::{Deserialize, Serialize};
 

@@ -10,11 +10,7 @@
 
 use crate::code::Code;
 use crate::event::Number;
-use crate::function::description::{AmkLimits, Description, MarkSource, Requirement};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
-use crate::function::types::Kind;
-use crate::function::wires::Width;
+use crate::function::guest::*;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.

@@ -12,11 +12,7 @@
 //! Source   AMK-REGL-01 to -41 with R1 to R9
 
 use crate::code::Code;
-use crate::function::description::{AmkLimits, Description, Quantity, Requirement};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType, WORDS};
-use crate::function::types::Kind;
-use crate::function::wires::Width;
+use crate::function::guest::*;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.

@@ -11,10 +11,7 @@
 //! Source   AMK-SIDIFF-01 to -17 with
 
 use crate::code::Code;
-use crate::function::description::{AmkLimits, Description, Monitored};
-use crate::function::field::{CellBound, Field, Words, place};
-use crate::function::program::{CallInputs, Drive, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
-use crate::function::types::Kind;
+use crate::function::guest::*;
 use crate::function::window::Window;
 use crate::table::{Form, Table};
 use serde::{Deserialize, Serialize};

@@ -10,13 +10,9 @@
 //! Source   AMK-VARSYNC-01 to -16 with A-38 to -40, AMK-SAK-05
 
 use crate::code::Code;
-use crate::function::description::{Description, Requirement};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::guest::*;
 use crate::function::sak::Sak;
-use crate::function::shown::OF_SAK;
 use crate::function::time::check_cycle;
-use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.

@@ -11,12 +11,8 @@ use super::register::{BEFORE_SAK, MARKS, Marks};
 use super::setup::{Movement, Setup};
 use crate::cam::Scale;
 use crate::code::Code;
-use crate::function::description::{Description, MarkSource};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
-use crate::function::shown::OF_MARKS;
+use crate::function::guest::*;
 use crate::function::time::{HALF_MS, check_cycle};
-use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.

@@ -10,13 +10,9 @@
 use super::check::{self, AllowedTables, check_tables};
 use super::setup::Setup;
 use crate::cam::{Curve, Scale, Total};
-use crate::function::description::{Description, Requirement};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, LINES, Outcome, Setting, SlotSetup, SlotType};
+use crate::function::guest::*;
 use crate::function::sak::Sak;
-use crate::function::shown::OF_SAK;
 use crate::function::time::check_cycle;
-use crate::function::types::Kind;
 use serde::{Deserialize, Serialize};
 
 /// The parameter set.

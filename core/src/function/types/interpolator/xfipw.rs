@@ -15,12 +15,8 @@ use super::setup::{Movement, Setup};
 use super::{Interpolator, fipw, value_at};
 use crate::cam::{Curve, Scale};
 use crate::code::Code;
-use crate::function::description::{Description, MarkSource};
-use crate::function::field::{Field, Words, number, place};
-use crate::function::program::{CallInputs, Fault, Outcome, Setting, SlotSetup, SlotType};
-use crate::function::shown::OF_MARKS_AND_ANSWER;
+use crate::function::guest::*;
 use crate::function::time::check_cycle;
-use crate::function::types::Kind;
 use crate::table::Form;
 use serde::{Deserialize, Serialize};
 
