@@ -1,16 +1,30 @@
 //! Values by name: parameters, memory cells, outputs and sets of functions; numbers of a table.
 
+use super::axis;
 use super::numbers::rate;
-use super::{NAMELESS, axis};
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::parameter::{Change, MACHINE, Measure, Value};
+use lineshaft_core::request::NAMELESS;
 use lineshaft_core::table::{Form, Table};
 use serde::{Serialize, Serializer};
 
 /// Names and values in the order of the command.
+#[derive(Default)]
 pub(in crate::recording::verb) struct Entries(pub(in crate::recording::verb) Vec<(String, Scalar)>);
 
 impl Entries {
+    pub(super) fn of<const N: usize>(entries: [(&str, Scalar); N]) -> Self {
+        Self(entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+    }
+
+    /// Adds an entry, unless it is empty.
+    pub(super) fn with(mut self, name: &str, entries: Self) -> Self {
+        if !entries.is_empty() {
+            self.0.push((name.to_owned(), Scalar::Entries(entries)));
+        }
+        self
+    }
+
     pub(in crate::recording::verb) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -26,9 +40,18 @@ impl Serialize for Entries {
 #[serde(untagged)]
 pub(in crate::recording::verb) enum Scalar {
     Nothing,
+    Truth(bool),
     Text(String),
     Whole(i128),
     Real(f64),
+    Texts(Vec<String>),
+    Entries(Entries),
+}
+
+impl From<&str> for Scalar {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
 }
 
 /// Numbers of a table as in its cell.
