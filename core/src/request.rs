@@ -32,7 +32,7 @@ pub use setpoints::SetpointRequest;
 pub use synchronize::{CamRequest, SynchronizeRequest, factor};
 pub use touch_probe::{AbortTriggerRequest, TouchProbeRequest};
 pub use trajectory::{MAX_START_NS, PointRequest, ToleranceRequest, TrajectoryRequest, ZERO_VELOCITY_TOLERANCE};
-pub use verb::{NAMELESS, Named, Presence, UnitOf, Verb, VerbFields};
+pub use verb::{NAMELESS, Named, NewVerb, Presence, UnitOf, Verb, VerbFields};
 
 use self::choice::{chosen, names, number_of};
 use crate::command::{Action, BufferMode, Move, MoveMode, Probe, ProbeEdge};
@@ -88,7 +88,7 @@ impl Units {
 }
 
 /// The requests that are verbs by name, each with its defaults.
-pub const REQUESTS: [(&str, fn() -> Box<dyn Verb>); 10] = [
+pub const REQUESTS: [(&str, NewVerb); 10] = [
     ("move_axis", new::<MoveRequest>),
     ("probe_axis", new::<ProbeRequest>),
     ("touch_probe", new::<TouchProbeRequest>),
@@ -154,6 +154,7 @@ impl MoveRequest {
 
     /// Lists the fields of the motion itself, with its possible modes.
     fn motion_fields(&mut self, modes: &[&'static str], fields: &mut dyn VerbFields) {
+        fields.id();
         fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
         fields.choice("mode", modes, Presence::Written, &mut self.mode);
         fields.units(&mut self.units);
@@ -185,10 +186,6 @@ impl Verb for MoveRequest {
         let resolved = if recorded { config.resolve_recorded_move(self) } else { config.resolve_move(self) };
         resolved.map(Action::Move)
     }
-
-    fn is_goal(&self) -> bool {
-        true
-    }
 }
 
 impl ProbeRequest {
@@ -213,10 +210,6 @@ impl Verb for ProbeRequest {
 
     fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
         config.resolve_probe(self).map(Action::Probe)
-    }
-
-    fn is_goal(&self) -> bool {
-        true
     }
 }
 

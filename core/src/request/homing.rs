@@ -49,6 +49,7 @@ impl HomeRequest {
 
 impl Verb for HomeRequest {
     fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.id();
         fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
         fields.choice("scheme", &SCHEMES, Presence::Optional, &mut self.scheme);
         let presence = if self.scheme == 0 { Presence::Optional } else { Presence::Written };
@@ -59,10 +60,6 @@ impl Verb for HomeRequest {
 
     fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
         config.resolve_home(self).map(Action::HomeAxis)
-    }
-
-    fn is_goal(&self) -> bool {
-        true
     }
 
     fn place(&self, error: &RequestError) -> Option<&'static str> {

@@ -48,6 +48,7 @@ impl PhaseRequest {
 
 impl Verb for PhaseRequest {
     fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.id();
         fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
         fields.choice("side", &SIDES, Presence::Written, &mut self.side);
         let of = if self.side == 0 { UnitOf::Axis } else { UnitOf::Leader };
@@ -58,10 +59,6 @@ impl Verb for PhaseRequest {
 
     fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
         config.resolve_phase(self).map(Action::Phase)
-    }
-
-    fn is_goal(&self) -> bool {
-        true
     }
 }
 

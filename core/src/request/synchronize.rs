@@ -155,6 +155,7 @@ impl CamRequest {
 
 impl Verb for SynchronizeRequest {
     fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.id();
         fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
         fields.name("master", Named::Leader, Presence::Optional, &mut self.master);
         fields.choice("mode", &names(&MODES), Presence::Written, &mut self.mode);
@@ -193,10 +194,6 @@ impl Verb for SynchronizeRequest {
         let resolved =
             if recorded { config.resolve_recorded_synchronize(self) } else { config.resolve_synchronize(self) };
         resolved.map(Action::Synchronize)
-    }
-
-    fn is_goal(&self) -> bool {
-        true
     }
 }
 

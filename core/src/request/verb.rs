@@ -58,6 +58,9 @@ pub trait VerbFields {
     /// Sets the order of the fields in messages, if it differs from that of recordings.
     fn list_in_order(&mut self, keys: &[&'static str]);
 
+    /// The ID of a goal, by which a cancel names it, field `id`.
+    fn id(&mut self);
+
     /// A name; empty: none.
     fn name(&mut self, key: &'static str, of: Named, presence: Presence, value: &mut String);
 
@@ -92,9 +95,12 @@ pub trait VerbFields {
     fn belongs(&mut self, key: &'static str, holds: bool, to: &'static str);
 }
 
+/// Returns a verb with its defaults.
+pub type NewVerb = fn() -> Box<dyn Verb>;
+
 /// A request with names and units that is a verb.
 pub trait Verb {
-    /// Lists all fields, without `id`.
+    /// Lists all fields.
     fn fields(&mut self, fields: &mut dyn VerbFields);
 
     /// Converts the request to a command; a `recorded` one as older programs accepted it.
@@ -102,11 +108,6 @@ pub trait Verb {
     /// # Errors
     /// An error in the request itself.
     fn resolve(&self, config: &MachineConfig, recorded: bool) -> Result<Action, RequestError>;
-
-    /// Returns true if it is a goal, whose `id` a cancel can name.
-    fn is_goal(&self) -> bool {
-        false
-    }
 
     /// Returns the field at which an error is reported; `None`: at the verb.
     fn place(&self, _error: &RequestError) -> Option<&'static str> {

@@ -12,7 +12,7 @@ use lineshaft_core::command::{Action, MemoryValue, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{Change, Layer, Row};
-use lineshaft_core::request::{REQUESTS, RequestError, Units, Verb};
+use lineshaft_core::request::{NewVerb, REQUESTS, RequestError, Units};
 use lineshaft_core::unit::{Scale, excerpt};
 use std::sync::LazyLock;
 
@@ -32,6 +32,10 @@ pub(super) use amount::parameter_input;
 pub(crate) use recorded::{parameter_change, recorded_command};
 pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
+pub(crate) use wf::{JOGS as WF_JOGS, MODES as WF_MODES};
+
+/// Effect of a verb, and the index of its ID.
+type EffectOfGoal = (Option<Effect>, Option<usize>);
 
 /// Reader of the arguments of a verb.
 #[derive(Clone, Copy)]
@@ -41,11 +45,11 @@ enum Arguments {
     /// No arguments.
     Nothing(fn() -> Action),
     /// The fields of a request of the core.
-    Request(fn() -> Box<dyn Verb>),
+    Request(NewVerb),
     /// Others.
     Own(fn(&mut Reader<'_>, &Value<'_>) -> Option<Effect>),
     /// Others, with an ID.
-    Goal(fn(&mut Reader<'_>, &Value<'_>) -> (Option<Effect>, Option<usize>)),
+    Goal(fn(&mut Reader<'_>, &Value<'_>) -> EffectOfGoal),
 }
 
 /// Verbs before those of the core.

@@ -54,15 +54,15 @@ struct LoadTable<'a> {
 /// Returns the verb of a command, as JSON.
 pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
     let id = command.sequence.to_string();
-    let axes = |set: &AxisSet| Entries::of([("axes", axes(*set, config))]);
+    let of_axes = |set: &AxisSet| Entries::of([("axes", axes(*set, config))]);
     let nothing = Entries::default();
     match &command.action {
         Action::Trajectory(run) => text("follow_joint_trajectory", &trajectory::follow(id, run, config)),
-        Action::Enable(set) => text("enable", &axes(set)),
-        Action::Disable(set) => text("disable", &axes(set)),
-        Action::Halt(set) => text("halt", &axes(set)),
-        Action::QuickStop(set) => text("quick_stop", &axes(set)),
-        Action::ResetErrors(set) => text("reset_errors", &axes(set)),
+        Action::Enable(set) => text("enable", &of_axes(set)),
+        Action::Disable(set) => text("disable", &of_axes(set)),
+        Action::Halt(set) => text("halt", &of_axes(set)),
+        Action::QuickStop(set) => text("quick_stop", &of_axes(set)),
+        Action::ResetErrors(set) => text("reset_errors", &of_axes(set)),
         Action::Activate => text("activate", &nothing),
         Action::Deactivate => text("deactivate", &nothing),
         Action::Abort => text("abort", &nothing),
@@ -76,14 +76,13 @@ pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
         Action::SetParameters(changes) => {
             text("set_parameters", &Entries(changes.iter().map(|change| parameter(change, config)).collect()))
         }
-        Action::SaveParameters(set) => text("save_parameters", &axes(set)),
+        Action::SaveParameters(set) => text("save_parameters", &of_axes(set)),
         Action::ResetParameters { axes: set, layer } => {
-            let mut arguments = axes(set);
             let name = Layer::NAMES.iter().find(|(_, known)| known == layer).filter(|_| *layer != Layer::User);
-            arguments.0.extend(name.map(|(name, _)| ("layer".to_owned(), (*name).into())));
-            text("reset_parameters", &arguments)
+            let name = name.map(|(name, _)| (*name).into());
+            text("reset_parameters", &Entries::some([("axes", Some(axes(*set, config))), ("layer", name)]))
         }
-        Action::DeleteParameters(set) => text("delete_parameters", &axes(set)),
+        Action::DeleteParameters(set) => text("delete_parameters", &of_axes(set)),
         Action::PowerCycle => text("inject", &Entries::of([("power_cycle", Scalar::Entries(nothing))])),
         Action::SetMemory(values) => {
             let values = values.iter().map(|value| cell(value.index, value.value, config));
@@ -97,15 +96,15 @@ pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
             let order = Order::ALL.iter().find(|(order, ..)| *order == request.order);
             let function = config.name(Object::Function(request.slot)).into();
             let order = order.map_or(NAMELESS, |(_, name, _)| name).into();
-            let values = set_values(request.slot, &request.values, config);
-            let arguments = Entries::of([("function", function), ("command", order)]);
-            text("command_function", &arguments.with("parameters", values))
+            let values = set_values(request.slot, &request.values, config).unless_empty();
+            let arguments = [("function", Some(function)), ("command", Some(order)), ("parameters", values)];
+            text("command_function", &Entries::some(arguments))
         }
         Action::RunFunction(request) => {
             let function = config.name(Object::Function(request.slot)).into();
-            let values = set_values(request.slot, &request.values, config);
-            let arguments = Entries::of([("id", Scalar::Text(id)), ("function", function)]);
-            text("run_function", &arguments.with("parameters", values))
+            let values = set_values(request.slot, &request.values, config).unless_empty();
+            let arguments = [("id", Some(Scalar::Text(id))), ("function", Some(function)), ("parameters", values)];
+            text("run_function", &Entries::some(arguments))
         }
         Action::LoadTable { index, table } => {
             text("load_table", &LoadTable { table: config.name(Object::Table(*index)), points: Numbers(table) })
@@ -125,17 +124,16 @@ pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
         }
         action => match config.describe(action) {
             Some((verb, mut request)) => {
-                let id = request.is_goal().then_some(("id".to_owned(), Scalar::Text(id)));
-                let mut fields = FieldWriter(Entries(id.into_iter().collect()));
+                let mut fields = FieldWriter { id: command.sequence, entries: Entries::default() };
                 request.fields(&mut fields);
-                text(verb, &fields.0)
+                text(verb, &fields.entries)
             }
             None => text(NAMELESS, &nothing),
         },
     }
 }
 
-fn time(ns: u64) -> Scalar {
+pub(super) fn time(ns: u64) -> Scalar {
     Scalar::Text(format!("{ns} ns"))
 }
 
@@ -145,9 +143,9 @@ pub(super) fn axis(index: u16, config: &MachineConfig) -> &str {
 
 fn axes(set: AxisSet, config: &MachineConfig) -> Scalar {
     // An empty list would be read as all axes.
-    let nothing = if config.axes.is_empty() { vec![] } else { vec![NAMELESS.to_owned()] };
-    let names = set.iter().map(|index| axis(index, config).to_owned()).collect();
-    Scalar::Texts(if set.is_empty() { nothing } else { names })
+    let nothing = if config.axes.is_empty() { vec![] } else { vec![NAMELESS.into()] };
+    let names = set.iter().map(|index| axis(index, config).into()).collect();
+    Scalar::List(if set.is_empty() { nothing } else { names })
 }
 
 /// Compact JSON with all characters escaped that YAML does not allow in plain form.

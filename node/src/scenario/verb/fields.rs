@@ -1,7 +1,7 @@
 //! Reads the fields of a request from the arguments of its verb.
 
 use super::amount::amount;
-use super::{Effect, Reader};
+use super::{Effect, EffectOfGoal, Ids, Reader};
 use crate::document::{Allowed, Map, Value};
 use crate::scenario::moment::bare;
 use crate::scenario::names::Names;
@@ -12,8 +12,10 @@ use std::ops::RangeInclusive;
 /// Reader of the fields of one request.
 struct FieldReader<'r, 'd> {
     names: &'r Names<'r>,
+    ids: &'r mut Ids,
     recorded: bool,
     map: Map<'d>,
+    id: Option<usize>,
     /// Values that were read without a problem.
     read: Vec<(&'static str, Value<'d>)>,
     scale: Option<Scale>,
@@ -26,19 +28,15 @@ struct FieldReader<'r, 'd> {
 }
 
 impl Reader<'_> {
-    /// Reads a request, and its ID if it is a goal.
-    pub(super) fn request(
-        &mut self,
-        verb: &str,
-        mut request: Box<dyn Verb>,
-        value: &Value<'_>,
-    ) -> (Option<Effect>, Option<usize>) {
-        let Some(mut map) = value.map(verb) else { return (None, None) };
-        let id = if request.is_goal() { map.optional("id").and_then(|id| self.ids.carry(&id)) } else { None };
+    /// Reads a request, and its ID if it has one.
+    pub(super) fn request(&mut self, verb: &str, mut request: Box<dyn Verb>, value: &Value<'_>) -> EffectOfGoal {
+        let Some(map) = value.map(verb) else { return (None, None) };
         let mut fields = FieldReader {
             names: self.names,
+            ids: self.ids,
             recorded: self.recorded,
             map,
+            id: None,
             read: Vec::new(),
             scale: None,
             leader_scale: None,
@@ -47,7 +45,7 @@ impl Reader<'_> {
             is_good: true,
         };
         request.fields(&mut fields);
-        let FieldReader { map, read, units_error, is_good, .. } = fields;
+        let FieldReader { map, id, read, units_error, is_good, .. } = fields;
         map.finish();
         let deed = match units_error {
             Some(error) => self.to_command(value, Err(error)),
@@ -129,6 +127,10 @@ impl VerbFields for FieldReader<'_, '_> {
 
     fn list_in_order(&mut self, keys: &[&'static str]) {
         self.map.list_in_order(keys);
+    }
+
+    fn id(&mut self) {
+        self.id = self.map.optional("id").and_then(|id| self.ids.carry(&id));
     }
 
     fn name(&mut self, key: &'static str, of: Named, presence: Presence, value: &mut String) {

@@ -2,7 +2,7 @@
 
 use super::amount::amount;
 use super::plan::Plan;
-use super::{Effect, Reader, units};
+use super::{Effect, EffectOfGoal, Reader, units};
 use crate::cell::trajectory_limits;
 use crate::document::{Allowed, Document, Map, Value};
 use crate::scenario::{moment, names::Names};
@@ -57,7 +57,7 @@ impl Reader<'_> {
         self.to_command(value, self.names.config.resolve_query_trajectory(&axis, at_ns).map(Action::QueryTrajectory))
     }
 
-    pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
+    pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> EffectOfGoal {
         let Some(mut map) = value.map("follow_joint_trajectory") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let file = map.optional("file");

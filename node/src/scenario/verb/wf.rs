@@ -27,7 +27,7 @@ use lineshaft_core::unit::Scale;
 use lineshaft_core::vocabulary::wf::{Block, Blocks, FIXED_SPEEDS, Jog, MAX_BLOCKS, Mode, Request, Speed};
 
 /// Modes by name.
-const MODES: [(&str, Mode); 8] = [
+pub(crate) const MODES: [(&str, Mode); 8] = [
     ("mdi", Mode::Mdi),
     ("single", Mode::Single),
     ("automatic", Mode::Automatic),
@@ -38,7 +38,7 @@ const MODES: [(&str, Mode); 8] = [
     ("actual_value", Mode::ActualValue),
 ];
 
-const JOGS: [(&str, Jog); 4] = [("none", Jog::None), ("plus", Jog::Plus), ("minus", Jog::Minus), ("both", Jog::Both)];
+pub(crate) const JOGS: [(&str, Jog); 4] = [("none", Jog::None), ("plus", Jog::Plus), ("minus", Jog::Minus), ("both", Jog::Both)];
 
 /// Error of a part of the verb: reported already, or to be returned as refusal of the verb.
 enum Trouble {

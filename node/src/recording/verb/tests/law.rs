@@ -3,8 +3,8 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    CamRequest, MoveRequest, Named, PointRequest, Presence, REQUESTS, Rates, SetpointRequest, SynchronizeRequest,
-    ToleranceRequest, TrajectoryRequest, UnitOf, Units, Verb, VerbFields, factor,
+    CamRequest, MoveRequest, Named, NewVerb, PointRequest, Presence, REQUESTS, Rates, SetpointRequest,
+    SynchronizeRequest, ToleranceRequest, TrajectoryRequest, UnitOf, Units, Verb, VerbFields, factor,
 };
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
 use lineshaft_core::unit::Fraction;
@@ -94,7 +94,7 @@ impl Dice {
     }
 
     /// Returns a request of a verb; the same for the same seed.
-    fn request(verb: fn() -> Box<dyn Verb>, seed: &[u8; 32]) -> Box<dyn Verb> {
+    fn request(verb: NewVerb, seed: &[u8; 32]) -> Box<dyn Verb> {
         let numbers = TestRng::from_seed(RngAlgorithm::ChaCha, seed);
         let mut request = verb();
         request.fields(&mut Self(TestRunner::new_with_rng(ProptestConfig::default(), numbers)));
@@ -108,6 +108,8 @@ impl VerbFields for Dice {
     }
 
     fn list_in_order(&mut self, _: &[&'static str]) {}
+
+    fn id(&mut self) {}
 
     fn name(&mut self, key: &'static str, of: Named, _: Presence, value: &mut String) {
         let names: &[&str] = match of {

@@ -8,22 +8,29 @@ use lineshaft_core::unit::{Fraction, fraction_to_digits};
 use std::ops::RangeInclusive;
 
 /// Writer of the fields of one request; default values are left out.
-pub(super) struct FieldWriter(pub(super) Entries);
+pub(super) struct FieldWriter {
+    pub(super) id: u64,
+    pub(super) entries: Entries,
+}
 
 impl FieldWriter {
     fn write(&mut self, key: &str, presence: Presence, is_default: bool, value: impl FnOnce() -> Scalar) {
         if presence != Presence::Optional || !is_default {
-            self.0.0.push((key.to_owned(), value()));
+            self.entries.0.push((key.to_owned(), value()));
         }
     }
 }
 
 impl VerbFields for FieldWriter {
     fn has(&self, key: &str) -> bool {
-        self.0.0.iter().any(|(known, _)| known == key)
+        self.entries.0.iter().any(|(known, _)| known == key)
     }
 
     fn list_in_order(&mut self, _: &[&'static str]) {}
+
+    fn id(&mut self) {
+        self.entries.0.push(("id".to_owned(), Scalar::Text(self.id.to_string())));
+    }
 
     fn name(&mut self, key: &'static str, _: Named, presence: Presence, value: &mut String) {
         self.write(key, presence, value.is_empty(), || Scalar::Text(value.clone()));

@@ -13,20 +13,17 @@ use serde::{Serialize, Serializer};
 pub(in crate::recording::verb) struct Entries(pub(in crate::recording::verb) Vec<(String, Scalar)>);
 
 impl Entries {
-    pub(super) fn of<const N: usize>(entries: [(&str, Scalar); N]) -> Self {
-        Self(entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+    pub(in crate::recording::verb) fn of<const N: usize>(entries: [(&str, Scalar); N]) -> Self {
+        Self::some(entries.map(|(name, value)| (name, Some(value))))
     }
 
-    /// Adds an entry, unless it is empty.
-    pub(super) fn with(mut self, name: &str, entries: Self) -> Self {
-        if !entries.is_empty() {
-            self.0.push((name.to_owned(), Scalar::Entries(entries)));
-        }
-        self
+    /// Returns those entries that have a value.
+    pub(in crate::recording::verb) fn some<const N: usize>(entries: [(&str, Option<Scalar>); N]) -> Self {
+        Self(entries.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect())
     }
 
-    pub(in crate::recording::verb) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+    pub(in crate::recording::verb) fn unless_empty(self) -> Option<Scalar> {
+        (!self.0.is_empty()).then_some(Scalar::Entries(self))
     }
 }
 
@@ -44,7 +41,7 @@ pub(in crate::recording::verb) enum Scalar {
     Text(String),
     Whole(i128),
     Real(f64),
-    Texts(Vec<String>),
+    List(Vec<Scalar>),
     Entries(Entries),
 }
 
