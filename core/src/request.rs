@@ -3,6 +3,7 @@
 //! Errors of a request itself (an unknown name, an invalid number) are reported here with a message and never reach the
 //! machine. The machine refuses motion that limits or states do not allow.
 
+mod choice;
 mod error;
 mod function;
 mod gear_out;
@@ -18,6 +19,7 @@ mod setpoints;
 mod synchronize;
 mod touch_probe;
 mod trajectory;
+mod verb;
 
 pub use error::RequestError;
 pub use function::{FieldValue, FunctionRequest};
@@ -30,32 +32,77 @@ pub use setpoints::SetpointRequest;
 pub use synchronize::{CamRequest, SynchronizeRequest, factor};
 pub use touch_probe::{AbortTriggerRequest, TouchProbeRequest};
 pub use trajectory::{MAX_START_NS, PointRequest, ToleranceRequest, TrajectoryRequest, ZERO_VELOCITY_TOLERANCE};
+pub use verb::{NAMELESS, Named, NewVerb, Presence, UnitOf, Verb, VerbFields};
 
-use crate::command::{Move, MoveMode, Probe, ProbeEdge};
+use self::choice::{chosen, names, number_of};
+use crate::command::{Action, BufferMode, Move, MoveMode, Probe, ProbeEdge};
 use crate::config::{AxisConfig, IoKind, MachineConfig, max_of_row};
+use crate::modulo::Direction;
 use crate::object::{AxisSet, Leader, Object, VIRTUAL_MASTER};
 use crate::parameter::{self, Applies, Change, ConvertError, MACHINE, ParameterInput, Row, Word};
 use crate::text::{allowed_text, expected_text};
 pub use crate::unit::{Amount, Units};
 use crate::unit::{Scale, UnitError};
 
+/// Modes of a positioning goal.
+const MODES: [(&str, MoveMode); 5] = [
+    ("absolute", MoveMode::Absolute),
+    ("relative", MoveMode::Relative),
+    ("additive", MoveMode::Additive),
+    ("velocity", MoveMode::Velocity),
+    ("superimposed", MoveMode::Superimposed),
+];
+const BUFFER_MODES: [(&str, BufferMode); 6] = [
+    ("aborting", BufferMode::Aborting),
+    ("buffered", BufferMode::Buffered),
+    ("blending_low", BufferMode::BlendingLow),
+    ("blending_previous", BufferMode::BlendingPrevious),
+    ("blending_next", BufferMode::BlendingNext),
+    ("blending_high", BufferMode::BlendingHigh),
+];
+const DIRECTIONS: [(&str, Direction); 4] = [
+    ("shortest", Direction::Shortest),
+    ("positive", Direction::Positive),
+    ("negative", Direction::Negative),
+    ("current", Direction::Current),
+];
+const EDGES: [(&str, ProbeEdge); 4] = [
+    ("rising", ProbeEdge::Rising),
+    ("falling", ProbeEdge::Falling),
+    ("both", ProbeEdge::Both),
+    ("index", ProbeEdge::Index),
+];
+
 impl Units {
+    /// All units by name; the place is the number in the interface.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("si", Self::Si), ("axis_unit", Self::AxisUnit), ("increments", Self::Increments)];
+
     /// Converts the numbers of the interface.
     ///
     /// # Errors
     /// A number without a meaning.
     pub fn from_number(number: u8) -> Result<Self, RequestError> {
-        match number {
-            0 => Ok(Self::Si),
-            1 => Ok(Self::AxisUnit),
-            2 => Ok(Self::Increments),
-            other => Err(RequestError::BadChoice {
-                field: "units",
-                value: other.into(),
-                allowed: "0 SI, 1 AXIS_UNIT, 2 INCREMENTS are allowed",
-            }),
-        }
+        chosen("units", number, &Self::ALL)
     }
+}
+
+/// The requests that are verbs by name, each with its defaults.
+pub const REQUESTS: [(&str, NewVerb); 10] = [
+    ("move_axis", new::<MoveRequest>),
+    ("probe_axis", new::<ProbeRequest>),
+    ("touch_probe", new::<TouchProbeRequest>),
+    ("abort_trigger", new::<AbortTriggerRequest>),
+    ("home_axis", new::<HomeRequest>),
+    ("set_position", new::<SetPositionRequest>),
+    ("synchronize", new::<SynchronizeRequest>),
+    ("phase", new::<PhaseRequest>),
+    ("gear_out", new::<GearOutRequest>),
+    ("out_an", new::<OutAnRequest>),
+];
+
+fn new<V: Verb + Default + 'static>() -> Box<dyn Verb> {
+    Box::<V>::default()
 }
 
 /// A positioning goal with names and units.
@@ -90,7 +137,128 @@ pub struct ProbeRequest {
     pub distance: Amount,
 }
 
+impl MoveRequest {
+    /// Returns the request of a command, in increments.
+    fn of(command: &Move, config: &MachineConfig) -> Self {
+        let Move { velocity, acceleration, deceleration, jerk, .. } = *command;
+        Self {
+            axis: config.name_or_nameless(Object::Axis(command.axis)),
+            mode: number_of(&MODES, &command.mode),
+            units: Units::default(),
+            position: Amount::Increments(command.target),
+            rates: Rates::in_increments([velocity, acceleration, deceleration, jerk]),
+            buffer_mode: number_of(&BUFFER_MODES, &command.buffer_mode),
+            direction: number_of(&DIRECTIONS, &command.direction),
+        }
+    }
+
+    /// Lists the fields of the motion itself, with its possible modes.
+    fn motion_fields(&mut self, modes: &[&'static str], fields: &mut dyn VerbFields) {
+        fields.id();
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.choice("mode", modes, Presence::Written, &mut self.mode);
+        fields.units(&mut self.units);
+        // Only mode velocity has no position; otherwise a forgotten position would be 0.
+        let (position, velocity) = match MODES.get(usize::from(self.mode)) {
+            Some((_, MoveMode::Velocity)) => (Presence::Optional, Presence::Written),
+            Some(_) => (Presence::Expected, Presence::Optional),
+            None => (Presence::Optional, Presence::Optional),
+        };
+        fields.amount("position", 0, UnitOf::Axis, position, &mut self.position);
+        let Rates { velocity: v, acceleration, deceleration, jerk } = &mut self.rates;
+        let presences = [velocity, Presence::Optional, Presence::Optional, Presence::Optional];
+        for (((key, order), presence), rate) in
+            Rates::FIELDS.into_iter().zip(presences).zip([v, acceleration, deceleration, jerk])
+        {
+            fields.amount(key, order, UnitOf::Axis, presence, rate);
+        }
+    }
+}
+
+impl Verb for MoveRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        self.motion_fields(&names(&MODES), fields);
+        fields.choice("direction", &names(&DIRECTIONS), Presence::Optional, &mut self.direction);
+        fields.choice("buffer_mode", &names(&BUFFER_MODES), Presence::Optional, &mut self.buffer_mode);
+    }
+
+    fn resolve(&self, config: &MachineConfig, recorded: bool) -> Result<Action, RequestError> {
+        let resolved = if recorded { config.resolve_recorded_move(self) } else { config.resolve_move(self) };
+        resolved.map(Action::Move)
+    }
+}
+
+impl ProbeRequest {
+    /// Returns the request of a command, in increments.
+    fn of(command: &Probe, config: &MachineConfig) -> Self {
+        Self {
+            search: MoveRequest::of(&command.search(), config),
+            event: config.name_or_nameless(command.source),
+            edge: number_of(&EDGES, &command.edge),
+            distance: Amount::Increments(command.distance),
+        }
+    }
+}
+
+impl Verb for ProbeRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        self.search.motion_fields(&names(&MODES[..2]), fields);
+        fields.name("event", Named::Other, Presence::Required, &mut self.event);
+        fields.choice("edge", &names(&EDGES), Presence::Optional, &mut self.edge);
+        fields.amount("distance", 0, UnitOf::Axis, Presence::Written, &mut self.distance);
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_probe(self).map(Action::Probe)
+    }
+}
+
 impl MachineConfig {
+    /// Returns the verb of a command and its request, with numbers in increments; `None` for the verbs that are not in
+    /// [`REQUESTS`].
+    pub fn describe(&self, action: &Action) -> Option<(&'static str, Box<dyn Verb>)> {
+        Some(match action {
+            Action::Move(command) => ("move_axis", Box::new(MoveRequest::of(command, self))),
+            Action::Probe(command) => ("probe_axis", Box::new(ProbeRequest::of(command, self))),
+            Action::TouchProbe(command) => ("touch_probe", Box::new(TouchProbeRequest::of(command, self))),
+            Action::AbortTrigger(command) => ("abort_trigger", Box::new(AbortTriggerRequest::of(command, self))),
+            Action::HomeAxis(command) => ("home_axis", Box::new(HomeRequest::of(command, self))),
+            Action::SetPosition(_)
+            | Action::ShiftPosition(_)
+            | Action::SetEncoderPosition(_)
+            | Action::SetMasterPosition(_) => ("set_position", Box::new(SetPositionRequest::of(action, self)?)),
+            Action::Synchronize(command) => ("synchronize", Box::new(SynchronizeRequest::of(command, self))),
+            Action::Phase(command) => ("phase", Box::new(PhaseRequest::of(command, self))),
+            Action::GearOut(command) => ("gear_out", Box::new(GearOutRequest::of(command, self))),
+            Action::OutAn(command) => ("out_an", Box::new(OutAnRequest::of(command, self))),
+            Action::Enable(_)
+            | Action::Disable(_)
+            | Action::Halt(_)
+            | Action::QuickStop(_)
+            | Action::Abort
+            | Action::ResetErrors(_)
+            | Action::Activate
+            | Action::Deactivate
+            | Action::Trajectory(_)
+            | Action::QueryTrajectory(_)
+            | Action::Vocabulary(_)
+            | Action::Cancel { .. }
+            | Action::SetParameters(_)
+            | Action::SaveParameters(_)
+            | Action::ResetParameters { .. }
+            | Action::DeleteParameters(_)
+            | Action::PowerCycle
+            | Action::SetMemory(_)
+            | Action::CommandFunction(_)
+            | Action::RunFunction(_)
+            | Action::LoadTable { .. }
+            | Action::LoadProgram { .. }
+            | Action::SetOutputs(_)
+            | Action::Refuse(_)
+            | Action::Note { .. } => return None,
+        })
+    }
+
     /// Returns the axis of that name.
     ///
     /// # Errors
@@ -162,7 +330,7 @@ impl MachineConfig {
         let (index, axis) = self.find_axis(&request.axis)?;
         let (units, scale) = (request.units, &axis.scale);
         // The first one of several errors is reported, in the order of the fields.
-        let mode = move_mode(request.mode)?;
+        let mode = chosen("mode", request.mode, &MODES)?;
         let target = request.position.length(units, scale).map_err(|error| bad_value("position", error))?;
         let [velocity, acceleration, deceleration, jerk] = request.rates.resolve(units, scale)?;
         Ok(Move {
@@ -173,7 +341,7 @@ impl MachineConfig {
             acceleration,
             deceleration,
             jerk,
-            direction: direction(request.direction)?,
+            direction: chosen("direction", request.direction, &DIRECTIONS)?,
             buffer_mode: buffer_mode(request.buffer_mode)?,
         })
     }
@@ -236,15 +404,13 @@ impl MachineConfig {
 
     /// Returns the edge of that number, for a latch of an axis.
     fn probe_edge(&self, edge: u8, axis: u16, source: Object) -> Result<ProbeEdge, RequestError> {
-        let allowed = match edge {
-            0 => return Ok(ProbeEdge::Rising),
-            1 => return Ok(ProbeEdge::Falling),
-            2 => return Ok(ProbeEdge::Both),
-            3 if source == Object::Axis(axis) => return Ok(ProbeEdge::Index),
-            3 => "INDEX is that of the axis itself, which event has to name",
-            _ => "0 RISING, 1 FALLING, 2 BOTH, 3 INDEX are allowed",
-        };
-        Err(RequestError::BadChoice { field: "edge", value: edge.into(), allowed })
+        match chosen("edge", edge, &EDGES)? {
+            ProbeEdge::Index if source != Object::Axis(axis) => {
+                let allowed = "INDEX is that of the axis itself, which event has to name";
+                Err(RequestError::BadChoice { field: "edge", value: edge.into(), allowed })
+            }
+            edge => Ok(edge),
+        }
     }
 
     /// Converts a parameter `axis.key` and a value to a change.
@@ -301,51 +467,12 @@ fn bad_value(field: &str, error: UnitError) -> RequestError {
     RequestError::BadValue { field: field.to_owned(), error: Box::new(error) }
 }
 
-fn move_mode(mode: u8) -> Result<MoveMode, RequestError> {
-    match mode {
-        0 => Ok(MoveMode::Absolute),
-        1 => Ok(MoveMode::Relative),
-        2 => Ok(MoveMode::Additive),
-        3 => Ok(MoveMode::Velocity),
-        4 => Ok(MoveMode::Superimposed),
-        other => Err(RequestError::BadChoice {
-            field: "mode",
-            value: other.into(),
-            allowed: "0 ABSOLUTE, 1 RELATIVE, 2 ADDITIVE, 3 VELOCITY, 4 SUPERIMPOSED are allowed",
-        }),
-    }
-}
-
-fn buffer_mode(mode: u8) -> Result<crate::command::BufferMode, RequestError> {
-    use crate::command::BufferMode;
-    match mode {
-        0 => Ok(BufferMode::Aborting),
-        1 => Ok(BufferMode::Buffered),
-        2 => Ok(BufferMode::BlendingLow),
-        3 => Ok(BufferMode::BlendingPrevious),
-        4 => Ok(BufferMode::BlendingNext),
-        5 => Ok(BufferMode::BlendingHigh),
-        other => Err(RequestError::BadChoice {
-            field: "buffer_mode",
-            value: other.into(),
-            allowed: "0 ABORTING, 1 BUFFERED, 2 to 5 BLENDING are allowed",
-        }),
-    }
-}
-
-fn direction(direction: u8) -> Result<crate::modulo::Direction, RequestError> {
-    use crate::modulo::Direction;
-    match direction {
-        0 => Ok(Direction::Shortest),
-        1 => Ok(Direction::Positive),
-        2 => Ok(Direction::Negative),
-        3 => Ok(Direction::Current),
-        other => Err(RequestError::BadChoice {
-            field: "direction",
-            value: other.into(),
-            allowed: "0 SHORTEST, 1 POSITIVE, 2 NEGATIVE, 3 CURRENT are allowed",
-        }),
-    }
+fn buffer_mode(mode: u8) -> Result<BufferMode, RequestError> {
+    chosen("buffer_mode", mode, &BUFFER_MODES).map_err(|_| RequestError::BadChoice {
+        field: "buffer_mode",
+        value: mode.into(),
+        allowed: "0 ABORTING, 1 BUFFERED, 2 to 5 BLENDING are allowed",
+    })
 }
 
 fn list(names: impl Iterator<Item = String>) -> String {

@@ -5,7 +5,7 @@ mod actions;
 #[path = "no_alloc/cell.rs"]
 mod cell;
 
-use actions::{Numbers, action, command, leaving, open, run, trajectory};
+use actions::{KINDS, Numbers, action, command, kind, leaving, open, run, trajectory};
 use assert_no_alloc::{AllocDisabler, assert_no_alloc, violation_count};
 use cell::{absolute, analog, config, long_table, models, slots, table, wild};
 use lineshaft_core::code::Code;
@@ -22,7 +22,6 @@ use lineshaft_core::parameter::{Change, Layer, Row, Value};
 use lineshaft_core::position::Length;
 use lineshaft_core::sim::{Fixtures, Index, Plant};
 use lineshaft_core::table::{Form as Numbering, MAX_NUMBERS, Table};
-use lineshaft_core::vocabulary;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -30,29 +29,6 @@ use std::sync::Arc;
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 const AXES: u16 = 8;
-
-macro_rules! kinds {
-    ($($name:ident),* $(,)?) => {
-        /// Names of all actions.
-        const KINDS: &[&str] = &["Saia", "Wf", $(stringify!($name)),*];
-
-        /// Returns the name of an action. An action missing in the list does not compile, and every action of the list
-        /// must be given.
-        fn kind(action: &Action) -> &'static str {
-            match action {
-                Action::Vocabulary(vocabulary::Request::Saia(_)) => "Saia",
-                Action::Vocabulary(vocabulary::Request::Wf(_)) => "Wf",
-                $(Action::$name { .. } => stringify!($name),)*
-            }
-        }
-    };
-}
-
-kinds! {
-    Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, TouchProbe, AbortTrigger, Trajectory, QueryTrajectory,
-    HomeAxis, SetPosition, ShiftPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, OutAn, Cancel, SetParameters, SaveParameters,
-    ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, RunFunction, LoadTable, LoadProgram, SetOutputs, Refuse, Note,
-}
 
 /// Numbers of commands given and accepted, by kind of action.
 #[derive(Default)]

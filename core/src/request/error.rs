@@ -127,7 +127,17 @@ pub enum RequestError {
         /// The known words.
         known: String,
     },
-    /// An invalid number for a field with named values.
+    /// A number that none of the named values of a field has.
+    #[error("{field} is {value}; {known} are allowed")]
+    UnknownChoice {
+        /// Name of the field.
+        field: &'static str,
+        /// The given number.
+        value: u8,
+        /// The known values with their numbers.
+        known: String,
+    },
+    /// An invalid number for a field.
     #[error("{field} is {value}; {allowed}")]
     BadChoice {
         /// Name of the field.

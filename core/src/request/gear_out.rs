@@ -6,11 +6,17 @@
 //! Refuses  numbers without a meaning, a position beyond the range of positions, a position that is not used
 //! Source   contract section 7, PLCopen (MC_GearOut, MC_CamOut)
 
-use super::RequestError;
+use super::choice::{chosen, names, number_of, unknown};
 use super::synchronize::checked_position;
-use crate::command::{DisengageAt, GearOut};
+use super::{Named, Presence, RequestError, Verb, VerbFields};
+use crate::command::{Action, DisengageAt, GearOut};
 use crate::config::MachineConfig;
+use crate::object::Object;
 use crate::sync::Disengage;
+
+const PLACES: [&str; 3] = ["now", "master_position", "position"];
+const DISENGAGES: [(&str, Option<Disengage>); 3] =
+    [("stop", Some(Disengage::Stop)), ("keep_velocity", Some(Disengage::KeepVelocity)), ("as_goal", None)];
 
 /// A request to end a coupling, with names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -25,6 +31,33 @@ pub struct GearOutRequest {
     pub disengage: u8,
 }
 
+impl GearOutRequest {
+    /// Returns the request of a command.
+    pub(super) fn of(command: &GearOut, config: &MachineConfig) -> Self {
+        let (at, increments) = match command.at {
+            DisengageAt::Now => (0, 0),
+            DisengageAt::Leader(place) => (1, place),
+            DisengageAt::Axis(place) => (2, place),
+        };
+        let axis = config.name_or_nameless(Object::Axis(command.axis));
+        Self { axis, at, increments, disengage: number_of(&DISENGAGES, &command.disengage) }
+    }
+}
+
+impl Verb for GearOutRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.list_in_order(&["axis", "at", "disengage", "increments"]);
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.choice("at", &PLACES, Presence::Written, &mut self.at);
+        fields.whole("increments", i64::MIN..=i64::MAX, Presence::Optional, &mut self.increments);
+        fields.choice("disengage", &names(&DISENGAGES), Presence::Optional, &mut self.disengage);
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_gear_out(self).map(Action::GearOut)
+    }
+}
+
 impl MachineConfig {
     /// Converts the end of a coupling to a command.
     ///
@@ -32,28 +65,18 @@ impl MachineConfig {
     /// An error in the request itself.
     pub fn resolve_gear_out(&self, request: &GearOutRequest) -> Result<GearOut, RequestError> {
         let (axis, _) = self.find_axis(&request.axis)?;
-        let choice = |field, value: i64, allowed| RequestError::BadChoice { field, value, allowed };
         let increments = request.increments;
         let at = match (request.at, increments) {
             (0, 0) => DisengageAt::Now,
             (0, given) => {
-                return Err(choice("increments", given, "0 is allowed with at NOW, which waits for no place"));
+                let allowed = "0 is allowed with at NOW, which waits for no place";
+                return Err(RequestError::BadChoice { field: "increments", value: given, allowed });
             }
             (1, given) => DisengageAt::Leader(checked_position("increments", given)?),
             (2, given) => DisengageAt::Axis(checked_position("increments", given)?),
-            (other, _) => {
-                return Err(choice("at", other.into(), "0 NOW, 1 MASTER_POSITION, 2 POSITION are allowed"));
-            }
+            (other, _) => return Err(unknown("at", other, &PLACES)),
         };
-        let disengage = match request.disengage {
-            0 => Some(Disengage::Stop),
-            1 => Some(Disengage::KeepVelocity),
-            2 => None,
-            other => {
-                let allowed = "0 STOP, 1 KEEP_VELOCITY, 2 AS_GOAL are allowed";
-                return Err(choice("disengage", other.into(), allowed));
-            }
-        };
+        let disengage = chosen("disengage", request.disengage, &DISENGAGES)?;
         Ok(GearOut { axis, at, disengage })
     }
 }

@@ -1,11 +1,15 @@
 //! Conversion of requests that set the zero of an axis.
 
-use super::{Amount, RequestError, Units};
+use super::choice::unknown;
+use super::{Amount, Named, Presence, RequestError, UnitOf, Units, Verb, VerbFields};
 use crate::command::{
     Action, HomeAxis, HomingMethod, MasterPosition, SetEncoderPosition, SetMasterPosition, SetPosition, ShiftPosition,
 };
 use crate::config::MachineConfig;
+use crate::object::Object;
 use crate::unit::Scale;
+
+const SCHEMES: [&str; 3] = ["configured", "cia402", "macs"];
 
 /// A request to home one axis, by name.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,6 +31,92 @@ pub struct SetPositionRequest {
     pub position: Amount,
     /// Unit of a number without a unit.
     pub units: Units,
+    /// Whether the position is a distance that is added to the positions of an axis.
+    pub relative: bool,
+}
+
+impl HomeRequest {
+    /// Returns the request of a command.
+    pub(super) fn of(command: &HomeAxis, config: &MachineConfig) -> Self {
+        let (scheme, method) = match command.method {
+            HomingMethod::Configured => (0, 0),
+            HomingMethod::Cia402(method) => (1, method),
+            HomingMethod::Macs(method) => (2, method),
+        };
+        Self { axis: config.name_or_nameless(Object::Axis(command.axis)), scheme, method }
+    }
+}
+
+impl Verb for HomeRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.id();
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.choice("scheme", &SCHEMES, Presence::Optional, &mut self.scheme);
+        let presence = if self.scheme == 0 { Presence::Optional } else { Presence::Written };
+        let mut method = self.method.into();
+        fields.whole("method", i8::MIN.into()..=i8::MAX.into(), presence, &mut method);
+        self.method = method as i8;
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_home(self).map(Action::HomeAxis)
+    }
+
+    fn place(&self, error: &RequestError) -> Option<&'static str> {
+        matches!(error, RequestError::UnknownAxis { .. }).then_some("axis")
+    }
+
+    fn hint(&self, error: &RequestError) -> Option<&'static str> {
+        // In most cases a method without a scheme is a number of CiA 402.
+        matches!(error, RequestError::BadChoice { field: "method", .. }).then_some("write `scheme: cia402`")
+    }
+}
+
+impl SetPositionRequest {
+    /// Returns the request of a command, in increments; `None` for another command.
+    pub(super) fn of(command: &Action, config: &MachineConfig) -> Option<Self> {
+        let axis = |index| config.name_or_nameless(Object::Axis(index));
+        let request = |axis, position| Self { axis, position: Amount::Increments(position), ..Self::default() };
+        Some(match command {
+            Action::SetPosition(command) => request(axis(command.axis), command.position),
+            Action::ShiftPosition(command) => Self { relative: true, ..request(axis(command.axis), command.distance) },
+            Action::SetEncoderPosition(command) => {
+                request(config.name_or_nameless(Object::Encoder(command.encoder)), command.position)
+            }
+            Action::SetMasterPosition(command) => {
+                let name = format!("{}.master", axis(command.axis));
+                match command.position {
+                    MasterPosition::Increments(position) => request(name, position),
+                    MasterPosition::Shown(value) => {
+                        Self { axis: name, position: Amount::Number(value), units: Units::AxisUnit, relative: false }
+                    }
+                }
+            }
+            _ => return None,
+        })
+    }
+}
+
+impl Verb for SetPositionRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.list_in_order(&["axis", "units", "position", "relative"]);
+        fields.name("axis", Named::Position, Presence::Required, &mut self.axis);
+        fields.boolean("relative", false, &mut self.relative);
+        fields.units(&mut self.units);
+        fields.amount("position", 0, UnitOf::Axis, Presence::Written, &mut self.position);
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_set_position(self)
+    }
+
+    fn place(&self, error: &RequestError) -> Option<&'static str> {
+        match error {
+            RequestError::UnknownAxis { .. } => Some("axis"),
+            RequestError::BadValue { .. } => Some("position"),
+            _ => None,
+        }
+    }
 }
 
 impl MachineConfig {
@@ -45,35 +135,23 @@ impl MachineConfig {
             }
             1 => HomingMethod::Cia402(request.method),
             2 => HomingMethod::Macs(request.method),
-            other => {
-                let allowed = "0 CONFIGURED, 1 CIA402, 2 MACS are allowed";
-                return Err(RequestError::BadChoice { field: "scheme", value: other.into(), allowed });
-            }
+            other => return Err(unknown("scheme", other, &SCHEMES)),
         };
         Ok(HomeAxis { axis, method })
-    }
-
-    /// Converts a distance to add to the positions of an axis to a command.
-    ///
-    /// # Errors
-    /// An error in the request itself: encoders and masters can only be set to a new value.
-    pub fn resolve_shift_position(&self, request: &SetPositionRequest) -> Result<Action, RequestError> {
-        let (axis, config) = self.find_axis(&request.axis)?;
-        let distance = request
-            .position
-            .length(request.units, &config.scale)
-            .map_err(|error| super::bad_value("position", error))?;
-        Ok(Action::ShiftPosition(ShiftPosition { axis, distance }))
     }
 
     /// Converts a new value of a position to a command: of an axis, of an entry of `encoders`, or of the master of an
     /// axis (`x.master`).
     ///
     /// # Errors
-    /// An error in the request itself.
+    /// An error in the request itself: a distance can only be added to the positions of an axis.
     pub fn resolve_set_position(&self, request: &SetPositionRequest) -> Result<Action, RequestError> {
         let bad = |error| RequestError::BadValue { field: "position".to_owned(), error: Box::new(error) };
         let length = |scale: &Scale| request.position.length(request.units, scale).map_err(bad);
+        if request.relative {
+            let (axis, config) = self.find_axis(&request.axis)?;
+            return Ok(Action::ShiftPosition(ShiftPosition { axis, distance: length(&config.scale)? }));
+        }
         if let Some(encoder) = self.encoders.iter().position(|encoder| encoder.name == request.axis) {
             let position = length(&self.encoders[encoder].scale)?;
             return Ok(Action::SetEncoderPosition(SetEncoderPosition { encoder: encoder as u16, position }));
@@ -92,7 +170,7 @@ impl MachineConfig {
                     let allowed = "1 AXIS_UNIT (as x.master.position shows it), 2 INCREMENTS are allowed for a master";
                     return Err(RequestError::BadChoice { field: "units", value: 0, allowed });
                 }
-                (Amount::Quantity(_) | Amount::Number(_), _) => {
+                _ => {
                     let position = request.position.length(Units::Increments, &Scale::increments()).map_err(bad)?;
                     MasterPosition::Increments(position)
                 }

@@ -5,9 +5,11 @@
 //! Refuses  an unknown axis, values beyond 1, levels without a meaning
 //! Source   MACS-AMP-02, MACS-CMD-28
 
-use super::RequestError;
-use crate::command::{Level, OutAn};
+use super::choice::{names, number_of};
+use super::{Named, Presence, RequestError, Verb, VerbFields};
+use crate::command::{Action, Level, OutAn};
 use crate::config::MachineConfig;
+use crate::object::Object;
 use crate::unit::number_to_text;
 
 /// A value for the loops below the position loop, with names.
@@ -19,6 +21,28 @@ pub struct OutAnRequest {
     pub value: f64,
     /// Loop that receives the value.
     pub level: Level,
+}
+
+impl OutAnRequest {
+    /// Returns the request of a command.
+    pub(super) fn of(command: &OutAn, config: &MachineConfig) -> Self {
+        let OutAn { axis, value, level } = *command;
+        Self { axis: config.name_or_nameless(Object::Axis(axis)), value, level }
+    }
+}
+
+impl Verb for OutAnRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.real("value", -1.0..=1.0, &mut self.value);
+        let mut level = number_of(Level::NAMES, &self.level);
+        fields.word("level", &names(Level::NAMES), &mut level);
+        self.level = Level::NAMES.get(usize::from(level)).map_or(self.level, |(_, level)| *level);
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_out_an(self).map(Action::OutAn)
+    }
 }
 
 impl MachineConfig {

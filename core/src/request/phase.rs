@@ -7,10 +7,14 @@
 //! Refuses  amounts that fit no leader of the cell
 //! Source   contract section 10, PLCopen (MC_PhasingRelative)
 
-use super::{Amount, RequestError, Units, bad_value};
-use crate::command::{Phase, PhaseShift, PhaseSide};
+use super::choice::unknown;
+use super::{Amount, Named, Presence, RequestError, UnitOf, Units, Verb, VerbFields, bad_value};
+use crate::command::{Action, Phase, PhaseShift, PhaseSide};
 use crate::config::MachineConfig;
+use crate::object::Object;
 use crate::unit::{Scale, fraction_from_f64, fraction_to_f64};
+
+const SIDES: [&str; 2] = ["slave", "master"];
 
 /// A phase shift with names and units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,6 +29,37 @@ pub struct PhaseRequest {
     pub velocity: Amount,
     /// Acceleration; 0: the default.
     pub acceleration: Amount,
+}
+
+impl PhaseRequest {
+    /// Returns the request of a command: in increments, or as given if the scale of the increments depends on the leader.
+    pub(super) fn of(command: &Phase, config: &MachineConfig) -> Self {
+        let (side, [shift, velocity, acceleration]) = match &command.side {
+            PhaseSide::Slave(PhaseShift { shift, velocity, acceleration }) => {
+                let [velocity, acceleration] = [*velocity, *acceleration].map(Amount::IncrementsPerTime);
+                (0, [Amount::Increments(*shift), velocity, acceleration])
+            }
+            PhaseSide::Master { given, .. } => (1, *given),
+        };
+        let axis = config.name_or_nameless(Object::Axis(command.axis));
+        Self { axis, side, shift, velocity, acceleration }
+    }
+}
+
+impl Verb for PhaseRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.id();
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.choice("side", &SIDES, Presence::Written, &mut self.side);
+        let of = if self.side == 0 { UnitOf::Axis } else { UnitOf::Leader };
+        fields.amount("shift", 0, of, Presence::Optional, &mut self.shift);
+        fields.amount("velocity", 1, of, Presence::Optional, &mut self.velocity);
+        fields.amount("acceleration", 2, of, Presence::Optional, &mut self.acceleration);
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_phase(self).map(Action::Phase)
+    }
 }
 
 impl MachineConfig {
@@ -50,10 +85,7 @@ impl MachineConfig {
                 let given = [request.shift, request.velocity, request.acceleration].map(exact_decimal);
                 PhaseSide::Master { given, by_scale: by_scale.into() }
             }
-            other => {
-                let allowed = "0 SLAVE, 1 MASTER are allowed";
-                return Err(RequestError::BadChoice { field: "side", value: other.into(), allowed });
-            }
+            other => return Err(unknown("side", other, &SIDES)),
         };
         Ok(Phase { axis: index, side })
     }
@@ -78,7 +110,7 @@ fn exact_decimal(amount: Amount) -> Amount {
         Amount::Number(number) => {
             Amount::Number(fraction_from_f64(number).map_or(number, |exact| fraction_to_f64(&exact)))
         }
-        Amount::Quantity(_) => amount,
+        _ => amount,
     }
 }
 

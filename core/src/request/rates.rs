@@ -26,6 +26,12 @@ impl Rates {
         Self { velocity, acceleration, deceleration, jerk }
     }
 
+    /// Returns rates in increments (inc/s^order), in the order of the fields.
+    pub(super) fn in_increments(rates: [f64; 4]) -> Self {
+        let [velocity, acceleration, deceleration, jerk] = rates.map(Amount::IncrementsPerTime);
+        Self { velocity, acceleration, deceleration, jerk }
+    }
+
     /// Converts the rates to increments, in the order of the fields (inc/s^order).
     pub(super) fn resolve(&self, units: Units, scale: &Scale) -> Result<[f64; 4], RequestError> {
         let mut rates = [0.0; 4];

@@ -5,21 +5,30 @@
 //! Refuses  modes that do not exist yet, fields without effect in the mode, scales beyond [`MAX_SCALE`]
 //! Source   contract section 7, 10
 
+use super::choice::{chosen, names, number_of, unknown};
 use super::meaning::unused_length_error;
-use super::{Amount, RequestError, Units, bad_value};
-use crate::command::{CamIn, Engage, Synchronize};
+use super::{Amount, NAMELESS, Named, Presence, RequestError, UnitOf, Units, Verb, VerbFields, bad_value};
+use crate::command::{Action, CamIn, Engage, Synchronize};
 use crate::config::MachineConfig;
-use crate::object::Leader;
+use crate::object::{Leader, Object, VIRTUAL_MASTER};
 use crate::position::{Length, Position};
 use crate::sync::gear::{Gear, Ratio};
 use crate::sync::{CamStart, Disengage, SyncMode};
 use crate::unit::{Fraction, Scale, excerpt, fraction_from_f64, fraction_to_text, round};
 
+const MODES: [(&str, SyncMode); 6] = [
+    ("velocity", SyncMode::Velocity),
+    ("position", SyncMode::Position),
+    ("marker", SyncMode::Marker),
+    ("cam", SyncMode::Position),
+    ("cam_master_marker", SyncMode::MasterMarker),
+    ("cam_slave_marker", SyncMode::SlaveMarker),
+];
 /// Numbers of `mode`.
 const POSITION: u8 = 1;
-const CAM: u8 = 3;
-/// Mode MARKER.
 const MARKER: u8 = 2;
+/// Mode CAM, the first mode of cams.
+const CAM: u8 = 3;
 /// Modes CAM_MASTER_MARKER and CAM_SLAVE_MARKER.
 const CAM_MASTER_MARKER: u8 = 4;
 const CAM_SLAVE_MARKER: u8 = 5;
@@ -28,10 +37,13 @@ const CAM_SLAVE_MARKER: u8 = 5;
 fn is_cam(mode: u8) -> bool {
     matches!(mode, CAM | CAM_MASTER_MARKER | CAM_SLAVE_MARKER)
 }
+
+const ENGAGES: [&str; 4] = ["immediately", "at_position", "on_event", "at_end"];
 /// Numbers of `engage`.
 const AT_POSITION: u8 = 1;
 const ON_EVENT: u8 = 2;
 const AT_END: u8 = 3;
+const DISENGAGES: [(&str, Disengage); 2] = [("stop", Disengage::Stop), ("keep_velocity", Disengage::KeepVelocity)];
 /// Maximum scale of a cam; the minimum is its inverse.
 const MAX_SCALE: i128 = 1_000_000;
 /// Maximum decimal places of a scale.
@@ -90,6 +102,101 @@ pub struct CamRequest {
     pub slave_offset: Amount,
 }
 
+impl SynchronizeRequest {
+    /// Returns the request of a command, in increments.
+    pub(super) fn of(command: &Synchronize, config: &MachineConfig) -> Self {
+        let (engage, [master_increments, slave_increments, start_distance_increments], event) = match command.engage {
+            Engage::Immediately => (0, [0; 3], None),
+            Engage::AtPosition { position, .. } => (AT_POSITION, [position, 0, 0], None),
+            Engage::InPosition { position, slave, distance, .. } => (AT_POSITION, [position, slave, distance], None),
+            Engage::OnEvent(source) => (ON_EVENT, [0; 3], Some(source)),
+            Engage::AtEnd => (AT_END, [0; 3], None),
+        };
+        let is_gear = command.cam.is_none();
+        Self {
+            axis: config.name_or_nameless(Object::Axis(command.axis)),
+            master: command.leader.map(|leader| config.name_of_leader(leader)).unwrap_or_default(),
+            event: event.map(|source| config.name_or_nameless(source)).unwrap_or_default(),
+            mode: match command.mode {
+                SyncMode::Velocity | SyncMode::Position | SyncMode::Marker if !is_gear => CAM,
+                mode => number_of(&MODES, &mode),
+            },
+            engage,
+            disengage: number_of(&DISENGAGES, &command.disengage),
+            numerator: command.numerator,
+            denominator: command.denominator,
+            master_increments,
+            slave_increments,
+            start_distance_increments,
+            offset: Amount::Increments(command.offset),
+            velocity: Amount::IncrementsPerTime(command.velocity),
+            acceleration: Amount::IncrementsPerTime(command.acceleration),
+            cam: command.cam.as_ref().map(|cam| CamRequest::of(cam, config)).unwrap_or_default(),
+        }
+    }
+}
+
+impl CamRequest {
+    fn of(cam: &CamIn, config: &MachineConfig) -> Self {
+        let scale = |ratio: Ratio| match ratio {
+            Ratio::ONE => Fraction::default(),
+            ratio => Fraction::new(ratio.numerator().into(), ratio.denominator().into()),
+        };
+        Self {
+            table: config.name(Object::Table(cam.table)).to_owned(),
+            start: number_of(&CamStart::NAMES, &cam.start),
+            master_scale: scale(cam.master_scale),
+            slave_scale: scale(cam.slave_scale),
+            master_offset: Amount::Increments(cam.master_offset),
+            slave_offset: Amount::Increments(cam.slave_offset),
+        }
+    }
+}
+
+impl Verb for SynchronizeRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.id();
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.name("master", Named::Leader, Presence::Optional, &mut self.master);
+        fields.choice("mode", &names(&MODES), Presence::Written, &mut self.mode);
+        fields.choice("engage", &ENGAGES, Presence::Optional, &mut self.engage);
+        fields.name("event", Named::Other, Presence::Optional, &mut self.event);
+        fields.belongs("event", self.event.is_empty() || self.engage == ON_EVENT, "engage: on_event");
+        let places = [
+            ("master_increments", UnitOf::Leader, &mut self.master_increments),
+            ("slave_increments", UnitOf::Axis, &mut self.slave_increments),
+            ("start_distance_increments", UnitOf::Leader, &mut self.start_distance_increments),
+        ];
+        for (key, of, value) in places {
+            fields.increments(key, of, value);
+            fields.belongs(key, self.engage == AT_POSITION, "engage: at_position");
+        }
+        fields.choice("disengage", &names(&DISENGAGES), Presence::Optional, &mut self.disengage);
+        // A gear with only one part of the ratio lacks the other: 9 : 0 is no gear.
+        let is_half = fields.has("numerator") != fields.has("denominator");
+        let part = if is_half && self.mode < CAM { Presence::Expected } else { Presence::Optional };
+        fields.whole("numerator", i64::MIN..=i64::MAX, part, &mut self.numerator);
+        fields.whole("denominator", i64::MIN..=i64::MAX, part, &mut self.denominator);
+        fields.amount("offset", 0, UnitOf::Axis, Presence::Optional, &mut self.offset);
+        fields.amount("velocity", 1, UnitOf::Axis, Presence::Optional, &mut self.velocity);
+        fields.amount("acceleration", 2, UnitOf::Axis, Presence::Optional, &mut self.acceleration);
+        let CamRequest { table, start, master_scale, slave_scale, master_offset, slave_offset } = &mut self.cam;
+        fields.name("table", Named::Other, Presence::Optional, table);
+        let presence = if is_cam(self.mode) { Presence::Written } else { Presence::Optional };
+        fields.choice("cam_start", &names(&CamStart::NAMES), presence, start);
+        fields.fraction("master_scale", master_scale);
+        fields.fraction("slave_scale", slave_scale);
+        fields.amount("master_offset", 0, UnitOf::Leader, Presence::Optional, master_offset);
+        fields.amount("slave_offset", 0, UnitOf::Axis, Presence::Optional, slave_offset);
+    }
+
+    fn resolve(&self, config: &MachineConfig, recorded: bool) -> Result<Action, RequestError> {
+        let resolved =
+            if recorded { config.resolve_recorded_synchronize(self) } else { config.resolve_synchronize(self) };
+        resolved.map(Action::Synchronize)
+    }
+}
+
 /// Converts a scale of ROS 2 to the decimal that was written.
 ///
 /// # Errors
@@ -126,24 +233,8 @@ impl MachineConfig {
     /// An error in the request itself.
     pub fn resolve_recorded_synchronize(&self, request: &SynchronizeRequest) -> Result<Synchronize, RequestError> {
         let (index, axis) = self.find_axis(&request.axis)?;
-        let choice = |field, value: u8, allowed| RequestError::BadChoice { field, value: value.into(), allowed };
-        let mode = match request.mode {
-            0 => SyncMode::Velocity,
-            POSITION | CAM => SyncMode::Position,
-            MARKER => SyncMode::Marker,
-            CAM_MASTER_MARKER => SyncMode::MasterMarker,
-            CAM_SLAVE_MARKER => SyncMode::SlaveMarker,
-            other => {
-                let allowed =
-                    "0 VELOCITY, 1 POSITION, 2 MARKER, 3 CAM, 4 CAM_MASTER_MARKER, 5 CAM_SLAVE_MARKER are allowed";
-                return Err(choice("mode", other, allowed));
-            }
-        };
-        let disengage = match request.disengage {
-            0 => Disengage::Stop,
-            1 => Disengage::KeepVelocity,
-            other => return Err(choice("disengage", other, "0 STOP, 1 KEEP_VELOCITY are allowed")),
-        };
+        let mode = chosen("mode", request.mode, &MODES)?;
+        let disengage = chosen("disengage", request.disengage, &DISENGAGES)?;
         let (units, scale) = (Units::Si, &axis.scale);
         let length =
             |field, amount: Amount, scale| amount.length(units, scale).map_err(|error| bad_value(field, error));
@@ -209,11 +300,7 @@ impl MachineConfig {
                 value: "AT_END".to_owned(),
                 allowed: "it belongs to mode CAM; IMMEDIATELY is allowed",
             }),
-            (other, ..) => Err(RequestError::BadChoice {
-                field: "engage",
-                value: other.into(),
-                allowed: "0 IMMEDIATELY, 1 AT_POSITION, 2 ON_EVENT, 3 AT_END are allowed",
-            }),
+            (other, ..) => Err(unknown("engage", other, &ENGAGES)),
         }
     }
 
@@ -245,17 +332,27 @@ impl MachineConfig {
         Ok(Engage::AtPosition { position, turn })
     }
 
+    fn name_of_leader(&self, leader: Leader) -> String {
+        match leader {
+            // No command contains it by name; the axis refers to it.
+            Leader::Simulated(_) => NAMELESS.to_owned(),
+            Leader::Virtual => VIRTUAL_MASTER.to_owned(),
+            Leader::AxisCommand(index) => self.name_or_nameless(Object::Axis(index)),
+            Leader::Sink(index) => format!("{}.sink", self.name(Object::Function(index))),
+            Leader::AxisActual(index) => format!("{}.actual", self.name_or_nameless(Object::Axis(index))),
+            Leader::Sum(index) => {
+                self.masters.get(usize::from(index)).map_or(NAMELESS, |master| &master.name).to_owned()
+            }
+            Leader::Encoder(index) => self.name_or_nameless(Object::Encoder(index)),
+        }
+    }
+
     fn resolve_cam(&self, request: &CamRequest, leader: Option<Leader>, slave: &Scale) -> Result<CamIn, RequestError> {
         let table = self.find_table(&request.table)?;
-        let start = CamStart::ALL.iter().find(|(_, number, _)| *number == request.start).map(|(start, ..)| *start);
-        let start = start.ok_or(RequestError::BadChoice {
-            field: "cam_start",
-            value: request.start.into(),
-            allowed: "0 ABSOLUTE, 1 RELATIVE, 2 RAMP_IN are allowed",
-        })?;
+        let start = chosen("cam_start", request.start, &CamStart::NAMES)?;
         let master = match leader {
             Some(leader) => self.scale_of(leader),
-            None if is_zero(&request.master_offset) => Scale::increments(),
+            None if request.master_offset.is_zero() => Scale::increments(),
             None => {
                 return Err(RequestError::NoMeaning {
                     field: "master_offset",
@@ -307,14 +404,6 @@ fn check_engage(request: &SynchronizeRequest) -> Result<(), RequestError> {
     Ok(())
 }
 
-/// Returns true for zero in any unit.
-fn is_zero(amount: &Amount) -> bool {
-    match amount {
-        Amount::Number(number) => *number == 0.0,
-        Amount::Quantity(quantity) => quantity.value() == Fraction::default(),
-    }
-}
-
 fn choice_of_cam(field: &'static str, value: i64) -> RequestError {
     RequestError::BadChoice {
         field,
@@ -328,7 +417,7 @@ fn check_no_cam(request: &CamRequest) -> Result<(), RequestError> {
     let CamRequest { table, start, master_scale, slave_scale, master_offset, slave_offset } = request;
     let zero = Fraction::default();
     let scale = |scale: &Fraction| (*scale != zero).then(|| fraction_to_text(scale));
-    let amount = |amount: &Amount| (!is_zero(amount)).then(|| "given".to_owned());
+    let amount = |amount: &Amount| (!amount.is_zero()).then(|| "given".to_owned());
     let given = [
         ("table", (!table.is_empty()).then(|| format!("`{}`", excerpt(table)))),
         ("cam_start", (*start != 0).then(|| start.to_string())),

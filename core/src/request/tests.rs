@@ -330,7 +330,8 @@ fn a_position_is_set_of_an_axis_an_encoder_or_a_master() {
     let config = config();
     let name = config.axes[0].name.clone();
     let ask = |axis: String, value: f64, units| {
-        config.resolve_set_position(&SetPositionRequest { axis, position: Amount::Number(value), units })
+        let request = SetPositionRequest { axis, position: Amount::Number(value), units, relative: false };
+        config.resolve_set_position(&request)
     };
     let master = |value, units| match ask(format!("{name}.master"), value, units) {
         Ok(Action::SetMasterPosition(SetMasterPosition { axis: 0, position })) => Ok(position),

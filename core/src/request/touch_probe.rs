@@ -5,9 +5,11 @@
 //! Refuses  names of objects that do not latch, numbers without a meaning, positions of a window that is not used
 //! Source   contract section 7, PLCopen (MC_TouchProbe, MC_AbortTrigger)
 
-use super::{Amount, RequestError, Units, bad_value};
-use crate::command::{AbortTrigger, TouchProbe};
+use super::choice::{names, number_of};
+use super::{Amount, EDGES, Named, Presence, RequestError, UnitOf, Units, Verb, VerbFields, bad_value};
+use crate::command::{AbortTrigger, Action, TouchProbe};
 use crate::config::MachineConfig;
+use crate::object::Object;
 use crate::position::Length;
 
 /// A passive touch probe, with names and units.
@@ -38,6 +40,62 @@ pub struct AbortTriggerRequest {
     pub axis: String,
     /// Name of their latch; empty: all touch probes of the axis.
     pub event: String,
+}
+
+impl TouchProbeRequest {
+    /// Returns the request of a command, in increments.
+    pub(super) fn of(command: &TouchProbe, config: &MachineConfig) -> Self {
+        let [first_position, last_position] = command.window.unwrap_or_default().map(Amount::Increments);
+        Self {
+            axis: config.name_or_nameless(Object::Axis(command.axis)),
+            event: config.name_or_nameless(command.source),
+            edge: number_of(&EDGES, &command.edge),
+            continuous: command.continuous,
+            units: Units::default(),
+            window_only: command.window.is_some(),
+            first_position,
+            last_position,
+        }
+    }
+}
+
+impl Verb for TouchProbeRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.name("event", Named::Other, Presence::Required, &mut self.event);
+        fields.choice("edge", &names(&EDGES), Presence::Optional, &mut self.edge);
+        fields.units(&mut self.units);
+        fields.boolean("continuous", false, &mut self.continuous);
+        let presence = if self.window_only { Presence::Written } else { Presence::Optional };
+        fields.amount("first_position", 0, UnitOf::Axis, presence, &mut self.first_position);
+        fields.amount("last_position", 0, UnitOf::Axis, presence, &mut self.last_position);
+        // A limit of the window implies that the window is used.
+        let has_window = fields.has("first_position") || fields.has("last_position");
+        fields.boolean("window_only", has_window, &mut self.window_only);
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_touch_probe(self).map(Action::TouchProbe)
+    }
+}
+
+impl AbortTriggerRequest {
+    /// Returns the request of a command.
+    pub(super) fn of(command: &AbortTrigger, config: &MachineConfig) -> Self {
+        let event = command.source.map(|source| config.name_or_nameless(source)).unwrap_or_default();
+        Self { axis: config.name_or_nameless(Object::Axis(command.axis)), event }
+    }
+}
+
+impl Verb for AbortTriggerRequest {
+    fn fields(&mut self, fields: &mut dyn VerbFields) {
+        fields.name("axis", Named::Axis, Presence::Required, &mut self.axis);
+        fields.name("event", Named::Other, Presence::Optional, &mut self.event);
+    }
+
+    fn resolve(&self, config: &MachineConfig, _recorded: bool) -> Result<Action, RequestError> {
+        config.resolve_abort_trigger(self).map(Action::AbortTrigger)
+    }
 }
 
 impl MachineConfig {

@@ -73,14 +73,9 @@ pub enum CamStart {
 }
 
 impl CamStart {
-    /// All starts with number and name in the interface.
-    pub const ALL: [(Self, u8, &'static str); 3] =
-        [(Self::Absolute, 0, "absolute"), (Self::Relative, 1, "relative"), (Self::RampIn, 2, "ramp_in")];
-
-    /// Returns the name in scenarios.
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|(start, ..)| *start == self).map_or("", |(.., name)| name)
-    }
+    /// All starts by name; the place is the number in the interface.
+    pub const NAMES: [(&'static str, Self); 3] =
+        [("absolute", Self::Absolute), ("relative", Self::Relative), ("ramp_in", Self::RampIn)];
 }
 
 /// Action of a follower at the end of its coupling.

@@ -31,13 +31,17 @@ impl Units {
     }
 }
 
-/// A value of a request: a number in the units of the request, or one with its own unit.
+/// A value of a request: a number in the units of the request, one with its own unit, or one that a command has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Amount {
     /// A number in the units of the request.
     Number(f64),
     /// A number with its own unit.
     Quantity(Quantity),
+    /// A position or distance (inc).
+    Increments(Length),
+    /// A velocity, acceleration or jerk (inc/s^order).
+    IncrementsPerTime(f64),
 }
 
 impl Default for Amount {
@@ -47,6 +51,15 @@ impl Default for Amount {
 }
 
 impl Amount {
+    /// Returns true for 0 in any unit.
+    pub fn is_zero(&self) -> bool {
+        match self {
+            Self::Number(number) | Self::IncrementsPerTime(number) => *number == 0.0,
+            Self::Quantity(quantity) => quantity.value() == Fraction::default(),
+            Self::Increments(length) => *length == Length::default(),
+        }
+    }
+
     /// Returns the amount with its unit, as the derivative of that order.
     ///
     /// # Errors
@@ -55,6 +68,11 @@ impl Amount {
         match self {
             Self::Number(number) => units.unit(scale).with_order(order).times_f64(number),
             Self::Quantity(quantity) => Ok(quantity),
+            Self::Increments(length) => {
+                let value = Fraction::new(length.exact().raw(), Position::whole(1).raw());
+                Ok(Quantity::new(value, Unit::INCREMENT))
+            }
+            Self::IncrementsPerTime(rate) => AxisUnit::from(Unit::INCREMENT).with_order(order).times_f64(rate),
         }
     }
 
@@ -63,6 +81,9 @@ impl Amount {
     /// # Errors
     /// The number is not finite, has the wrong dimension, or is beyond 2^62 inc.
     pub fn length(self, units: Units, scale: &Scale) -> Result<Length, UnitError> {
+        if let Self::Increments(length) = self {
+            return Ok(length);
+        }
         let quantity = self.quantity(units, scale, 0)?;
         let nearest = scale.position(&quantity)?;
         let exact = scale.exact(&quantity)?;
@@ -74,7 +95,10 @@ impl Amount {
     /// # Errors
     /// The number is not finite, or has the wrong dimension.
     pub fn rate(self, units: Units, scale: &Scale, order: u8) -> Result<f64, UnitError> {
-        scale.rate(&self.quantity(units, scale, order)?, order)
+        match self {
+            Self::IncrementsPerTime(rate) => Ok(rate),
+            _ => scale.rate(&self.quantity(units, scale, order)?, order),
+        }
     }
 }
 

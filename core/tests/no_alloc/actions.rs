@@ -16,15 +16,38 @@ use lineshaft_core::sync::{CamStart, Disengage, SyncMode};
 use lineshaft_core::trajectory::{Knot, Tolerance, Track, Trajectory};
 use lineshaft_core::unit::{Amount, Scale};
 use lineshaft_core::vocabulary::saia::{Command as SaiaCommand, Register, Request};
-use lineshaft_core::vocabulary::wf;
+use lineshaft_core::vocabulary::{self, wf};
 use std::sync::Arc;
 
 use super::AXES;
 use super::cell::config;
 
+macro_rules! kinds {
+    ($($name:ident),* $(,)?) => {
+        /// Names of all actions.
+        pub(super) const KINDS: &[&str] = &["Saia", "Wf", $(stringify!($name)),*];
+
+        /// Returns the name of an action. An action missing in the list does not compile, and every action of the list
+        /// must be given.
+        pub(super) fn kind(action: &Action) -> &'static str {
+            match action {
+                Action::Vocabulary(vocabulary::Request::Saia(_)) => "Saia",
+                Action::Vocabulary(vocabulary::Request::Wf(_)) => "Wf",
+                $(Action::$name { .. } => stringify!($name),)*
+            }
+        }
+    };
+}
+
+kinds! {
+    Enable, Disable, Halt, QuickStop, Abort, ResetErrors, Activate, Deactivate, Move, Probe, TouchProbe, AbortTrigger, Trajectory, QueryTrajectory,
+    HomeAxis, SetPosition, ShiftPosition, SetEncoderPosition, SetMasterPosition, Synchronize, Phase, GearOut, OutAn, Cancel, SetParameters, SaveParameters,
+    ResetParameters, DeleteParameters, PowerCycle, SetMemory, CommandFunction, RunFunction, LoadTable, LoadProgram, SetOutputs, Refuse, Note,
+}
+
 /// Returns a cam of either cam table, linear or a spline.
 pub(super) fn cam(number: i64) -> CamIn {
-    let start = CamStart::ALL[number.unsigned_abs() as usize / 3 % 3].0;
+    let start = CamStart::NAMES[number.unsigned_abs() as usize / 3 % 3].1;
     CamIn {
         table: if number % 2 == 0 { 1 } else { 2 },
         start,

@@ -36,7 +36,7 @@ impl<'d> Map<'d> {
     }
 
     fn value_of(&mut self, key: &str, is_required: bool) -> Option<Value<'d>> {
-        self.asked.push(key.to_owned());
+        self.list_in_order(&[key]);
         self.note_key(key, is_required);
         let (_, node) = self.entries.iter().find(|(name, _)| name.text() == key)?;
         Some(Value::new(node, key.to_owned(), self.problems))
@@ -49,6 +49,15 @@ impl<'d> Map<'d> {
             self.missing.push(key.to_owned());
         }
         value
+    }
+
+    /// Sets the order in which messages list keys that will be read.
+    pub fn list_in_order(&mut self, keys: &[&str]) {
+        for key in keys {
+            if !self.is_asked(key) {
+                self.asked.push((*key).to_owned());
+            }
+        }
     }
 
     /// Permits keys that were not read; they are also suggested for similar keys.

@@ -398,7 +398,7 @@ fn every_interface_and_every_verb_can_be_explained() {
         assert!(said(row.name).contains(&format!("{}: a ROS parameter of the node\n", row.name)), "{}", row.name);
     }
     let contract = std::fs::read_to_string(docs("contract.md")).unwrap();
-    for verb in VERBS {
+    for verb in VERBS.iter() {
         assert!(said(verb).contains(&format!("{verb}: a verb of scenarios\n")), "{verb}");
         assert!(contract.contains(verb), "{verb} is not in docs/contract.md");
     }

@@ -45,7 +45,9 @@ pub use player::Player;
 pub use report::{ExpectationResult, Failure, Report};
 pub use simulate::{Options, SimulateError, simulate, simulate_with};
 pub use trace::Trace;
-pub(crate) use verb::{VERBS, parameter_change, recorded_command, recorded_setpoints, vocabulary_command};
+pub(crate) use verb::{
+    VERBS, WF_JOGS, WF_MODES, parameter_change, recorded_command, recorded_setpoints, vocabulary_command,
+};
 
 use crate::cell::Cell;
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Verbs: convert the actions of a step to commands, with the same requests as all other interfaces.
 
+use self::fields::choice_number;
 use super::inject::{self, Injection};
 use super::names::{Names, did_you_mean, meant_parameter, nearest};
 use super::refusal::Refusal;
 use super::ruler::refuse_inexact;
-use super::verb::amount::amount;
 use crate::document::{Map, Place, Value};
 use crate::explain::verbs_of;
 use lineshaft_core::code::Code;
@@ -12,23 +12,18 @@ use lineshaft_core::command::{Action, MemoryValue, Setpoints, Source};
 use lineshaft_core::config::MemoryKind;
 use lineshaft_core::object::AxisSet;
 use lineshaft_core::parameter::{Change, Layer, Row};
-use lineshaft_core::request::{Amount, MoveRequest, Rates, RequestError, Units};
+use lineshaft_core::request::{NewVerb, REQUESTS, RequestError, Units};
 use lineshaft_core::unit::{Scale, excerpt};
+use std::sync::LazyLock;
 
 mod amount;
+mod fields;
 mod function;
-mod gear_out;
-mod homing;
-mod out_an;
 mod output;
-mod phase;
 mod plan;
-mod probe;
 mod recorded;
 mod saia;
 mod setpoints;
-mod synchronize;
-mod touch_probe;
 mod trajectory;
 mod vocabulary;
 mod wf;
@@ -37,59 +32,67 @@ pub(super) use amount::parameter_input;
 pub(crate) use recorded::{parameter_change, recorded_command};
 pub(crate) use setpoints::recorded_setpoints;
 pub(crate) use vocabulary::vocabulary_command;
+pub(crate) use wf::{JOGS as WF_JOGS, MODES as WF_MODES};
+
+/// Effect of a verb, and the index of its ID.
+type EffectOfGoal = (Option<Effect>, Option<usize>);
+
+/// Reader of the arguments of a verb.
+#[derive(Clone, Copy)]
+enum Arguments {
+    /// Axes; without them, all axes.
+    Axes(fn(AxisSet) -> Action),
+    /// No arguments.
+    Nothing(fn() -> Action),
+    /// The fields of a request of the core.
+    Request(NewVerb),
+    /// Others.
+    Own(fn(&mut Reader<'_>, &Value<'_>) -> Option<Effect>),
+    /// Others, with an ID.
+    Goal(fn(&mut Reader<'_>, &Value<'_>) -> EffectOfGoal),
+}
+
+/// Verbs before those of the core.
+const FIRST: [(&str, Arguments); 8] = [
+    ("enable", Arguments::Axes(Action::Enable)),
+    ("disable", Arguments::Axes(Action::Disable)),
+    ("halt", Arguments::Axes(Action::Halt)),
+    ("quick_stop", Arguments::Axes(Action::QuickStop)),
+    ("reset_errors", Arguments::Axes(Action::ResetErrors)),
+    ("activate", Arguments::Nothing(|| Action::Activate)),
+    ("deactivate", Arguments::Nothing(|| Action::Deactivate)),
+    ("abort", Arguments::Nothing(|| Action::Abort)),
+];
+
+/// Verbs after those of the core.
+const LAST: [(&str, Arguments); 17] = [
+    ("follow_joint_trajectory", Arguments::Goal(|reader, value| reader.follow_joint_trajectory(value))),
+    ("query_trajectory", Arguments::Own(|reader, value| reader.query_trajectory(value))),
+    ("cancel", Arguments::Own(|reader, value| reader.cancel(value))),
+    ("set_parameters", Arguments::Own(|reader, value| reader.set_parameters(value))),
+    ("save_parameters", Arguments::Axes(Action::SaveParameters)),
+    ("reset_parameters", Arguments::Own(|reader, value| reader.reset_parameters(value))),
+    ("delete_parameters", Arguments::Axes(Action::DeleteParameters)),
+    ("command_function", Arguments::Own(|reader, value| reader.command_function(value))),
+    ("run_function", Arguments::Goal(|reader, value| reader.run_function(value))),
+    ("load_table", Arguments::Own(|reader, value| reader.load_table(value))),
+    ("load_program", Arguments::Own(|reader, value| reader.load_program(value))),
+    ("set_memory", Arguments::Own(|reader, value| reader.set_memory(value))),
+    ("set_output", Arguments::Own(|reader, value| reader.set_output(value))),
+    ("setpoints", Arguments::Own(|reader, value| reader.setpoints(value, Source::Scenario))),
+    ("saia", Arguments::Own(|reader, value| reader.saia(value))),
+    ("wf", Arguments::Own(|reader, value| reader.wf(value))),
+    ("inject", Arguments::Own(|reader, value| reader.inject(value))),
+];
+
+/// Returns all verbs, with the readers of their arguments.
+fn all_verbs() -> impl Iterator<Item = (&'static str, Arguments)> {
+    let requests = REQUESTS.map(|(name, request)| (name, Arguments::Request(request)));
+    FIRST.into_iter().chain(requests).chain(LAST)
+}
 
 /// Names of all verbs.
-pub(crate) const VERBS: [&str; 35] = [
-    "enable",
-    "disable",
-    "halt",
-    "quick_stop",
-    "reset_errors",
-    "activate",
-    "deactivate",
-    "abort",
-    "move_axis",
-    "probe_axis",
-    "touch_probe",
-    "abort_trigger",
-    "home_axis",
-    "set_position",
-    "synchronize",
-    "phase",
-    "gear_out",
-    "out_an",
-    "follow_joint_trajectory",
-    "query_trajectory",
-    "cancel",
-    "set_parameters",
-    "save_parameters",
-    "reset_parameters",
-    "delete_parameters",
-    "command_function",
-    "run_function",
-    "load_table",
-    "load_program",
-    "set_memory",
-    "set_output",
-    "setpoints",
-    "saia",
-    "wf",
-    "inject",
-];
-
-const VELOCITY: u8 = 3;
-const MODES: [(&str, u8); 5] =
-    [("absolute", 0), ("relative", 1), ("additive", 2), ("velocity", VELOCITY), ("superimposed", 4)];
-const UNITS: [(&str, u8); 3] = [("si", 0), ("axis_unit", 1), ("increments", 2)];
-const BUFFER_MODES: [(&str, u8); 6] = [
-    ("aborting", 0),
-    ("buffered", 1),
-    ("blending_low", 2),
-    ("blending_previous", 3),
-    ("blending_next", 4),
-    ("blending_high", 5),
-];
-const DIRECTIONS: [(&str, u8); 4] = [("shortest", 0), ("positive", 1), ("negative", 2), ("current", 3)];
+pub(crate) static VERBS: LazyLock<Vec<&str>> = LazyLock::new(|| all_verbs().map(|(name, _)| name).collect());
 
 /// One action of a step.
 #[derive(Clone, Debug)]
@@ -195,72 +198,20 @@ impl Reader<'_> {
         };
         let Some(name) = verb.text() else { return };
         let place = verb.place();
-        let mut add = |deed: Option<Effect>, id: Option<usize>| {
-            acts.extend(deed.map(|deed| Act { place, verb: name.to_owned(), deed, id }));
+        let Some((_, reader)) = all_verbs().find(|(known, _)| *known == name) else {
+            let known = || format!("known are {}", VERBS.join(", "));
+            let hint = meant_verb(name).unwrap_or_else(known);
+            verb.refuse(format!("there is no verb `{}`", excerpt(name)), Some(hint));
+            return;
         };
-        match name {
-            "enable" => add(self.axes(arguments, Action::Enable), None),
-            "disable" => add(self.axes(arguments, Action::Disable), None),
-            "halt" => add(self.axes(arguments, Action::Halt), None),
-            "quick_stop" => add(self.axes(arguments, Action::QuickStop), None),
-            "reset_errors" => add(self.axes(arguments, Action::ResetErrors), None),
-            "activate" => add(nothing(arguments, Action::Activate), None),
-            "deactivate" => add(nothing(arguments, Action::Deactivate), None),
-            "abort" => add(nothing(arguments, Action::Abort), None),
-            "move_axis" => {
-                let (deed, id) = self.move_axis(arguments);
-                add(deed, id);
-            }
-            "probe_axis" => {
-                let (deed, id) = self.probe_axis(arguments);
-                add(deed, id);
-            }
-            "touch_probe" => add(self.touch_probe(arguments), None),
-            "abort_trigger" => add(self.abort_trigger(arguments), None),
-            "home_axis" => {
-                let (deed, id) = self.home_axis(arguments);
-                add(deed, id);
-            }
-            "set_position" => add(self.set_position(arguments), None),
-            "synchronize" => {
-                let (deed, id) = self.synchronize(arguments);
-                add(deed, id);
-            }
-            "phase" => {
-                let (deed, id) = self.phase(arguments);
-                add(deed, id);
-            }
-            "gear_out" => add(self.gear_out(arguments), None),
-            "out_an" => add(self.out_an(arguments), None),
-            "follow_joint_trajectory" => {
-                let (deed, id) = self.follow_joint_trajectory(arguments);
-                add(deed, id);
-            }
-            "query_trajectory" => add(self.query_trajectory(arguments), None),
-            "cancel" => add(self.cancel(arguments), None),
-            "set_parameters" => add(self.set_parameters(arguments), None),
-            "save_parameters" => add(self.axes(arguments, Action::SaveParameters), None),
-            "reset_parameters" => add(self.reset_parameters(arguments), None),
-            "delete_parameters" => add(self.axes(arguments, Action::DeleteParameters), None),
-            "command_function" => add(self.command_function(arguments), None),
-            "run_function" => {
-                let (deed, id) = self.run_function(arguments);
-                add(deed, id);
-            }
-            "load_table" => add(self.load_table(arguments), None),
-            "load_program" => add(self.load_program(arguments), None),
-            "set_memory" => add(self.set_memory(arguments), None),
-            "set_output" => add(self.set_output(arguments), None),
-            "setpoints" => add(self.setpoints(arguments, Source::Scenario), None),
-            "saia" => add(self.saia(arguments), None),
-            "wf" => add(self.wf(arguments), None),
-            "inject" => add(self.inject(arguments), None),
-            other => {
-                let known = || format!("known are {}", VERBS.join(", "));
-                let hint = meant_verb(other).unwrap_or_else(known);
-                verb.refuse(format!("there is no verb `{}`", excerpt(other)), Some(hint));
-            }
-        }
+        let (deed, id) = match reader {
+            Arguments::Axes(action) => (self.axes(arguments, action), None),
+            Arguments::Nothing(action) => (nothing(arguments, action()), None),
+            Arguments::Request(request) => self.request(name, request(), arguments),
+            Arguments::Own(read) => (read(self, arguments), None),
+            Arguments::Goal(read) => read(self, arguments),
+        };
+        acts.extend(deed.map(|deed| Act { place, verb: name.to_owned(), deed, id }));
     }
 
     /// Converts the result of a request: to a command, or to a refusal that the step expects.
@@ -317,51 +268,6 @@ impl Reader<'_> {
 
     fn scale(&self, axis: Option<&Value<'_>>) -> Option<Scale> {
         self.names.config.find_axis(axis?.peek()?).ok().map(|(_, axis)| axis.scale)
-    }
-
-    fn move_axis(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
-        let Some(mut map) = value.map("move_axis") else { return (None, None) };
-        let id = map.optional("id").map(|id| self.ids.carry(&id));
-        let axis = map.required("axis");
-        let scale = self.scale(axis.as_ref());
-        let numbers =
-            [("mode", &MODES[..]), ("units", &UNITS), ("buffer_mode", &BUFFER_MODES), ("direction", &DIRECTIONS)]
-                .map(|(key, names)| number(&mut map, key, names));
-        let [mode, units, buffer_mode, direction] = numbers;
-        let in_increments = units == Some(2);
-        let position = self.position(&mut map, mode, scale.as_ref(), in_increments);
-        let rates = optional_rates(&mut map, scale.as_ref(), in_increments);
-        map.finish();
-        let deed = (|| {
-            let units = match Units::from_number(units?) {
-                Ok(units) => units,
-                Err(error) => return self.to_command(value, Err(error)),
-            };
-            let request = MoveRequest {
-                axis: axis?.text()?.to_owned(),
-                mode: mode?,
-                units,
-                position: position?,
-                rates: rates?,
-                buffer_mode: buffer_mode?,
-                direction: direction?,
-            };
-            let config = self.names.config;
-            let resolved =
-                if self.recorded { config.resolve_recorded_move(&request) } else { config.resolve_move(&request) };
-            self.to_command(value, resolved.map(Action::Move))
-        })();
-        (deed, id.flatten())
-    }
-
-    /// Reads the position of a motion. Only mode velocity has none; otherwise a forgotten position would be 0. A
-    /// recorded command is read as it was.
-    fn position(&self, map: &mut Map<'_>, mode: Option<u8>, scale: Option<&Scale>, inc: bool) -> Option<Amount> {
-        let has_target = mode.is_some_and(|mode| mode != VELOCITY && usize::from(mode) < MODES.len());
-        if has_target && !self.recorded {
-            return amount(&map.required("position")?, 0, scale, inc);
-        }
-        optional_amount(map, "position", 0, scale, inc)
     }
 
     fn cancel(&mut self, value: &Value<'_>) -> Option<Effect> {
@@ -473,7 +379,7 @@ impl Reader<'_> {
 /// of that name.
 fn meant_verb(name: &str) -> Option<String> {
     let same = verbs_of(name);
-    match nearest(name, VERBS.into_iter()) {
+    match nearest(name, VERBS.iter().copied()) {
         Some(near) if same.is_empty() || same.contains(&near) => Some(did_you_mean(near)),
         _ => (!same.is_empty()).then(|| did_you_mean(&same.join("` or `"))),
     }
@@ -485,13 +391,9 @@ fn nothing(value: &Value<'_>, action: Action) -> Option<Effect> {
     Some(Effect::Command(action))
 }
 
-/// Reads a choice by name or number; 0 if it is absent.
-fn number(map: &mut Map<'_>, key: &str, names: &[(&str, u8)]) -> Option<u8> {
-    match map.optional(key) {
-        None => Some(0),
-        Some(value) if value.is_integer() => value.integer(0..=u8::MAX),
-        Some(value) => value.choice(names),
-    }
+/// Reads the number of the units of numbers without a unit.
+fn units(map: &mut Map<'_>) -> Option<u8> {
+    map.optional("units").map_or(Some(0), |value| choice_number(&value, &Units::ALL.map(|(name, _)| name)))
 }
 
 /// Reads a value that a memory cell can hold, like `~/set_memory`. A command has it as an f64, which must be exact.
@@ -499,19 +401,4 @@ fn memory_value(value: &Value<'_>, kind: MemoryKind) -> Option<f64> {
     let Some((low, high)) = kind.whole_range() else { return value.number(f64::NEG_INFINITY..=f64::INFINITY) };
     let whole = value.integer(low..=high)?;
     refuse_inexact(value, whole, (low, high)).then_some(whole as f64)
-}
-
-fn whole(map: &mut Map<'_>, key: &str) -> Option<i64> {
-    map.optional(key).map_or(Some(0), |value| value.integer(i64::MIN..=i64::MAX))
-}
-
-fn optional_amount(map: &mut Map<'_>, key: &str, order: u8, scale: Option<&Scale>, inc: bool) -> Option<Amount> {
-    map.optional(key).map_or(Some(Amount::default()), |value| amount(&value, order, scale, inc))
-}
-
-/// Reads the rates of a goal; returns `None` if one of them is wrong, which is reported.
-fn optional_rates(map: &mut Map<'_>, scale: Option<&Scale>, inc: bool) -> Option<Rates> {
-    let amounts = Rates::FIELDS.map(|(key, order)| optional_amount(map, key, order, scale, inc));
-    let [Some(velocity), Some(acceleration), Some(deceleration), Some(jerk)] = amounts else { return None };
-    Some(Rates { velocity, acceleration, deceleration, jerk })
 }

@@ -1,22 +1,26 @@
 //! Services whose requests are single commands, answered when the machine has accepted or refused them.
 
 use super::hub::Hub;
+use super::refusing::OutcomeResponse;
 use crate::layer::{Request, ServiceServer};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_msgs::Service;
+use std::fmt::Display;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
-/// Serves until the node has ended. `resolve` returns the command of a request, or an error message.
-pub(super) async fn serve<S: Service>(
+/// Serves until the node has ended. `resolve` returns the command of a request, or an error.
+pub(super) async fn serve<S: Service, E: Display + 'static>(
     server: ServiceServer<S>,
     hub: Arc<Hub>,
-    resolve: fn(&MachineConfig, S::Request) -> Result<Action, String>,
-    response: fn(Result<(), String>) -> S::Response,
-) {
-    let resolve = move |config: &MachineConfig, request| ((), resolve(config, request));
-    serve_with(server, hub, resolve, move |_: &Hub, (), outcome| response(outcome)).await;
+    resolve: fn(&MachineConfig, S::Request) -> Result<Action, E>,
+) where
+    S::Response: OutcomeResponse,
+{
+    let resolve =
+        move |config: &MachineConfig, request| ((), resolve(config, request).map_err(|error| error.to_string()));
+    serve_with(server, hub, resolve, |_: &Hub, (), outcome| S::Response::of(outcome)).await;
 }
 
 /// Serves until the node has ended. `resolve` in addition returns data of the request that the response needs.

@@ -8,12 +8,10 @@ use lineshaft_msgs::foreign::rcl_interfaces::srv::{
 };
 use lineshaft_msgs::foreign::std_srvs::srv::{TriggerRequest, TriggerResponse};
 use lineshaft_msgs::srv::{
-    AbortTriggerRequest, AbortTriggerResponse, AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest,
-    CommandFunctionResponse, GearOutRequest, GearOutResponse, ImportParametersRequest, ImportParametersResponse,
-    LoadProgramRequest, LoadProgramResponse, LoadTableRequest, LoadTableResponse, RecordRequest, RecordResponse,
-    ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse, SdoWriteRequest,
-    SdoWriteResponse, SetMemoryRequest, SetMemoryResponse, SetOutputRequest, SetOutputResponse, SetPositionRequest,
-    SetPositionResponse, TouchProbeRequest, TouchProbeResponse, VocabularyRequest, VocabularyResponse,
+    AxesCommandRequest, AxesCommandResponse, CommandFunctionRequest, CommandFunctionResponse, ImportParametersRequest,
+    ImportParametersResponse, LoadProgramRequest, LoadProgramResponse, LoadTableRequest, LoadTableResponse,
+    RecordRequest, RecordResponse, ResetParametersRequest, ResetParametersResponse, SdoReadRequest, SdoReadResponse,
+    SdoWriteRequest, SdoWriteResponse, VocabularyRequest, VocabularyResponse,
 };
 
 /// Response to requests of type `Q`.
@@ -22,29 +20,38 @@ pub(super) trait RefusalResponse<Q> {
     fn refusing(request: &Q, sentence: String) -> Self;
 }
 
+/// Response that has only a result and a message.
+pub(super) trait OutcomeResponse {
+    /// Returns the response to a request that was executed, or refused with a message.
+    fn of(outcome: Result<(), String>) -> Self;
+}
+
+/// Implements both for requests and their responses.
 macro_rules! refusal_with_message {
     ($($request:ident, $response:ident;)*) => {$(
-        impl RefusalResponse<$request> for $response {
+        impl $crate::surface::refusing::RefusalResponse<$request> for $response {
             fn refusing(_: &$request, message: String) -> Self {
                 Self { success: false, message }
+            }
+        }
+
+        impl $crate::surface::refusing::OutcomeResponse for $response {
+            fn of(outcome: Result<(), String>) -> Self {
+                Self { success: outcome.is_ok(), message: outcome.err().unwrap_or_default() }
             }
         }
     )*};
 }
 
+pub(super) use refusal_with_message;
+
 refusal_with_message! {
-    AbortTriggerRequest, AbortTriggerResponse;
     AxesCommandRequest, AxesCommandResponse;
-    GearOutRequest, GearOutResponse;
     ImportParametersRequest, ImportParametersResponse;
     LoadProgramRequest, LoadProgramResponse;
     LoadTableRequest, LoadTableResponse;
     ResetParametersRequest, ResetParametersResponse;
     SdoWriteRequest, SdoWriteResponse;
-    SetMemoryRequest, SetMemoryResponse;
-    SetOutputRequest, SetOutputResponse;
-    SetPositionRequest, SetPositionResponse;
-    TouchProbeRequest, TouchProbeResponse;
     TriggerRequest, TriggerResponse;
     VocabularyRequest, VocabularyResponse;
 }

@@ -1,6 +1,7 @@
 //! `~/vocabulary`: commands in the terms of earlier controllers, answered when the machine has accepted or refused them.
 
 use super::hub::{CommandEvents, Hub};
+use super::refusing::OutcomeResponse;
 use super::table;
 use crate::layer::{CreateError, Node, Request, ServiceServer};
 use lineshaft_msgs::srv::{Vocabulary, VocabularyRequest, VocabularyResponse};
@@ -24,10 +25,10 @@ async fn serve(mut server: ServiceServer<Vocabulary>, hub: Arc<Hub>) {
             Ok(answers) => {
                 open.spawn(async move {
                     // A client that has left is not an error of the machine; the layer logs it.
-                    let _ = reply.send(response(answers.accepted().await)).await;
+                    let _ = reply.send(VocabularyResponse::of(answers.accepted().await)).await;
                 });
             }
-            Err(sentence) => reply.send_soon(response(Err(sentence))),
+            Err(sentence) => reply.send_soon(VocabularyResponse::of(Err(sentence))),
         }
     }
 }
@@ -41,8 +42,4 @@ async fn give(hub: &Arc<Hub>, service: &str, request: VocabularyRequest) -> Resu
         Err(_) => return Err("the request could not be read".to_owned()),
     };
     hub.submit(command).map_err(|busy| busy.to_string())
-}
-
-fn response(outcome: Result<(), String>) -> VocabularyResponse {
-    VocabularyResponse { success: outcome.is_ok(), message: outcome.err().unwrap_or_default() }
 }

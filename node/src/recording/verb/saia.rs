@@ -2,21 +2,10 @@
 
 use super::write::{Entries, Scalar};
 use lineshaft_core::parameter::Value;
-use lineshaft_core::vocabulary::saia::{Command, Request};
-use serde::Serialize;
-
-/// Arguments of the verb.
-#[derive(Serialize)]
-pub(super) struct Saia<'a> {
-    axis: &'a str,
-    #[serde(skip_serializing_if = "Entries::is_empty")]
-    set: Entries,
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    commands: Vec<&'static str>,
-}
+use lineshaft_core::vocabulary::saia::Request;
 
 /// Returns the arguments of the verb; default values are left out.
-pub(super) fn saia<'a>(request: &Request, axis: &'a str) -> Saia<'a> {
+pub(super) fn saia(request: &Request, axis: &str) -> Entries {
     let registers = request.registers().map(|(register, value)| {
         let value = match value {
             Value::Int(value) => Scalar::Whole(value.into()),
@@ -25,5 +14,10 @@ pub(super) fn saia<'a>(request: &Request, axis: &'a str) -> Saia<'a> {
         };
         (register.name().to_owned(), value)
     });
-    Saia { axis, set: Entries(registers.collect()), commands: request.commands.iter().map(Command::name).collect() }
+    let commands: Vec<Scalar> = request.commands.iter().map(|command| command.name().into()).collect();
+    Entries::some([
+        ("axis", Some(axis.into())),
+        ("set", Entries(registers.collect()).unless_empty()),
+        ("commands", (!commands.is_empty()).then_some(Scalar::List(commands))),
+    ])
 }

@@ -1,99 +1,43 @@
 //! Writes a verb `wf` as text.
 
-use super::write::{length, rate};
-use lineshaft_core::position::{Length, Position};
-use lineshaft_core::vocabulary::wf::{self, Jog, Mode, Request, Speed};
-use serde::Serialize;
-
-/// Arguments of the verb.
-#[derive(Serialize)]
-pub(super) struct Wf<'a> {
-    axis: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    mode: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    blocks: Option<Vec<Block>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    block: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    start: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    jog: Option<&'static str>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cam: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    fixed_speed: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    enable: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    reset: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    value: Option<String>,
-}
-
-#[derive(Serialize)]
-struct Block {
-    position: String,
-    velocity: Velocity,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    absolute: Option<bool>,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Velocity {
-    Value(f64),
-    Rate(String),
-}
-
-impl Block {
-    fn of(block: &wf::Block) -> Self {
-        let velocity = match block.speed {
-            Speed::Value(value) => Velocity::Value(value),
-            Speed::Velocity(velocity) => Velocity::Rate(rate(velocity, 1)),
-        };
-        Self { position: position(block.position), velocity, absolute: (!block.absolute).then_some(false) }
-    }
-}
+use super::write::{Entries, Scalar, length, rate};
+use crate::scenario::{WF_JOGS, WF_MODES};
+use lineshaft_core::position::Length;
+use lineshaft_core::request::NAMELESS;
+use lineshaft_core::vocabulary::wf::{Block, Request, Speed};
 
 /// Returns the arguments of the verb; default values are left out.
-pub(super) fn wf<'a>(request: &Request, axis: &'a str) -> Wf<'a> {
-    Wf {
-        axis,
-        mode: request.mode.map(mode),
-        blocks: request.blocks.map(|blocks| blocks.as_slice().iter().map(Block::of).collect()),
-        block: request.block,
-        start: request.start.then_some(true),
-        jog: request.jog.map(jog),
-        cam: request.cam,
-        fixed_speed: request.fixed_speed,
-        enable: request.enable,
-        reset: request.reset.then_some(true),
-        value: request.value.map(length),
-    }
+pub(super) fn wf(request: &Request, axis: &str) -> Entries {
+    let number = |value: u8| Scalar::Whole(value.into());
+    let yes = |holds: bool| holds.then_some(Scalar::Truth(true));
+    Entries::some([
+        ("axis", Some(axis.into())),
+        ("mode", request.mode.map(|mode| name(&WF_MODES, mode))),
+        ("blocks", request.blocks.map(|blocks| Scalar::List(blocks.as_slice().iter().map(block).collect()))),
+        ("block", request.block.map(number)),
+        ("start", yes(request.start)),
+        ("jog", request.jog.map(|jog| name(&WF_JOGS, jog))),
+        ("cam", request.cam.map(Scalar::Truth)),
+        ("fixed_speed", request.fixed_speed.map(number)),
+        ("enable", request.enable.map(Scalar::Truth)),
+        ("reset", yes(request.reset)),
+        ("value", request.value.map(|value| Scalar::Text(length(value)))),
+    ])
 }
 
-fn position(exact: Position) -> String {
-    length(Length { nearest: 0, rest: exact })
+fn name<T: PartialEq>(names: &[(&str, T)], value: T) -> Scalar {
+    names.iter().find(|(_, known)| *known == value).map_or(NAMELESS, |(name, _)| name).into()
 }
 
-fn mode(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Mdi => "mdi",
-        Mode::Single => "single",
-        Mode::Automatic => "automatic",
-        Mode::Continuous => "continuous",
-        Mode::Jog => "jog",
-        Mode::ActualValue => "actual_value",
-        Mode::Reference => "reference",
-    }
-}
-
-fn jog(jog: Jog) -> &'static str {
-    match jog {
-        Jog::None => "none",
-        Jog::Plus => "plus",
-        Jog::Minus => "minus",
-        Jog::Both => "both",
-    }
+fn block(block: &Block) -> Scalar {
+    let velocity = match block.speed {
+        Speed::Value(value) => Scalar::Real(value),
+        Speed::Velocity(velocity) => Scalar::Text(rate(velocity, 1)),
+    };
+    let position = length(Length { nearest: 0, rest: block.position });
+    Scalar::Entries(Entries::some([
+        ("position", Some(Scalar::Text(position))),
+        ("velocity", Some(velocity)),
+        ("absolute", (!block.absolute).then_some(Scalar::Truth(false))),
+    ]))
 }

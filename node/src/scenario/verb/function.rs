@@ -1,6 +1,6 @@
 //! Verbs `command_function`, `run_function`, `load_table` and `load_program`.
 
-use super::{Effect, Reader, did_you_mean, nearest};
+use super::{Effect, EffectOfGoal, Reader, did_you_mean, nearest};
 use crate::document::Value;
 use crate::program;
 use lineshaft_core::function::Order;
@@ -24,7 +24,7 @@ impl Reader<'_> {
         self.to_command(value, self.names.config.resolve_function(&request))
     }
 
-    pub(super) fn run_function(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
+    pub(super) fn run_function(&mut self, value: &Value<'_>) -> EffectOfGoal {
         let Some(mut map) = value.map("run_function") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let function = map.required("function");

@@ -2,7 +2,7 @@
 //! `{axes: {x: {velocity: 10 mm/s, duration: 50 ms}}}` for a time. A `duration` next to `axes` is the default of axes
 //! without their own.
 
-use super::{Effect, Ids, Reader, UNITS, number};
+use super::{Effect, Ids, Reader, units};
 use crate::document::Value;
 use crate::scenario::moment::nanoseconds;
 use crate::scenario::names::Names;
@@ -36,7 +36,7 @@ impl Reader<'_> {
     pub(super) fn setpoints(&self, value: &Value<'_>, source: Source) -> Option<Effect> {
         let mut map = value.map("setpoints")?;
         let axes = map.required("axes");
-        let units = number(&mut map, "units", &UNITS);
+        let units = units(&mut map);
         let duration = map.optional("duration").map(|duration| nanoseconds(&duration));
         map.finish();
         let axes = axes?.entries()?;

@@ -1,7 +1,8 @@
 //! Verb `follow_joint_trajectory` (contract section 7, by the fields of control_msgs).
 
+use super::amount::amount;
 use super::plan::Plan;
-use super::{Effect, Reader, UNITS, amount, number};
+use super::{Effect, EffectOfGoal, Reader, units};
 use crate::cell::trajectory_limits;
 use crate::document::{Allowed, Document, Map, Value};
 use crate::scenario::{moment, names::Names};
@@ -56,7 +57,7 @@ impl Reader<'_> {
         self.to_command(value, self.names.config.resolve_query_trajectory(&axis, at_ns).map(Action::QueryTrajectory))
     }
 
-    pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> (Option<Effect>, Option<usize>) {
+    pub(super) fn follow_joint_trajectory(&mut self, value: &Value<'_>) -> EffectOfGoal {
         let Some(mut map) = value.map("follow_joint_trajectory") else { return (None, None) };
         let id = map.optional("id").map(|id| self.ids.carry(&id));
         let file = map.optional("file");
@@ -131,7 +132,7 @@ impl Reader<'_> {
     /// Reads joints, units and points in the verb.
     fn given<'d>(&self, map: &mut Map<'d>) -> Option<Given<'d>> {
         let joints = map.required("joints").and_then(|joints| self.joints(&joints));
-        let units = number(map, "units", &UNITS);
+        let units = units(map);
         let points = map.required("points");
         let (joints, units) = (joints?, units?);
         let numbers = Numbers { names: self.names, joints: &joints, in_increments: units == 2 };

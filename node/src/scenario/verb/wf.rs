@@ -27,7 +27,7 @@ use lineshaft_core::unit::Scale;
 use lineshaft_core::vocabulary::wf::{Block, Blocks, FIXED_SPEEDS, Jog, MAX_BLOCKS, Mode, Request, Speed};
 
 /// Modes by name.
-const MODES: [(&str, Mode); 8] = [
+pub(crate) const MODES: [(&str, Mode); 8] = [
     ("mdi", Mode::Mdi),
     ("single", Mode::Single),
     ("automatic", Mode::Automatic),
@@ -38,7 +38,8 @@ const MODES: [(&str, Mode); 8] = [
     ("actual_value", Mode::ActualValue),
 ];
 
-const JOGS: [(&str, Jog); 4] = [("none", Jog::None), ("plus", Jog::Plus), ("minus", Jog::Minus), ("both", Jog::Both)];
+pub(crate) const JOGS: [(&str, Jog); 4] =
+    [("none", Jog::None), ("plus", Jog::Plus), ("minus", Jog::Minus), ("both", Jog::Both)];
 
 /// Error of a part of the verb: reported already, or to be returned as refusal of the verb.
 enum Trouble {
@@ -150,7 +151,7 @@ fn speed(value: &Value<'_>, scale: Option<&Scale>) -> Result<Speed, Trouble> {
     let amount = amount(value, 1, scale, false).ok_or(Trouble::Noted)?;
     match amount {
         Amount::Number(number) => Ok(Speed::Value(number)),
-        Amount::Quantity(_) => {
+        _ => {
             let rate = amount.rate(Units::AxisUnit, scale.ok_or(Trouble::Noted)?, 1);
             let bad = |error| RequestError::BadValue { field: value.label().to_owned(), error: Box::new(error) };
             Ok(Speed::Velocity(rate.map_err(bad)?))

@@ -5,13 +5,13 @@ use crate::surface::hub::Hub;
 use crate::surface::{one_command, table};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
-use lineshaft_msgs::srv::{LoadProgramRequest, LoadProgramResponse};
+use lineshaft_msgs::srv::LoadProgramRequest;
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let server = table::LOAD_PROGRAM.server(node)?;
-    tasks.spawn(one_command::serve(server, Arc::clone(hub), resolve, response));
+    tasks.spawn(one_command::serve(server, Arc::clone(hub), resolve));
     Ok(())
 }
 
@@ -22,14 +22,12 @@ fn resolve(config: &MachineConfig, request: LoadProgramRequest) -> Result<Action
     resolved.map_err(|error| error.to_string())
 }
 
-fn response(outcome: Result<(), String>) -> LoadProgramResponse {
-    LoadProgramResponse { success: outcome.is_ok(), message: outcome.err().unwrap_or_default() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::refusing::OutcomeResponse;
     use lineshaft_core::config::ProgramConfig;
+    use lineshaft_msgs::srv::LoadProgramResponse;
 
     #[test]
     fn names_and_modules_are_checked_before_anything_is_a_command() {
@@ -50,6 +48,7 @@ mod tests {
                 "p: it is no WebAssembly: its first four bytes are others than \\0asm"
             );
         });
+        let response = LoadProgramResponse::of;
         assert!(!response(Err("x".to_owned())).success && response(Ok(())).success);
     }
 }

@@ -6,13 +6,13 @@ use crate::surface::{one_command, table};
 use lineshaft_core::command::Action;
 use lineshaft_core::config::MachineConfig;
 use lineshaft_core::parameter::ParameterImage;
-use lineshaft_msgs::srv::{GetTable, GetTableResponse, LoadTableRequest, LoadTableResponse};
+use lineshaft_msgs::srv::{GetTable, GetTableResponse, LoadTableRequest};
 use std::sync::Arc;
 use tokio::task::JoinSet;
 
 pub(super) fn start(node: &Node, hub: &Arc<Hub>, tasks: &mut JoinSet<()>) -> Result<(), CreateError> {
     let server = table::LOAD_TABLE.server(node)?;
-    tasks.spawn(one_command::serve(server, Arc::clone(hub), resolve, response));
+    tasks.spawn(one_command::serve(server, Arc::clone(hub), resolve));
     tasks.spawn(serve(table::GET_TABLE.server(node)?, Arc::clone(hub)));
     Ok(())
 }
@@ -21,10 +21,6 @@ fn resolve(config: &MachineConfig, LoadTableRequest { table, x, y }: LoadTableRe
     // A spline through a million points takes time; other requests are answered meanwhile.
     let resolved = tokio::task::block_in_place(|| config.resolve_load_table(&table, &x, &y));
     resolved.map_err(|error| error.to_string())
-}
-
-fn response(outcome: Result<(), String>) -> LoadTableResponse {
-    LoadTableResponse { success: outcome.is_ok(), message: outcome.err().unwrap_or_default() }
 }
 
 async fn serve(mut server: ServiceServer<GetTable>, hub: Arc<Hub>) {

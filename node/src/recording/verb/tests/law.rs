@@ -3,13 +3,16 @@
 use super::*;
 use lineshaft_core::parameter::{Layer, PROFILES, ParameterInput, ROWS};
 use lineshaft_core::request::{
-    AbortTriggerRequest, CamRequest, GearOutRequest, HomeRequest, MoveRequest, OutAnRequest, PhaseRequest,
-    PointRequest, ProbeRequest, Rates, SetPositionRequest, SetpointRequest, SynchronizeRequest, ToleranceRequest,
-    TouchProbeRequest, TrajectoryRequest, Units, factor,
+    CamRequest, MoveRequest, Named, NewVerb, PointRequest, Presence, REQUESTS, Rates, SetpointRequest,
+    SynchronizeRequest, ToleranceRequest, TrajectoryRequest, UnitOf, Units, Verb, VerbFields, factor,
 };
 use lineshaft_core::trajectory::{OnExcess, TrajectoryLimits};
+use lineshaft_core::unit::Fraction;
 use lineshaft_core::vocabulary::saia::{self, Command as SaiaCommand, Register};
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use std::ops::RangeInclusive;
 use std::sync::LazyLock;
 
 static DESK: LazyLock<Desk> = LazyLock::new(Desk::new);
@@ -75,25 +78,90 @@ fn units() -> impl Strategy<Value = Units> {
     prop::sample::select(&[Units::Si, Units::AxisUnit, Units::Increments][..])
 }
 
-fn move_request() -> impl Strategy<Value = MoveRequest> {
-    (axis(), 0..4_u8, units(), amount(0), (amount(1), amount(2), amount(2), amount(3)), 0..4_u8).prop_map(
-        |(axis, mode, units, position, (velocity, acceleration, deceleration, jerk), direction)| MoveRequest {
-            axis,
-            mode,
-            units,
-            position,
-            rates: Rates { velocity, acceleration, deceleration, jerk },
-            buffer_mode: 0,
-            direction,
-        },
-    )
+/// Fills the fields of a request with values that are often valid.
+struct Dice(TestRunner);
+
+impl Dice {
+    fn draw<T>(&mut self, strategy: impl Strategy<Value = T>) -> T {
+        strategy.new_tree(&mut self.0).expect("a value").current()
+    }
+
+    /// Draws a value; often the default for a field that may be left out.
+    fn often<T>(&mut self, presence: Presence, strategy: impl Strategy<Value = T>, value: &mut T) {
+        if presence != Presence::Optional || self.draw(0..3) == 0 {
+            *value = self.draw(strategy);
+        }
+    }
+
+    /// Returns a request of a verb; the same for the same seed.
+    fn request(verb: NewVerb, seed: &[u8; 32]) -> Box<dyn Verb> {
+        let numbers = TestRng::from_seed(RngAlgorithm::ChaCha, seed);
+        let mut request = verb();
+        request.fields(&mut Self(TestRunner::new_with_rng(ProptestConfig::default(), numbers)));
+        request
+    }
 }
 
-fn probe_request() -> impl Strategy<Value = ProbeRequest> {
-    let event = prop::sample::select(vec!["mark", "belt"]).prop_map(str::to_owned);
-    (move_request(), 0..2_u8, event, 0..3_u8, amount(0)).prop_map(|(search, mode, event, edge, distance)| {
-        ProbeRequest { search: MoveRequest { mode, ..search }, event, edge, distance }
-    })
+impl VerbFields for Dice {
+    fn has(&self, _: &str) -> bool {
+        false
+    }
+
+    fn list_in_order(&mut self, _: &[&'static str]) {}
+
+    fn id(&mut self) {}
+
+    fn name(&mut self, key: &'static str, of: Named, _: Presence, value: &mut String) {
+        let names: &[&str] = match of {
+            Named::Axis => &AXES,
+            Named::Position => &["x", "turret", "odd", "fine", "coarse", "belt", "x.master", "fine.master"],
+            Named::Leader => &["", "x", "x.command", "turret.actual", "belt", "sum", "machine.vmaster"],
+            Named::Other if key == "table" => &["", "knife"],
+            Named::Other => &["", "mark", "belt"],
+        };
+        *value = self.draw(prop::sample::select(names)).to_owned();
+    }
+
+    fn choice(&mut self, _: &'static str, names: &[&'static str], presence: Presence, number: &mut u8) {
+        self.often(presence, 0..names.len() as u8, number);
+    }
+
+    fn word(&mut self, _: &'static str, names: &[&'static str], number: &mut u8) {
+        *number = self.draw(0..names.len() as u8);
+    }
+
+    fn units(&mut self, given: &mut Units) {
+        *given = self.draw(units());
+    }
+
+    fn amount(&mut self, _: &'static str, order: u8, _: UnitOf, presence: Presence, value: &mut Amount) {
+        self.often(presence, amount(order), value);
+    }
+
+    fn increments(&mut self, key: &'static str, _: UnitOf, value: &mut i64) {
+        self.whole(key, i64::MIN..=i64::MAX, Presence::Optional, value);
+    }
+
+    fn whole(&mut self, _: &'static str, range: RangeInclusive<i64>, presence: Presence, value: &mut i64) {
+        let (low, high) = range.into_inner();
+        self.often(presence, prop_oneof![Just(0), -5..5_i64, low..=high], value);
+    }
+
+    fn real(&mut self, _: &'static str, range: RangeInclusive<f64>, value: &mut f64) {
+        let (low, high) = range.into_inner();
+        *value = self.draw(low..high);
+    }
+
+    fn boolean(&mut self, _: &'static str, _: bool, value: &mut bool) {
+        *value = self.draw(any::<bool>());
+    }
+
+    fn fraction(&mut self, _: &'static str, value: &mut Fraction) {
+        let parts = (-3000..3000_i128, prop::sample::select(vec![1, 7, 1000, 32_768, 1_000_000_000]));
+        self.often(Presence::Optional, parts.prop_map(|(whole, parts)| Fraction::new(whole, parts)), value);
+    }
+
+    fn belongs(&mut self, _: &'static str, _: bool, _: &'static str) {}
 }
 
 fn cam_request() -> impl Strategy<Value = CamRequest> {
@@ -172,19 +240,6 @@ fn synchronize_request() -> impl Strategy<Value = SynchronizeRequest> {
             }
         },
     )
-}
-
-fn home_request() -> impl Strategy<Value = HomeRequest> {
-    // Scheme CONFIGURED has its own number.
-    let numbered = (1..4_u8, any::<i8>());
-    let choice = prop_oneof![3 => Just((0_u8, 0_i8)), 6 => numbered, 1 => (Just(0_u8), any::<i8>())];
-    (axis(), choice).prop_map(|(axis, (scheme, method))| HomeRequest { axis, scheme, method })
-}
-
-fn set_position_request() -> impl Strategy<Value = SetPositionRequest> {
-    let master = axis().prop_map(|axis| format!("{axis}.master"));
-    let name = prop_oneof![axis(), master, Just("belt".to_owned())];
-    (name, amount(0), units()).prop_map(|(axis, position, units)| SetPositionRequest { axis, position, units })
 }
 
 /// A trajectory of some axes, with or without velocities and accelerations.
@@ -364,8 +419,7 @@ fn saia() -> impl Strategy<Value = Option<Action>> {
 
 /// Returns the fraction of the requests of a strategy that become commands.
 fn share<T: std::fmt::Debug>(strategy: impl Strategy<Value = T>, is_good: impl Fn(T) -> bool) -> f64 {
-    use proptest::strategy::ValueTree;
-    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let mut runner = TestRunner::deterministic();
     let made = (0..2000).filter(|_| is_good(strategy.new_tree(&mut runner).unwrap().current())).count();
     made as f64 / 2000.0
 }
@@ -373,19 +427,20 @@ fn share<T: std::fmt::Debug>(strategy: impl Strategy<Value = T>, is_good: impl F
 #[test]
 fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     let config = &DESK.config;
-    let moves = share(move_request(), |request| config.resolve_recorded_move(&request).is_ok());
+    for (verb, request) in REQUESTS {
+        let made = share(any::<[u8; 32]>(), |seed| Dice::request(request, &seed).resolve(config, true).is_ok());
+        assert!(made > 0.01, "{verb}: {made}");
+    }
     let couplings = share(synchronize_request(), |request| config.resolve_recorded_synchronize(&request).is_ok());
     let waiting = share(waiting_request(), |request| config.resolve_recorded_synchronize(&request).is_ok());
     let trajectories = share(trajectory_request(), |request| config.resolve_trajectory(&request).is_ok());
     assert!(trajectories > 0.2, "{trajectories}");
-    assert!(share(home_request(), |request| config.resolve_home(&request).is_ok()) > 0.5);
-    assert!(share(set_position_request(), |request| config.resolve_set_position(&request).is_ok()) > 0.2);
     let rows = (axis(), prop::sample::select(ROWS), input());
     let changes =
         share(rows, |(axis, row, input)| config.resolve_parameter(&format!("{axis}.{}", row.key), &input).is_ok());
     let verbs = share(verb(), |text| DESK.read(&text).is_ok());
     assert!(share(saia(), |action| action.is_some()) > 0.2);
-    assert!(moves > 0.2 && couplings > 0.2 && waiting > 0.2 && changes > 0.05 && verbs > 0.2);
+    assert!(couplings > 0.2 && waiting > 0.2 && changes > 0.05 && verbs > 0.2);
 }
 
 /// A verb as a user may write it, with arguments that may be wrong.
@@ -420,42 +475,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 5000, max_global_rejects: 100_000, ..ProptestConfig::default() })]
 
     #[test]
-    fn every_move_that_a_request_makes(request in move_request()) {
-        if let Ok(action) = DESK.config.resolve_recorded_move(&request) {
-            round_trips(&Action::Move(action))?;
-        }
-    }
-
-    #[test]
-    fn every_probe_that_a_request_makes(request in probe_request()) {
-        if let Ok(request) = DESK.config.resolve_probe(&request) {
-            round_trips(&Action::Probe(request))?;
-        }
-    }
-
-    #[test]
-    fn every_touch_probe_that_a_request_makes(
-        axis in axis(), event in prop::sample::select(vec!["mark", "belt"]), edge in 0..3_u8, continuous in any::<bool>(),
-        window_only in any::<bool>(), first_position in amount(0), last_position in amount(0), is_aborted in any::<bool>(),
-    ) {
-        let event = event.to_owned();
-        let abort = AbortTriggerRequest { axis: axis.clone(), event: if is_aborted { event.clone() } else { String::new() } };
-        if let Ok(request) = DESK.config.resolve_abort_trigger(&abort) {
-            round_trips(&Action::AbortTrigger(request))?;
-        }
-        let units = Units::Increments;
-        let request =
-            TouchProbeRequest { axis, event, edge, continuous, units, window_only, first_position, last_position };
-        if let Ok(request) = DESK.config.resolve_touch_probe(&request) {
-            round_trips(&Action::TouchProbe(request))?;
-        }
-    }
-
-    #[test]
-    fn every_shift_of_a_position_that_a_request_makes(axis in axis(), position in amount(0)) {
-        let request = SetPositionRequest { axis, position, units: Units::Increments };
-        if let Ok(action) = DESK.config.resolve_shift_position(&request) {
-            round_trips(&action)?;
+    fn every_request_that_is_a_verb(seed in any::<[u8; 32]>()) {
+        for (verb, request) in REQUESTS {
+            if let Ok(action) = Dice::request(request, &seed).resolve(&DESK.config, true) {
+                prop_assert_eq!(DESK.config.describe(&action).map(|(verb, _)| verb), Some(verb));
+                round_trips(&action)?;
+            }
         }
     }
 
@@ -463,46 +488,6 @@ proptest! {
     fn every_coupling_that_a_request_makes(request in prop_oneof![synchronize_request(), camming_request(), waiting_request()]) {
         if let Ok(action) = DESK.config.resolve_recorded_synchronize(&request) {
             round_trips(&Action::Synchronize(action))?;
-        }
-    }
-
-    #[test]
-    fn every_phase_that_a_request_makes(
-        axis in axis(), side in 0..2_u8, shift in amount(0), velocity in amount(1), acceleration in amount(2),
-    ) {
-        let request = PhaseRequest { axis, side, shift, velocity, acceleration };
-        if let Ok(request) = DESK.config.resolve_phase(&request) {
-            round_trips(&Action::Phase(request))?;
-        }
-    }
-
-    #[test]
-    fn every_end_of_a_coupling_that_a_request_makes(axis in axis(), at in 0..4_u8, increments in any::<i64>(), disengage in 0..4_u8) {
-        let increments = if at == 0 { 0 } else { increments };
-        if let Ok(request) = DESK.config.resolve_gear_out(&GearOutRequest { axis, at, increments, disengage }) {
-            round_trips(&Action::GearOut(request))?;
-        }
-    }
-
-    #[test]
-    fn every_value_of_lower_loops_that_a_request_makes(axis in axis(), value in -1.1..1.1_f64, is_effort in any::<bool>()) {
-        let level = if is_effort { Level::Effort } else { Level::Setpoint };
-        if let Ok(request) = DESK.config.resolve_out_an(&OutAnRequest { axis, value, level }) {
-            round_trips(&Action::OutAn(request))?;
-        }
-    }
-
-    #[test]
-    fn every_homing_that_a_request_makes(request in home_request()) {
-        if let Ok(request) = DESK.config.resolve_home(&request) {
-            round_trips(&Action::HomeAxis(request))?;
-        }
-    }
-
-    #[test]
-    fn every_new_position_that_a_request_makes(request in set_position_request()) {
-        if let Ok(request) = DESK.config.resolve_set_position(&request) {
-            round_trips(&request)?;
         }
     }
 

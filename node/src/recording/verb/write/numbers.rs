@@ -1,32 +1,7 @@
-//! Positions, rates, ratios and amounts as text.
+//! Positions and rates as text.
 
-use super::values::Scalar;
 use lineshaft_core::position::Length;
-use lineshaft_core::sync::gear::Ratio;
-use lineshaft_core::unit::{Amount, Unit, fraction_to_digits};
-
-/// Returns the amount as given; `None` for the number 0 without unit.
-pub(super) fn amount(amount: Amount) -> Option<Scalar> {
-    match amount {
-        Amount::Number(number) => (number != 0.0).then_some(Scalar::Real(number)),
-        Amount::Quantity(quantity) => {
-            Some(Scalar::Text(format!("{} {}", fraction_to_digits(&quantity.value()), quantity.unit())))
-        }
-    }
-}
-
-pub(super) fn shift(value: Length) -> Option<String> {
-    Some(value).filter(|value| *value != Length::default()).map(length)
-}
-
-pub(super) fn factor(ratio: Ratio) -> Option<String> {
-    (ratio != Ratio::ONE).then(|| format!("{}/{}", ratio.numerator(), ratio.denominator()))
-}
-
-/// Returns a rate; `None` if it is the default.
-pub(super) fn given(value: f64, order: u8) -> Option<String> {
-    (value.to_bits() != 0).then(|| rate(value, order))
-}
+use lineshaft_core::unit::Unit;
 
 /// Formats a rate, in inc/s^order, as the shortest decimal that is read back as the same f64.
 pub(in crate::recording::verb) fn rate(value: f64, order: u8) -> String {

@@ -1,18 +1,29 @@
 //! Values by name: parameters, memory cells, outputs and sets of functions; numbers of a table.
 
+use super::axis;
 use super::numbers::rate;
-use super::{NAMELESS, axis};
 use lineshaft_core::config::{IoKind, MachineConfig, MemoryKind};
 use lineshaft_core::parameter::{Change, MACHINE, Measure, Value};
+use lineshaft_core::request::NAMELESS;
 use lineshaft_core::table::{Form, Table};
 use serde::{Serialize, Serializer};
 
 /// Names and values in the order of the command.
+#[derive(Default)]
 pub(in crate::recording::verb) struct Entries(pub(in crate::recording::verb) Vec<(String, Scalar)>);
 
 impl Entries {
-    pub(in crate::recording::verb) fn is_empty(&self) -> bool {
-        self.0.is_empty()
+    pub(in crate::recording::verb) fn of<const N: usize>(entries: [(&str, Scalar); N]) -> Self {
+        Self::some(entries.map(|(name, value)| (name, Some(value))))
+    }
+
+    /// Returns those entries that have a value.
+    pub(in crate::recording::verb) fn some<const N: usize>(entries: [(&str, Option<Scalar>); N]) -> Self {
+        Self(entries.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect())
+    }
+
+    pub(in crate::recording::verb) fn unless_empty(self) -> Option<Scalar> {
+        (!self.0.is_empty()).then_some(Scalar::Entries(self))
     }
 }
 
@@ -26,9 +37,18 @@ impl Serialize for Entries {
 #[serde(untagged)]
 pub(in crate::recording::verb) enum Scalar {
     Nothing,
+    Truth(bool),
     Text(String),
     Whole(i128),
     Real(f64),
+    List(Vec<Scalar>),
+    Entries(Entries),
+}
+
+impl From<&str> for Scalar {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
 }
 
 /// Numbers of a table as in its cell.
