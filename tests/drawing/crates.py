@@ -27,7 +27,7 @@ PLACES = {
     "lineshaft-tune": (1, 84, 238, "tune", ["identification,", "design of loops"]),
     "lineshaft-can": (1, 258, 412, "can", ["CAN buses,", "CANopen master"]),
     "lineshaft-ros": (1, 450, 640, "ros", ["ROS 2 interfaces,", "process of the DDS library"]),
-    "lineshaft-cia402": (2, 300, 441, "can", ["CiA 402 drives", "on any bus"]),
+    "lineshaft-cia402": (2, 286, 450, "can", ["CiA 402 drives", "on any bus"]),
     "lineshaft-core": (3, 84, 552, "core", ["one cycle of the machine: deterministic, no I/O, no clock, no ROS"]),
     "rust_client": (3, 664, 776, "test", ["a client,", "for the tests"]),
     "lineshaft-program": (4, 24, 582, "program", ["programs of users: WebAssembly, checked and translated"]),
