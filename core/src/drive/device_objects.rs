@@ -2,7 +2,8 @@
 //!
 //! Law      an object has an index and a sub-index in the dictionary of its device (CiA 301, also for CoE); its value is
 //!          bytes. The backend knows the dictionaries, converts between bytes and text, and executes requests one after
-//!          the other. Each request that was accepted is answered once, or cancelled before it began
+//!          the other. Each request that was accepted is answered once, cancelled before it began, or dropped when the
+//!          backend ends
 //! Refuses  each method with a message of one sentence, without the names of backend and device
 
 use std::fmt::Debug;

@@ -170,7 +170,7 @@ impl MachineConfig {
                     let allowed = "1 AXIS_UNIT (as x.master.position shows it), 2 INCREMENTS are allowed for a master";
                     return Err(RequestError::BadChoice { field: "units", value: 0, allowed });
                 }
-                _ => {
+                (Amount::Number(_) | Amount::Quantity(_) | Amount::Increments(_) | Amount::IncrementsPerTime(_), _) => {
                     let position = request.position.length(Units::Increments, &Scale::increments()).map_err(bad)?;
                     MasterPosition::Increments(position)
                 }

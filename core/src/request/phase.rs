@@ -110,7 +110,7 @@ fn exact_decimal(amount: Amount) -> Amount {
         Amount::Number(number) => {
             Amount::Number(fraction_from_f64(number).map_or(number, |exact| fraction_to_f64(&exact)))
         }
-        _ => amount,
+        Amount::Quantity(_) | Amount::Increments(_) | Amount::IncrementsPerTime(_) => amount,
     }
 }
 

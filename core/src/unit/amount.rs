@@ -81,7 +81,9 @@ impl Amount {
     /// # Errors
     /// The number is not finite, has the wrong dimension, or is beyond 2^62 inc.
     pub fn length(self, units: Units, scale: &Scale) -> Result<Length, UnitError> {
-        if let Self::Increments(length) = self {
+        if let Self::Increments(length) = self
+            && length.nearest.unsigned_abs() < Position::LIMIT.unsigned_abs()
+        {
             return Ok(length);
         }
         let quantity = self.quantity(units, scale, 0)?;
@@ -96,7 +98,7 @@ impl Amount {
     /// The number is not finite, or has the wrong dimension.
     pub fn rate(self, units: Units, scale: &Scale, order: u8) -> Result<f64, UnitError> {
         match self {
-            Self::IncrementsPerTime(rate) => Ok(rate),
+            Self::IncrementsPerTime(rate) if rate.is_finite() => Ok(rate),
             _ => scale.rate(&self.quantity(units, scale, order)?, order),
         }
     }

@@ -20,7 +20,7 @@ pub struct Image<W> {
 }
 
 impl<W: Copy> Image<W> {
-    /// Creates an image with all bits 0. A field has at most 64 bits.
+    /// Creates an image with all bits 0. A field has 1 to 64 bits.
     pub fn of(fields: &[Field<W>]) -> Self {
         let length = fields.iter().map(|field| field.bits).sum::<u32>().div_ceil(8) as usize;
         Self { length, fields: fields.to_vec(), words: vec![0; length.div_ceil(8)] }

@@ -205,7 +205,7 @@ pub enum MappingError {
     ProbeNotMappable(Object, &'static str),
 }
 
-/// MappingRequirements of the cell on the process data of a drive.
+/// Requirements of the cell on the process data of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MappingRequirements {
     /// Mode of operation.

@@ -105,7 +105,7 @@ impl TerminalAdapter {
         }
     }
 
-    /// Returns the value of a field of a command PDO.
+    /// Returns the value of a commanded field.
     pub fn value(&self, word: CommandedValue, outputs: &Outputs) -> i64 {
         let digital = |first: u16, bits: u16| {
             let ours = self.config.digital_outputs.iter().filter(|terminal| bit(&outputs.digital, terminal.place));

@@ -355,8 +355,17 @@ fn fields(map: &mut Map<'_>, row: &Description, values: &mut [i64]) -> bool {
 /// Reads a value of a field: a whole number, or a quantity that is a multiple of its unit.
 fn number(item: &Value<'_>, field: &Field) -> Option<i64> {
     let range = field.min..=field.max;
-    let quantity = item.peek().and_then(|text| field.convert(text));
-    quantity.filter(|number| range.contains(number)).or_else(|| item.integer(range))
+    let text = item.peek().unwrap_or_default();
+    if field.one().is_none() || !text.trim().contains([' ', '\t']) {
+        return item.integer(range);
+    }
+    let number = field.convert(text).filter(|number| range.contains(number));
+    if number.is_none() {
+        let (label, unit, low, high) = (item.label(), field.unit, field.min, field.max);
+        let sentence = format!("{label} is {}; a multiple of {unit} is allowed, {low}..{high} times", quote(text));
+        item.refuse(sentence, None);
+    }
+    number
 }
 
 /// Reads a list of at most `most` items.

@@ -13,7 +13,7 @@ use super::names::{Entry, Section, quote};
 use crate::document::Value;
 use lineshaft_core::config::{Line, MachineConfig, MemoryKind, SinkConfig, SlotConfig, SourceConfig};
 use lineshaft_core::drive::ObjectAddress;
-use lineshaft_core::function::{Kind, MarkSource, OnAxisError, Width};
+use lineshaft_core::function::{Kind, MarkSource, OnAxisError, TYPES, Width};
 use lineshaft_core::object::{Leader, Object};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
@@ -232,7 +232,8 @@ impl Holder<'_, '_> {
             }
             SinkConfig::Output(_) => {
                 let is = format!("{}, an ao, for type {}", named(value), slot.kind.name());
-                refuse(value, &is, "it for types dcopy and ecopy");
+                let types: Vec<_> = TYPES.iter().filter(|row| row.amk.writes_analog).map(|row| row.name).collect();
+                refuse(value, &is, &format!("it for types {}", types.join(" and ")));
             }
         }
     }

@@ -19,6 +19,8 @@ pub struct Map<'d> {
     entries: &'d [(Node, Node)],
     problems: &'d Problems,
     asked: Vec<String>,
+    /// Keys in the order in which messages list them.
+    order: Vec<String>,
     missing: Vec<String>,
     explain: Option<fn(&str) -> Option<String>>,
 }
@@ -27,7 +29,7 @@ impl<'d> Map<'d> {
     pub(super) fn new(what: String, node: &'d Node, entries: &'d [(Node, Node)], problems: &'d Problems) -> Self {
         // It may contain the name of an object, which is text from outside.
         let what = excerpt(&what);
-        Self { what, node, entries, problems, asked: Vec::new(), missing: Vec::new(), explain: None }
+        Self { what, node, entries, problems, asked: vec![], order: vec![], missing: vec![], explain: None }
     }
 
     /// Returns the value of an optional key.
@@ -36,7 +38,9 @@ impl<'d> Map<'d> {
     }
 
     fn value_of(&mut self, key: &str, is_required: bool) -> Option<Value<'d>> {
-        self.list_in_order(&[key]);
+        if !self.is_asked(key) {
+            self.asked.push(key.to_owned());
+        }
         self.note_key(key, is_required);
         let (_, node) = self.entries.iter().find(|(name, _)| name.text() == key)?;
         Some(Value::new(node, key.to_owned(), self.problems))
@@ -51,13 +55,9 @@ impl<'d> Map<'d> {
         value
     }
 
-    /// Sets the order in which messages list keys that will be read.
+    /// Sets the order in which messages list these keys, before all others.
     pub fn list_in_order(&mut self, keys: &[&str]) {
-        for key in keys {
-            if !self.is_asked(key) {
-                self.asked.push((*key).to_owned());
-            }
-        }
+        self.order.extend(keys.iter().map(|&key| key.to_owned()));
     }
 
     /// Permits keys that were not read; they are also suggested for similar keys.
@@ -139,6 +139,13 @@ impl<'d> Map<'d> {
         self.is_asked(name).then(|| format!("write `{}: {}`", excerpt(name), excerpt(value)))
     }
 
+    fn in_order(&self) -> Vec<String> {
+        let mut known = self.asked.clone();
+        let place = |key: &String| self.order.iter().position(|other| other == key).unwrap_or(usize::MAX);
+        known.sort_by_key(place);
+        known
+    }
+
     fn hint(&self, key: &str, meant: Option<&str>) -> Option<String> {
         if key == "<<" {
             return Some("merge keys are not read; write the keys out".to_owned());
@@ -148,7 +155,7 @@ impl<'d> Map<'d> {
             _ if explained.is_some() => explained,
             Some(meant) => Some(format!("did you mean `{meant}`?")),
             None if self.asked.is_empty() || self.asked.len() > MAX_LISTED => None,
-            None => Some(format!("known are {}", self.asked.join(", "))),
+            None => Some(format!("known are {}", self.in_order().join(", "))),
         }
     }
 }

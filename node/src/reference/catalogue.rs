@@ -103,7 +103,7 @@ fn of_functions() -> Vec<Entry> {
     for kind in TYPES {
         for field in kind.fields {
             let mut shapes = vec![Shape::Integer(field.min.into(), field.max.into())];
-            shapes.extend(field.one().map(|_| Shape::Quantity("")));
+            shapes.extend(field.one().map(|_| Shape::Multiple));
             let meaning = format!("Of {}: {}", kind.name, field.help);
             let whole = Entry { path: path(field.name), shapes, is_required: false, meaning };
             if field.count == 1 {

@@ -98,6 +98,7 @@ fn kind(shape: Shape) -> String {
         Shape::Integer(..) => "whole number",
         Shape::Number => "number",
         Shape::Quantity(of) => return format!("quantity: {of}"),
+        Shape::Multiple => "quantity",
         Shape::Choice(_) => "name",
         Shape::List => "list",
         Shape::Map => "mapping",

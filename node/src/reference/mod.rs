@@ -71,6 +71,8 @@ pub enum Shape {
     Number,
     /// Number with a unit of the named quantity; a number without unit is in SI.
     Quantity(&'static str),
+    /// A quantity that is a multiple of the unit in the meaning of the key.
+    Multiple,
     /// One of these names.
     Choice(&'static [&'static str]),
     /// A list; its entries are `[]`.

@@ -19,6 +19,8 @@ pub(super) const WHOLE: &str = "^0[xo][0-9A-Fa-f]+$";
 pub(super) const NUMBER: &str = "^[-+]?[.]?[0-9][-+0-9.eE/]*$";
 /// A number with an optional unit.
 pub(super) const QUANTITY: &str = "^\\s*[-+]?[.]?[0-9]";
+/// A number, a space and a unit.
+const MULTIPLE: &str = "^\\s*[-+]?[.]?[0-9]\\S*\\s+\\S";
 /// An entry of a list `all` or `any`.
 const CONDITION: &str = "condition";
 
@@ -91,6 +93,7 @@ fn of_shape(shape: Shape, node: &Node, path: &str) -> Value {
         }
         Shape::Number => text(json!({ "type": "number" }), NUMBER),
         Shape::Quantity(_) => text(json!({ "type": "number" }), QUANTITY),
+        Shape::Multiple => json!({ "type": "string", "pattern": MULTIPLE }),
         Shape::Choice(names) => json!({ "enum": names.iter().flat_map(|name| spellings(name)).collect::<Vec<_>>() }),
         Shape::List => {
             let is_condition = path.ends_with(".all") || path.ends_with(".any");

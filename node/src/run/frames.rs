@@ -165,15 +165,15 @@ pub struct BusFrames {
     bytes: Vec<u8>,
 }
 
-/// A frame without its bytes.
+/// A frame without its bytes, in few bytes: the flight recorder keeps millions.
 #[derive(Clone, Copy, Debug)]
 struct BusFrameHead {
-    bus: usize,
-    way: FrameDirection,
-    kind: FrameKind,
     offset_ns: i64,
+    bus: u16,
     /// Number of its bytes.
-    length: usize,
+    length: u16,
+    kind: FrameKind,
+    way: FrameDirection,
 }
 
 impl BusFrames {
@@ -181,7 +181,10 @@ impl BusFrames {
     pub fn push(&mut self, bus: usize, kind: FrameKind, frame: RecordedFrame<'_>) {
         let RecordedFrame { is_sent, offset_ns, bytes } = frame;
         let way = if is_sent { FrameDirection::Sent } else { FrameDirection::Received };
-        self.heads.push(BusFrameHead { bus, way, kind, offset_ns, length: bytes.len() });
+        // No bus has frames of 64 kB, and no cell as many buses.
+        let bytes = bytes.get(..usize::from(u16::MAX)).unwrap_or(bytes);
+        let (bus, length) = (u16::try_from(bus).unwrap_or(u16::MAX), bytes.len() as u16);
+        self.heads.push(BusFrameHead { offset_ns, bus, length, kind, way });
         self.bytes.extend_from_slice(bytes);
     }
 
@@ -191,9 +194,9 @@ impl BusFrames {
         self.heads.iter().map(move |head| {
             let BusFrameHead { bus, way, kind, offset_ns, length } = *head;
             // The bytes of all frames are there.
-            let (bytes, after) = rest.split_at_checked(length).unwrap_or_default();
+            let (bytes, after) = rest.split_at_checked(length.into()).unwrap_or_default();
             rest = after;
-            BusFrame { bus, way, offset_ns, kind, bytes }
+            BusFrame { bus: bus.into(), way, offset_ns, kind, bytes }
         })
     }
 

@@ -84,7 +84,8 @@ impl InForce {
         self.write(values);
     }
 
-    /// Writes valid values to rows, given by their indices, for the axis itself.
+    /// Writes valid values to rows, given by their indices, for the axis itself. Only `Axis::write_own` calls this: it
+    /// reports the values.
     pub(in crate::axis) fn assign(&mut self, values: impl Iterator<Item = (u16, Value)>) {
         self.change(|parameters| {
             for (row, value) in values {

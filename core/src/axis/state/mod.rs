@@ -1,9 +1,10 @@
 //! The parts of which the state of an axis consists: what a cycle changes.
 //!
-//! Law      each part has private fields and its own small methods, which need nothing but their arguments. One part
-//!          alone writes the state, the source of the command, the command and the generator
+//! Law      the fields of the parts in `axis.rs` that a cycle changes are private; smaller structs inside them may have
+//!          fields that all behaviour reads and writes. Methods need nothing but their arguments. One part alone writes
+//!          the state, the source of the command, the command and the generator
 //! Reads    nothing; the behaviour in the other folders of this room reads and changes the parts
-//! Refuses  nothing
+//! Refuses  what `source.rs`, `waiting.rs` and `buffer.rs` say
 //! Source   docs/ARCHITECTURE.md
 
 pub(in crate::axis) mod active_motion;

@@ -147,12 +147,10 @@ impl Status {
         self.owner = owner;
     }
 
-    /// Ends the motion of a vocabulary. Returns true if one owned the motion.
-    pub(in crate::axis) fn leave_vocabulary(&mut self) -> bool {
-        let is_owned = std::mem::take(&mut self.owner) != Owner::Native;
-        if is_owned {
+    /// Ends the motion of a vocabulary, if one owns it.
+    pub(in crate::axis) fn leave_vocabulary(&mut self) {
+        if std::mem::take(&mut self.owner) != Owner::Native {
             self.end_reference();
         }
-        is_owned
     }
 }

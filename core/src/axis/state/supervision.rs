@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Time without motion after which an encoder is at rest (ns).
 pub(in crate::axis) const STILL_NS: u64 = 5_000_000;
 
-/// Value of [`Supervision::waits_since`] after the wait was reported.
+/// Value of the field `waits_since` after the wait was reported.
 const LONG_WAIT_REPORTED: u64 = u64::MAX;
 
 /// State of the supervision of an axis.

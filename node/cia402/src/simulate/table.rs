@@ -19,7 +19,7 @@ const NO_OBJECT: Abort = Abort(0x0602_0000);
 const NO_SUBINDEX: Abort = Abort(0x0609_0011);
 const RANGE: Abort = Abort(0x0609_0030);
 
-/// TableAccess type of an object.
+/// Access type of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableAccess {
     /// Readable by SDO.

@@ -76,6 +76,18 @@ fn invalid_functions_are_refused_at_their_places() {
             "function `f` has no sink; type dcopy writes one, `sink: none` keeps the value for other functions",
         ),
         ("{slot: 1, type: digdreh, source: ^x}", "type digdreh reads no source"),
+        (
+            "{slot: 1, type: cam, sf_cycle: ^100 ms}",
+            "sf_cycle is `100 ms`; a multiple of 0.5 ms is allowed, 0..131 times",
+        ),
+        (
+            "{slot: 1, type: cam, sf_cycle: ^1.2 ms}",
+            "sf_cycle is `1.2 ms`; a multiple of 0.5 ms is allowed, 0..131 times",
+        ),
+        (
+            "{slot: 1, type: cam, sf_cycle: ^3 rpm}",
+            "sf_cycle is `3 rpm`; a multiple of 0.5 ms is allowed, 0..131 times",
+        ),
         ("{slot: 1, type: binea, sink: ^feed}", "type binea writes no sink"),
         ("{slot: 1, type: imes, source: ^x}", "type imes measures on an encoder; source is something else"),
         ("{slot: 1, type: cam, sink: ^x}", "type cam moves no axis"),

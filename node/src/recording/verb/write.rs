@@ -122,7 +122,19 @@ pub(super) fn verb(command: &Command, config: &MachineConfig) -> String {
             let [code, number] = [code.0.into(), (*number).into()].map(Scalar::Whole);
             text("note", &Entries::of([("code", code), ("number", number)]))
         }
-        action => match config.describe(action) {
+        action @ (Action::Move(_)
+        | Action::Probe(_)
+        | Action::TouchProbe(_)
+        | Action::AbortTrigger(_)
+        | Action::HomeAxis(_)
+        | Action::SetPosition(_)
+        | Action::ShiftPosition(_)
+        | Action::SetEncoderPosition(_)
+        | Action::SetMasterPosition(_)
+        | Action::Synchronize(_)
+        | Action::Phase(_)
+        | Action::GearOut(_)
+        | Action::OutAn(_)) => match config.describe(action) {
             Some((verb, mut request)) => {
                 let mut fields = FieldWriter { id: command.sequence, entries: Entries::default() };
                 request.fields(&mut fields);

@@ -151,7 +151,7 @@ fn speed(value: &Value<'_>, scale: Option<&Scale>) -> Result<Speed, Trouble> {
     let amount = amount(value, 1, scale, false).ok_or(Trouble::Noted)?;
     match amount {
         Amount::Number(number) => Ok(Speed::Value(number)),
-        _ => {
+        Amount::Quantity(_) | Amount::Increments(_) | Amount::IncrementsPerTime(_) => {
             let rate = amount.rate(Units::AxisUnit, scale.ok_or(Trouble::Noted)?, 1);
             let bad = |error| RequestError::BadValue { field: value.label().to_owned(), error: Box::new(error) };
             Ok(Speed::Velocity(rate.map_err(bad)?))

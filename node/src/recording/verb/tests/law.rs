@@ -429,7 +429,13 @@ fn enough_requests_become_commands_for_the_laws_to_mean_something() {
     let config = &DESK.config;
     for (verb, request) in REQUESTS {
         let made = share(any::<[u8; 32]>(), |seed| Dice::request(request, &seed).resolve(config, true).is_ok());
-        assert!(made > 0.01, "{verb}: {made}");
+        let least = match verb {
+            "synchronize" => 0.01,
+            "home_axis" => 0.5,
+            "move_axis" | "set_position" => 0.2,
+            _ => 0.1,
+        };
+        assert!(made > least, "{verb}: {made}");
     }
     let couplings = share(synchronize_request(), |request| config.resolve_recorded_synchronize(&request).is_ok());
     let waiting = share(waiting_request(), |request| config.resolve_recorded_synchronize(&request).is_ok());
@@ -478,7 +484,9 @@ proptest! {
     fn every_request_that_is_a_verb(seed in any::<[u8; 32]>()) {
         for (verb, request) in REQUESTS {
             if let Ok(action) = Dice::request(request, &seed).resolve(&DESK.config, true) {
-                prop_assert_eq!(DESK.config.describe(&action).map(|(verb, _)| verb), Some(verb));
+                let (described, again) = DESK.config.describe(&action).expect("a request");
+                prop_assert_eq!(described, verb);
+                prop_assert_eq!(again.resolve(&DESK.config, true), Ok(action.clone()));
                 round_trips(&action)?;
             }
         }
