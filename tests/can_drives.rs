@@ -395,7 +395,7 @@ fn drives_catch_edges_and_zero_pulses() {
     // Both edges, the index, and the cyclic data need 4 PDOs: there is no room for digital inputs.
     let refused = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 1, drive, keys));
     let said = refused.run("scenario: none\nfor: 1 s\n").ends_with(2);
-    assert!(said.contains("what is mapped needs more than 4 PDOs"), "{said}");
+    assert!(said.contains("the mapped objects need more than 4 PDOs"), "{said}");
     let drive = ", probe_1: rising, probe_2: index";
     let cell = CanCell::new(&drives.address().to_string(), "10 ms", &axis("x", 1, drive, keys));
     let probe = |edge: &str, position: &str, distance: &str| {

@@ -129,7 +129,7 @@ pub trait Backend: Send {
     /// Shifts add up. Each cycle applies at most 1/1000 of the cycle time, the following cycles the rest.
     /// `pending_ns` is the sum of the earlier shifts that is not applied yet. A backend that measures its whole phase
     /// error in each cycle subtracts it, so that the same error is not corrected twice. When cycles begin again after a
-    /// pause, deadlines begin at any phase and `pending_ns` is 0: measure the whole phase error anew.
+    /// pause, deadlines begin at any phase and `pending_ns` is 0: measure the whole phase error again.
     ///
     /// The machine does not see the shift: its time stays k times the cycle time.
     fn clock_shift(&mut self, pending_ns: i64) -> i64 {

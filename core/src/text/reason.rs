@@ -169,7 +169,7 @@ pub(super) fn reason(event: &Event, config: &MachineConfig) -> String {
             format!("{} does not square an axis with two drives; {allowed}", method(event.asked))
         }
         Code::NOT_SQUARE if event.asked == Number::None => fixed(
-            "the reference switch of one drive did not come with that of the other, so that nothing tells what is square",
+            "the reference switch of one drive did not come with that of the other, so that nothing shows what is square",
         ),
         Code::HOMING_NEEDS_DRIVE => match event.asked {
             Number::None => by_row(),

@@ -92,7 +92,7 @@ pub enum LayoutError {
     #[error(transparent)]
     Mapping(#[from] MappingError),
     /// The objects do not fit in the PDOs.
-    #[error("what is mapped needs more than {MOST_PDOS} PDOs")]
+    #[error("the mapped objects need more than {MOST_PDOS} PDOs")]
     TooMany,
 }
 

@@ -72,7 +72,7 @@ pub(super) fn read<'d>(
     let (enable, ready) = (enable?, ready?);
     if let Some((device, _)) = kind.devices().filter(|_| ready.is_none()) {
         let sentence = format!(
-            "reference is on {}, and nothing tells whether its module is there; ready, a di of the same {device}, is expected",
+            "reference is on {}, and nothing shows whether its module is there; ready, a di of the same {device}, is expected",
             kind.medium()
         );
         reference_at.as_ref()?.refuse(sentence, None);

@@ -187,7 +187,7 @@ fn latch(
     if let Some(backend) = backend.filter(|backend| latch && !backend.latches_inputs()) {
         let medium = backend.medium();
         let sentence =
-            format!("latch is true for an input on {medium}, which tells no edges; the touch probes of a drive do");
+            format!("latch is true for an input on {medium}, which reports no edges; the touch probes of a drive do");
         value.refuse(sentence, None);
         return None;
     }
@@ -287,7 +287,7 @@ fn one_encoder<'d>(
     let travel = Travel::read(&mut map);
     let without_index = address.and_then(|at| cx.backend(at)).filter(|backend| !backend.reports_index());
     if let Some((backend, index)) = without_index.and_then(|backend| Some((backend, map.optional("index")?))) {
-        let sentence = format!("index is for an encoder that tells its pulses; one on {} does not", backend.medium());
+        let sentence = format!("index is for an encoder that reports its pulses; one on {} does not", backend.medium());
         index.refuse(sentence, Some("leave it out".to_owned()));
     }
     let check = encoders::check(&mut map, &travel);

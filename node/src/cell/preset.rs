@@ -266,7 +266,7 @@ impl Holder<'_, '_> {
             let Some((first, of_first, from)) = first else {
                 if let Some(at) = self.terminal(object).filter(|at| at.address.channel % BITS < n) {
                     let is = format!(
-                        "{label} stands at address {}, bit {} of its byte",
+                        "{label} is at address {}, bit {} of its byte",
                         self.address(at),
                         at.address.channel % BITS
                     );
@@ -285,7 +285,7 @@ impl Holder<'_, '_> {
             let Some((at, of_first)) = self.terminal(object).zip(self.terminal(of_first)) else { continue };
             let channel = of_first.address.channel.saturating_add(n - from);
             let expected = Hardware { address: ObjectAddress { channel, ..of_first.address }, ..of_first };
-            let is = format!("{label} stands at address {}", self.address(at));
+            let is = format!("{label} is at address {}", self.address(at));
             if channel / BITS != of_first.address.channel / BITS {
                 refuse(item, &is, &format!("none: the byte of {first} ends before it"));
             } else if at != expected {

@@ -118,7 +118,7 @@ impl<'d> Lines<'d> {
         match (self.0.iter().find(is_same), line.change.row()) {
             (Some(first), Some(row)) => {
                 let place = first.value.place();
-                let sentence = format!("{} stands at {}:{} already", row.key, place.line, place.col);
+                let sentence = format!("{} is at {}:{} already", row.key, place.line, place.col);
                 key.refuse(sentence, Some("write it once".to_owned()));
             }
             _ => self.0.push(line),

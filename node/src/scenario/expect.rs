@@ -234,7 +234,7 @@ impl Reader<'_> {
         let last = from.after(0, end).saturating_add(way);
         if last > end {
             let (last, end) = (text(last, self.cycle_ns), text(end, self.cycle_ns));
-            map.refuse(format!("value {count} of {count} stands at {last}; the scenario ends with {end}"), None);
+            map.refuse(format!("value {count} of {count} is at {last}; the scenario ends with {end}"), None);
             return None;
         }
         Some(Moment::Cycle(i64::try_from(last).ok()?))

@@ -116,6 +116,11 @@ impl Axis {
         removed
     }
 
+    /// Ends the waiting goals, because the goal before them is not reached. `position` is that of their events.
+    pub(in crate::axis) fn end_waiting_goals(&mut self, cx: &mut Context<'_>, position: Position) {
+        self.pending.buffer_mut().end(cx.events, self.setup.index, Code::NOT_REACHED, position, NO_NUMBERS);
+    }
+
     /// Begins the next goal at `from`, which was `lead` seconds ago, after the end of the goal before.
     pub(in crate::axis) fn begin_next(
         &mut self,
@@ -157,13 +162,7 @@ impl Axis {
             Err(refusal) => {
                 let event = Event::done(self.object(), next.sequence, refusal.code, self.command.position());
                 cx.events.push(event.with(refusal.asked, refusal.limit));
-                self.pending.buffer_mut().end(
-                    cx.events,
-                    self.setup.index,
-                    Code::NOT_REACHED,
-                    self.command.position(),
-                    NO_NUMBERS,
-                );
+                self.end_waiting_goals(cx, self.command.position());
                 let plan = self.plan_stop(from, &self.parameters.largest_limits());
                 let course = PlannedMotion::new(plan, cx.cycle, Aim::Stop, self.parameters.largest_limits());
                 self.motion.plan(course.with_lead(lead));

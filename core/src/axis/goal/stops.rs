@@ -266,13 +266,7 @@ impl Axis {
         self.end_phase(cx, Code::CANCELLED, NO_NUMBERS);
         self.end_engagement(cx, Code::NOT_REACHED, NO_NUMBERS);
         self.end_leaving(cx, Code::NOT_REACHED, NO_NUMBERS);
-        self.pending.buffer_mut().end(
-            cx.events,
-            self.setup.index,
-            Code::NOT_REACHED,
-            self.command.position(),
-            NO_NUMBERS,
-        );
+        self.end_waiting_goals(cx, self.command.position());
         let disengage = self.coupling().map_or(Disengage::Stop, |coupling| coupling.disengage);
         self.uncouple(cx, disengage, Code::CANCELLED);
     }

@@ -4,7 +4,6 @@
 //! Refuses  backward motion that REVERS does not allow
 //! Source   MACS-DIR-01..10, A-09
 
-use crate::axis::state::alarm::NO_NUMBERS;
 use crate::axis::state::planned_motion::ROUNDING;
 use crate::axis::state::{Aim, Axis, Context, Generator, Overlay, PlannedMotion};
 use crate::code::Code;
@@ -99,13 +98,7 @@ impl Axis {
                 // Homing ends with the reference that it has found, wherever the axis stops.
                 if course.aim != Aim::Stop && !self.homing.is_running() {
                     self.end_goal(cx, Code::REVERSE_FORBIDDEN);
-                    self.pending.buffer_mut().end(
-                        cx.events,
-                        self.setup.index,
-                        Code::NOT_REACHED,
-                        here.position,
-                        NO_NUMBERS,
-                    );
+                    self.end_waiting_goals(cx, here.position);
                 }
                 self.motion.rest();
             }

@@ -1,4 +1,4 @@
-//! What is added to the active motion, and couplings that wait to begin or to end.
+//! Motions in addition to the active one, and couplings that wait to begin or to end.
 
 use super::conditioning::Conditioning;
 use super::engagement::Engagement;

@@ -1,6 +1,5 @@
 //! Supervision of a cycle: following error and arrival at the target.
 
-use crate::axis::state::alarm::NO_NUMBERS;
 use crate::axis::state::supervision::STILL_NS;
 use crate::axis::state::{Axis, Context, Failure, Power};
 use crate::code::Code;
@@ -207,13 +206,7 @@ impl Axis {
             }
             self.end_goal(cx, ending.unwrap_or(Code::NONE));
             if missed {
-                self.pending.buffer_mut().end(
-                    cx.events,
-                    self.setup.index,
-                    Code::NOT_REACHED,
-                    self.command.position(),
-                    NO_NUMBERS,
-                );
+                self.end_waiting_goals(cx, self.command.position());
             }
             if self.pending.buffer().is_empty() {
                 self.set_state(cx, AxisState::Standstill);

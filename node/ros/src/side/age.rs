@@ -85,7 +85,7 @@ mod tests {
         let far = |written, now| Known { is_local: false, ..known(written, now) };
         assert!(is_stale(far(99, 110)));
         assert!(is_stale(far(107, 110)), "older than clocks differ");
-        assert!(is_stale(far(115, 110)), "its clock is ahead, and nothing tells how old it is");
+        assert!(is_stale(far(115, 110)), "its clock is ahead, and nothing shows how old it is");
         assert!(!is_stale(far(108, 110)));
         assert!(!is_stale(far(110, 110)));
         // The writer has already sent all its old samples.

@@ -107,7 +107,7 @@ pub(super) fn client(request: &Taken) -> (Caller, Option<Header>) {
         Some(_) => (
             DdsClient { answers: None, header, ..beside }.caller(),
             format!(
-                "{length} bytes can be read with and without rmw_cyclonedds' header of {HEADER} bytes, and nothing tells which is right"
+                "{length} bytes can be read with and without rmw_cyclonedds' header of {HEADER} bytes, and nothing shows which is right"
             ),
         ),
         None => (

@@ -2,6 +2,9 @@
 
 use std::future::poll_fn;
 use std::net::Ipv4Addr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
 use std::time::Duration;
 
 use lineshaft_msgs::cdr::encode;
@@ -10,10 +13,22 @@ use lineshaft_msgs::srv::{AxesCommand, AxesCommandRequest, AxesCommandResponse};
 use tokio::time::{sleep, timeout};
 
 use super::dds::{Discovery, Participant};
+use super::member::Member;
 use crate::layer::{Environment, Networks, Node, NodeName, Qos};
+use crate::link::protocol::{EndpointKind, Join, Order, Spec, WireType};
 
 /// Timeout that is far longer than any step.
 const LONG: Duration = Duration::from_secs(20);
+
+/// As in the tests of the layer: a domain that tests with other peers do not use.
+fn domain() -> u16 {
+    201 + u16::try_from(std::process::id() % 32).unwrap()
+}
+
+fn node(name: &str) -> Node {
+    let environment = Environment { domain: domain(), networks: Networks::Loopback };
+    Node::new(NodeName::new("/", name).unwrap(), &environment).unwrap()
+}
 
 fn axes(axis: &str) -> AxesCommandRequest {
     AxesCommandRequest { axes: vec![axis.to_owned()] }
@@ -21,10 +36,7 @@ fn axes(axis: &str) -> AxesCommandRequest {
 
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn client_that_reads_no_replies_does_not_block_others() {
-    // As in the tests of the layer: domains that tests with other peers do not use.
-    let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
-    let environment = Environment { domain, networks: Networks::Loopback };
-    let node = |name| Node::new(NodeName::new("/", name).unwrap(), &environment).unwrap();
+    let domain = domain();
     let (serving, asking) = (node("patience"), node("patience_client"));
     let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
     let other = Participant::new(domain, Some(&[Ipv4Addr::LOCALHOST])).unwrap();
@@ -61,9 +73,6 @@ async fn client_that_reads_no_replies_does_not_block_others() {
 /// A reader that is opened right after another one was closed must not be announced under the number of the disposal.
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn client_that_is_created_when_a_subscription_ends_gets_its_replies() {
-    let domain = 201 + u16::try_from(std::process::id() % 32).unwrap();
-    let environment = Environment { domain, networks: Networks::Loopback };
-    let node = |name| Node::new(NodeName::new("/", name).unwrap(), &environment).unwrap();
     let (serving, asking) = (node("numbers"), node("numbers_client"));
     let mut server = serving.service::<AxesCommand>("~/enable", Qos::SERVICE).unwrap();
     tokio::spawn(async move {
@@ -83,4 +92,34 @@ async fn client_that_is_created_when_a_subscription_ends_gets_its_replies() {
         };
         assert!(timeout(LONG, answered).await.unwrap_or_else(|_| panic!("no reply in round {round}")).success);
     }
+}
+
+/// The only worker of the runtime is busy when the subscription is closed: its reader cannot be dropped before.
+#[test]
+fn closed_subscription_is_dropped_before_the_next_order() {
+    let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(1).enable_all().build().unwrap();
+    let (reports, _kept) = channel();
+    let join = Join {
+        domain: domain(),
+        networks: Some(vec![Ipv4Addr::LOCALHOST]),
+        namespace: "/".to_owned(),
+        name: "closing".to_owned(),
+        dead: vec![],
+        predecessor: None,
+    };
+    let mut member = Member::join(&join, reports, runtime.handle().clone()).unwrap();
+    let wire = WireType { name: "lineshaft_msgs/msg/AxisStates".to_owned(), ..WireType::default() };
+    let name = "/closing/axis_states".to_owned();
+    member.follow(Order::Open(0, Spec { kind: EndpointKind::Subscription, name, wire, qos: Qos::STREAM, credit: 1 }));
+    let (begun, is_begun) = channel();
+    let is_free = Arc::new(AtomicBool::new(false));
+    let frees = Arc::clone(&is_free);
+    runtime.spawn(async move {
+        begun.send(()).unwrap();
+        std::thread::sleep(Duration::from_millis(800));
+        frees.store(true, Ordering::SeqCst);
+    });
+    is_begun.recv().unwrap();
+    member.follow(Order::Close(0));
+    assert!(is_free.load(Ordering::SeqCst));
 }

@@ -18,7 +18,7 @@ pub(crate) fn double_views(given: Given<'_, '_>, off: impl Fn(&Row) -> bool) {
         let Some((_, view)) = Row::find(key).filter(|(_, row)| row.is_view() && !off(row)) else { continue };
         if let Some((native, other)) = given.iter().find(|(key, _)| *key == view.view_of) {
             let place = other.place();
-            let sentence = format!("{key} is another view of {native}, which stands at {}:{}", place.line, place.col);
+            let sentence = format!("{key} is another view of {native}, which is at {}:{}", place.line, place.col);
             value.refuse(sentence, Some("write one of them".to_owned()));
         }
     }

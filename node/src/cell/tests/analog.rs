@@ -146,7 +146,7 @@ fn each_problem_has_its_place() {
         (
             AT_MODULE.replace("reference: c", "reference: ^c").replace("ready: ci, ", ""),
             "can_belt",
-            "reference is on CAN, and nothing tells whether its module is there; ready, a di of the same node, is expected",
+            "reference is on CAN, and nothing shows whether its module is there; ready, a di of the same node, is expected",
         ),
         (
             AT_MODULE.replace("enable: ce", "enable: ^e"),

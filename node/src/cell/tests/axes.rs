@@ -171,7 +171,7 @@ fn value_without_a_suitable_unit_is_refused_with_the_reason() {
 /// ENCODER 500 is 2000 inc per revolution (MACS-PROF-01).
 #[test]
 fn view_may_replace_its_value_but_not_accompany_it() {
-    let both = "8:13: velmax is another view of max_velocity, which stands at 13:19, write one of them";
+    let both = "8:13: velmax is another view of max_velocity, which is at 13:19, write one of them";
     assert_eq!(said(&axis(&[("velmax", "3000")])), both);
     let instead = axis(&[("velmax", "3000")]).replace("    max_velocity: 1.2 m/s\n", "");
     assert_eq!(read(&instead).parameters.max_velocity, 100_000.0);

@@ -141,17 +141,17 @@ fn lines_that_do_not_stand_side_by_side_in_a_byte_are_refused() {
     for (lines, sentence) in [
         (
             "[d0, ^d2]",
-            "inputs[1] stands at address 2 of `plant`; preset amkasyn allows address 1 of `plant` beside inputs[0]",
+            "inputs[1] is at address 2 of `plant`; preset amkasyn allows address 1 of `plant` beside inputs[0]",
         ),
         (
             "[d1, none, ^d2]",
-            "inputs[2] stands at address 2 of `plant`; preset amkasyn allows address 3 of `plant` beside inputs[0]",
+            "inputs[2] is at address 2 of `plant`; preset amkasyn allows address 3 of `plant` beside inputs[0]",
         ),
         (
             "[d7, ^d8]",
-            "inputs[1] stands at address 8 of `plant`; preset amkasyn allows none: the byte of inputs[0] ends before it",
+            "inputs[1] is at address 8 of `plant`; preset amkasyn allows none: the byte of inputs[0] ends before it",
         ),
-        ("[none, ^d8]", "inputs[1] stands at address 8 of `plant`, bit 0 of its byte; preset amkasyn allows bits 1..7"),
+        ("[none, ^d8]", "inputs[1] is at address 8 of `plant`, bit 0 of its byte; preset amkasyn allows bits 1..7"),
         ("[d0, ^b]", "inputs[1] is a memory cell; preset amkasyn allows a di, as inputs[0] is one"),
         ("[b, ^d1]", "inputs[1] is a di; preset amkasyn allows a memory cell, as inputs[0] is one"),
         ("[d0, ^{name: d1, inverted: true}]", "inputs[1].inverted is true; preset amkasyn allows false"),

@@ -155,7 +155,7 @@ fn views_that_do_not_fit_name_what_was_written() {
     for (keys, expected) in [
         (
             &[("velmax", "1500"), ("max_velocity", "1 m/s"), ("rampmin", "500")][..],
-            "8:13: velmax is another view of max_velocity, which stands at 9:19, write one of them",
+            "8:13: velmax is another view of max_velocity, which is at 9:19, write one of them",
         ),
         (&[("velmax", "1500"), ("rampmin", "500"), ("dfltvel", "101")][..], "10:14: dfltvel 101 exceeds velres 100"),
         (

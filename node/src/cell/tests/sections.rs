@@ -203,7 +203,7 @@ fn inputs_and_outputs() {
         ("^{type: di, backend: bus0, address: 3}", "missing key `node` in io `b`"),
         (
             "{type: di, backend: bus0, node: 3, address: 0, latch: ^true}",
-            "latch is true for an input on CAN, which tells no edges; the touch probes of a drive do",
+            "latch is true for an input on CAN, which reports no edges; the touch probes of a drive do",
         ),
         (
             "{type: ai, backend: plant, address: 0, full_scale: ^5 V}",

@@ -67,10 +67,7 @@ fn names_may_be_written_as_macs_writes_and_misprints_them() {
     assert_eq!((p.sync_master, p.sync_slave, p.following_error_time), (3, 2, 5_000_000));
     // 500 lines, 4 edges, one revolution per second.
     assert_eq!(p.max_velocity, 2000.0);
-    assert_eq!(
-        refused("x.syncfactm: 3\nx.SYNCFAC_T_M: 3\n"),
-        "p:2:1: syncfactm stands at 1:14 already, write it once\n"
-    );
+    assert_eq!(refused("x.syncfactm: 3\nx.SYNCFAC_T_M: 3\n"), "p:2:1: syncfactm is at 1:14 already, write it once\n");
 }
 
 #[test]
@@ -101,7 +98,7 @@ fn all_errors_are_reported_at_once_with_their_places() {
 fn one_value_by_two_names_is_refused() {
     assert_eq!(
         refused("x.velmax: 60\nx.max_velocity: 2 mm/s\nline.max_velocity: 5 mm/s\n"),
-        "p:1:11: velmax is another view of max_velocity, which stands at 2:17, write one of them\n"
+        "p:1:11: velmax is another view of max_velocity, which is at 2:17, write one of them\n"
     );
     // The MACS name of a limit that is off has its position; an export has both.
     let p = read("x.min_position: ~\nx.neglimit: -500\n").unwrap();

@@ -27,7 +27,7 @@ fn values_stand_one_per_cycle() {
     );
     assert_eq!(
         bad("^{signal: feed, from: 98, values: [1, 2, 3]}"),
-        "value 3 of 3 stands at cycle 100 (0.1 s); the scenario ends with cycle 99 (0.099 s)"
+        "value 3 of 3 is at cycle 100 (0.1 s); the scenario ends with cycle 99 (0.099 s)"
     );
 }
 

@@ -377,7 +377,7 @@ fn a_cam_shorter_than_the_skew_ends_homing() {
         assert_eq!(run_to_end(&mut rig, sequence).code, Code::NOT_SQUARE, "{skew}");
         let error = rig.events.iter().find(|event| event.kind == Kind::Error).expect("it was told");
         let sentence = crate::text::message(error, rig.machine.config());
-        assert!(sentence.ends_with("so that nothing tells what is square"), "{sentence}");
+        assert!(sentence.ends_with("so that nothing shows what is square"), "{sentence}");
         // A switch may bounce for max_skew; at 20 inc per cycle.
         let ahead = places(&rig, starts)[usize::from(skew > 0)];
         assert!((6_000 + MAX_SKEW..=6_060 + MAX_SKEW).contains(&ahead), "{ahead}");

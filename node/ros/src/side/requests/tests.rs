@@ -164,7 +164,7 @@ fn request_from_cyclone_dds_that_fits_both_forms_is_refused_unless_it_is_marked(
     assert_eq!(both.len(), 20);
     let cyclone = request(CYCLONE, both.clone());
     let sentence =
-        "20 bytes can be read with and without rmw_cyclonedds' header of 16 bytes, and nothing tells which is right";
+        "20 bytes can be read with and without rmw_cyclonedds' header of 16 bytes, and nothing shows which is right";
     assert_eq!(refusal::<AxesCommandRequest>(&cyclone), sentence);
     // Its client may be plain: the 16 bytes before a refusal would read as `success: true`, because the first one is not 0.
     assert!(may_be_plain(&cyclone) && both[0] != 0);
